@@ -5,6 +5,7 @@ use super::progress::Display;
 use super::source::SceneArguments;
 use crate::engine::Shard;
 use crate::experiment::checkpoint::OverwritePolicy;
+use crate::experiment::prepared::most_threads;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,7 +13,7 @@ use std::time::Duration;
 /// How a command runs, whatever it computes.
 #[derive(Args)]
 pub(super) struct Execution {
-    /// Threads; by default one per core. They do not change the result
+    /// Threads; by default one per core, and at most 8 for each. They do not change the result
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub threads: Option<u16>,
     /// Overwrite an existing result, and drop what an interrupted run of it has kept
@@ -27,9 +28,13 @@ pub(super) struct Execution {
 }
 
 impl Execution {
-    /// How many threads, or 0 for one per core.
+    /// How many threads, or 0 for one per core. More than there are of use are said to be fewer.
     pub fn threads(&self) -> usize {
-        self.threads.unwrap_or_default().into()
+        let (threads, (most, processors)) = (self.threads.unwrap_or_default().into(), most_threads());
+        if threads > most {
+            eprintln!("--threads {threads}: {most} are taken, as there are {processors} processors");
+        }
+        threads
     }
 
     /// How progress is shown.

@@ -42,7 +42,8 @@ fn run(mut command: Command) -> std::io::Result<ExitCode> {
     Ok(u8::try_from(code).unwrap_or(1).into())
 }
 
-/// The program of a command: in the folder of this one, or the first on the PATH.
+/// The program of a command: in the folder of this one, or the first on the PATH. Of the PATH only absolute
+/// folders count: `.` and an empty name stand for wherever somebody happens to be.
 fn find(name: &OsStr) -> Option<PathBuf> {
     if Path::new(name).components().count() != 1 || Path::new(name).file_name() != Some(name) {
         return None;
@@ -52,7 +53,8 @@ fn find(name: &OsStr) -> Option<PathBuf> {
     file.push(std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().ok().and_then(|this| Some(this.parent()?.to_owned()));
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let folders = beside.into_iter().chain(std::env::split_paths(&path));
+    let folders =
+        beside.into_iter().chain(std::env::split_paths(&path).filter(|folder| folder.is_absolute()));
     folders.map(|folder| folder.join(&file)).find(|file| is_program(file))
 }
 

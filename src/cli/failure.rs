@@ -135,7 +135,7 @@ impl From<OutputError> for Failure {
             | OutputError::Link(_)
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. } => Self::Usage(format!("{error} with -o")),
-            OutputError::NotAPartial { .. } | OutputError::NotAResult { .. } => {
+            OutputError::NotAPartial { .. } | OutputError::NotAResult { .. } | OutputError::NoHdf5(_) => {
                 Self::Usage(error.to_string())
             }
         }

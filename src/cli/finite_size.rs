@@ -12,16 +12,13 @@ use crate::experiment::finite_size::{
     FiniteSize, LARGEST, MOST_SIZES, PatchSize, check_counts, compare_sizes, sweep_of_sizes,
 };
 use crate::format::{bound, percent, si, signed_percent};
-use crate::input::columns::SceneFiles;
 use crate::output::OutputLock;
 use crate::scene::Scene;
 use crate::scene::echo::one_line;
-use crate::scene::files::Files;
 use crate::validation::finite_size::{ACCURACIES, Reached};
 use crate::validation::{SIGNIFICANCE, overall};
 use clap::Args;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 #[derive(Args)]
 pub(super) struct FiniteSizeArguments {
@@ -47,9 +44,8 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     let scene = arguments.scene.scene()?;
     let output = arguments.scene.output(arguments.output.as_deref(), "_finite_size.h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(arguments.scene.path()));
     let refused = |error: Error| error.in_scene(arguments.scene.path());
-    let sweep = sweep_of_sizes(&scene, &counts, &files).map_err(refused)?;
+    let sweep = sweep_of_sizes(&scene, &counts).map_err(refused)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
     let points = points(&sweep, arguments.scene.path(), &lock, &arguments.options, &session, None);
     match compare_sizes(&points, &scene, &counts).map_err(refused)? {

@@ -63,6 +63,9 @@ Another NAME runs the program stiction-NAME from the folder of this program or f
 #[derive(Parser)]
 #[command(name = "stiction", version, after_help = AFTER_HELP, max_term_width = 110)]
 struct Cli {
+    /// Read a file with bounds on time and memory, for the program itself
+    #[arg(long, hide = true)]
+    reader: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -121,8 +124,11 @@ enum Command {
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
-        Ok(Cli { command: Command::External(named) }) => return external(&named[0]),
-        Ok(cli) => execute(cli.command),
+        Ok(Cli { command: Command::External(named), .. }) => return external(&named[0]),
+        Ok(Cli { reader, command }) => {
+            sandbox::set(reader);
+            execute(command)
+        }
         Err(refused) if refused.use_stderr() => {
             let _ = refused.print();
             return ExitCode::from(2);

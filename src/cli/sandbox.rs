@@ -11,6 +11,7 @@ use anyhow::{Context, anyhow};
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -18,8 +19,10 @@ use std::time::{Duration, Instant};
 /// How the message of a want of memory begins, behind the program's name.
 pub(super) const SHORT: &str = "not enough memory";
 
-/// In the environment of the process that reads.
-const READER: &str = "STICTION_READER";
+/// The option of the process that reads.
+const READER: &str = "--reader";
+/// Whether this process is one that only reads.
+static IS_SANDBOXED: AtomicBool = AtomicBool::new(false);
 /// Longest that a file may take, disk and network included.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Longest that a file may keep a processor busy, s; results of one run take milliseconds.
@@ -55,8 +58,8 @@ pub(super) fn sandboxed_within(
     }
     let program = std::env::current_exe().context("cannot find this program to run it once more")?;
     let mut child = Command::new(program)
+        .arg(READER)
         .args(std::env::args_os().skip(1))
-        .env(READER, "1")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -91,9 +94,14 @@ pub(super) fn sandboxed_within(
     }
 }
 
+/// Says whether this process is one that only reads.
+pub(super) fn set(is_sandboxed: bool) {
+    IS_SANDBOXED.store(is_sandboxed, Ordering::Relaxed);
+}
+
 /// Whether this process is one that only reads.
 pub(super) fn is_sandboxed() -> bool {
-    std::env::var_os(READER).is_some()
+    IS_SANDBOXED.load(Ordering::Relaxed)
 }
 
 /// Whether the user has set a limit of memory below that of the process that reads.

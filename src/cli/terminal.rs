@@ -1,10 +1,32 @@
 //! Printing on the terminal.
+//!
+//! Where standard output is closed, as by `>&-`, the standard library opens `/dev/null` in its place before
+//! the program begins, and nothing that is printed would fail. So it is looked at before that.
 
 use super::failure::Failure;
 use crate::scene::echo::printable;
 use anyhow::anyhow;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether standard output was closed when the process began.
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Among the functions that the C library calls before all others.
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)]
+#[used]
+// SAFETY: the section holds pointers to functions that are called with arguments which this one does not
+// take, as the ABI allows; it asks the kernel for the flags of a descriptor and sets an atomic.
+#[unsafe(link_section = ".init_array")]
+static FIRST: extern "C" fn() = look;
+
+#[cfg(target_os = "linux")]
+extern "C" fn look() {
+    let flags = rustix::io::fcntl_getfd(std::io::stdout());
+    IS_CLOSED.store(flags == Err(rustix::io::Errno::BADF), Ordering::Relaxed);
+}
 
 /// Prints text on standard output, without what would steer the terminal.
 ///
@@ -18,6 +40,9 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
 /// The result of printing.
 pub(super) fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
     match written {
+        _ if IS_CLOSED.load(Ordering::Relaxed) => {
+            Err(Failure::Running(anyhow!("cannot write to standard output: it is closed")))
+        }
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::Running(anyhow!("cannot write to standard output: {error}")))
         }

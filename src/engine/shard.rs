@@ -4,8 +4,12 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+/// Most shards of a run.
+const MOST: u64 = 1_000_000;
+
 /// One of so many shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "[u64; 2]", into = "[u64; 2]")]
 pub struct Shard {
     /// Which, from 1.
     pub index: u64,
@@ -22,6 +26,24 @@ impl Shard {
     }
 }
 
+impl TryFrom<[u64; 2]> for Shard {
+    type Error = String;
+
+    fn try_from([index, count]: [u64; 2]) -> Result<Self, String> {
+        if (1..=MOST).contains(&count) && (1..=count).contains(&index) {
+            return Ok(Self { index, count });
+        }
+        let needed = "which of how many is needed, such as 3/16: a number from 1 to the second one";
+        Err(format!("{needed}, which is at most {MOST}"))
+    }
+}
+
+impl From<Shard> for [u64; 2] {
+    fn from(Shard { index, count }: Shard) -> Self {
+        [index, count]
+    }
+}
+
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.index, self.count)
@@ -32,12 +54,9 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let needed =
-            || "which of how many is needed, such as 3/16: a number from 1 to the second one".to_owned();
-        let (index, count) = text.split_once('/').ok_or_else(needed)?;
-        let number = |text: &str| text.parse::<u64>().map_err(|_| needed());
-        let shard = Self { index: number(index)?, count: number(count)? };
-        if (1..=shard.count).contains(&shard.index) { Ok(shard) } else { Err(needed()) }
+        let number = |text: &str| text.parse().unwrap_or(0);
+        let (index, count) = text.split_once('/').unwrap_or_default();
+        Self::try_from([number(index), number(count)])
     }
 }
 
@@ -61,7 +80,20 @@ mod tests {
     fn shards_are_read_as_they_are_shown() {
         assert_eq!("3/16".parse(), Ok(Shard { index: 3, count: 16 }));
         assert_eq!(Shard { index: 3, count: 16 }.to_string(), "3/16");
-        for wrong in ["", "3", "0/4", "5/4", "1/0", "-1/4", "1/4/2", "a/b", "1.5/4", " 1/4"] {
+        for wrong in [
+            "",
+            "3",
+            "0/4",
+            "5/4",
+            "1/0",
+            "-1/4",
+            "1/4/2",
+            "a/b",
+            "1.5/4",
+            " 1/4",
+            "1/1000001",
+            "1/18446744073709551615",
+        ] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
         }
     }

@@ -10,7 +10,7 @@ use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN};
 use crate::output::shard_file::ShardFile;
 use crate::output::{OutputError, OutputLock, note_kept};
-use crate::scene::{Scene, difference};
+use crate::scene::{Scene, difference, listed};
 use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -40,6 +40,7 @@ pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         source_hash: env!("STICTION_SOURCE_HASH").to_owned(),
         scene: scene.text.clone(),
+        inputs: scene.inputs.clone(),
         seed: scene.seed,
         replicas: scene.replicas,
     }
@@ -124,6 +125,7 @@ pub(crate) fn is_result_of(
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
     is("program_version", &identity.program_version)
         && is("source_hash", &identity.source_hash)
+        && is("inputs", &listed(&identity.inputs))
         && reader
             .optional_text("/", "scene")
             .is_ok_and(|kept| difference(&kept.unwrap_or_default(), &identity.scene).is_none())
@@ -235,7 +237,7 @@ impl Checkpointer {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotAPartial { path, problem: "is not of this scene".to_owned() }.into());
         };
-        note_kept();
+        note_kept(true);
         partial.resumptions += 1;
         let (done, seconds_before) = (tree.replicas.len() as u64, partial.seconds);
         let new = Self::new(partial, journal, interval);
@@ -280,7 +282,7 @@ impl Checkpointer {
             self.partial.seconds = self.seconds_before + self.begun.elapsed().as_secs_f64();
             self.journal.save(&mut self.partial)?;
             self.saved_done = self.done;
-            note_kept();
+            note_kept(true);
         }
         self.saved = Instant::now();
         Ok(())

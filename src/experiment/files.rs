@@ -8,7 +8,6 @@ use super::prepared::{Session, thread_pool};
 use super::stacked::{SweepPoint, run_sweep};
 use crate::input::columns::SceneFiles;
 use crate::output::{OutputError, OutputLock};
-use crate::scene::files::Files;
 use crate::scene::{Document, Scene, Sweep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,8 +64,7 @@ pub fn finite_size(
 ) -> Result<FiniteSize, Error> {
     let (source, output) = (scene.as_ref(), output.as_ref());
     let scene = Scene::from_toml_file(source)?;
-    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(source));
-    let sweep = sweep_of_sizes(&scene, counts, &files).map_err(|error| error.in_scene(source))?;
+    let sweep = sweep_of_sizes(&scene, counts).map_err(|error| error.in_scene(source))?;
     let session = session(0)?;
     let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
     let points = points(&sweep, source, &session, &lock);

@@ -12,7 +12,6 @@ use crate::output::identity::Identity;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
 use crate::output::writer::Writer;
-use crate::scene::files::Files;
 use crate::scene::sweep::without;
 use crate::scene::{Scene, Sweep};
 use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
@@ -40,9 +39,9 @@ fn refuse(scene: &Scene) -> Result<(), &'static str> {
 ///
 /// # Errors
 /// [`Error::NotFor`] for a scene that has no patches of every size, and for numbers of asperities that [`check_counts`] refuses.
-pub(crate) fn sweep_of_sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, Error> {
+pub(crate) fn sweep_of_sizes(scene: &Scene, counts: &[u64]) -> Result<Sweep, Error> {
     let refused = refuse(scene).map_err(str::to_owned).and_then(|()| check_counts(counts));
-    refused.and_then(|()| sizes(scene, counts, files)).map_err(Error::NotFor)
+    refused.and_then(|()| sizes(scene, counts)).map_err(Error::NotFor)
 }
 
 /// Refuses numbers of asperities that do not rise, are too few or too many, or are out of range.
@@ -60,12 +59,12 @@ pub(crate) fn check_counts(counts: &[u64]) -> Result<(), String> {
     }
 }
 
-fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, String> {
+fn sizes(scene: &Scene, counts: &[u64]) -> Result<Sweep, String> {
     const KEY: &str = "surface.nominal_area";
     let texts: &[(&str, &str)] =
         if scene.sum_tolerance.is_some() { &[] } else { &[("solver.summation", "moments")] };
     let along = |text: &str, areas| {
-        Sweep::along(text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
+        Sweep::along(text, KEY, areas, texts, Arc::clone(&scene.files)).map_err(|error| error.to_string())
     };
     let probe = PROBE / scene.surface.asperity_count as f64 * scene.surface.nominal_area;
     // So many asperities are not coupled.
@@ -224,7 +223,7 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
         unreachable!("the scenes of all points were read before");
     };
     let mut writer = Writer::create(&FINITE_SIZE, points.lock, points.policy.force)?;
-    write_about(&writer, &first.title, &identity.scene)?;
+    write_about(&writer, &first, &identity.scene)?;
     write_model(&writer, &first, identity.seed)?;
     write_parameters(&writer, &first)?;
     let FiniteSize { integral, sizes, approach, reached } = study;
@@ -279,4 +278,26 @@ fn write_fit(writer: &Writer<'_>, fit: &Approach) -> Result<(), OutputError> {
 
 fn of_sizes<T>(sizes: &[PatchSize], of: impl Fn(&PatchSize) -> T) -> Vec<T> {
     sizes.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Patches of all sizes have the values that a file had when the scene was read.
+    #[test]
+    fn sizes_have_what_files_held_at_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let [scene, heights] = ["scene.toml", "heights.csv"].map(|name| folder.path().join(name));
+        std::fs::write(&scene, include_str!("../../configs/surfaces/file.toml")).unwrap();
+        std::fs::write(&heights, "height\n1\n2\n4\n").unwrap();
+        let scene = Scene::from_toml_file(&scene).unwrap();
+        std::fs::write(&heights, "height\n1\n2\n5\n7\n").unwrap();
+        let sweep = sweep_of_sizes(&scene, &[10, 100]).unwrap();
+        for size in 0..2 {
+            let patch = sweep.scene(size).unwrap();
+            assert_eq!((patch.inputs[0].values, &patch.inputs), (3, &scene.inputs));
+            assert_eq!(patch.surface.heights.values(), scene.surface.heights.values());
+        }
+    }
 }

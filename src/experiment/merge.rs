@@ -87,9 +87,10 @@ impl Merge<'_> {
             }
             read_records(&ground.scene, &mut kept)?;
             let Kept { partial, records: own } = kept;
-            there.extend(partial.extent().0);
+            let replicas = partial.extent().0;
             let tree = partial.tree.restored(&job).filter(ReductionTree::is_complete);
             let tree = tree.ok_or_else(|| own.refused("is not of this scene"))?;
+            there.extend(replicas);
             phases.advance(tree.replicas.len() as u64);
             merged.append(tree);
             records.push(own);

@@ -18,7 +18,7 @@ use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::schema::{Layout, RUN};
 use crate::output::{OutputError, OutputLock, beside, note_kept};
 use crate::scene::echo::shortened;
-use crate::scene::{Scene, SceneError, Sweep, with_inputs};
+use crate::scene::{Scene, SceneError, Sweep};
 use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -69,11 +69,7 @@ impl Points<'_> {
         let first = self.scene(0)?;
         let seed =
             self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
-        Ok(Identity {
-            scene: with_inputs(text, &first.inputs),
-            seed,
-            ..identity(Run { scene: &first, shard: self.shard })
-        })
+        Ok(Identity { scene: text.to_owned(), seed, ..identity(Run { scene: &first, shard: self.shard }) })
     }
 
     /// The seed of the scene that the seeds of the points are made of.
@@ -244,7 +240,7 @@ impl Points<'_> {
             return Err(Error::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
         }
         if self.done() > 0 {
-            note_kept();
+            note_kept(true);
         }
         let lock = OutputLock::within(output.clone())?;
         let policy = OverwritePolicy { resume: true, force: false };
@@ -275,7 +271,7 @@ impl Points<'_> {
         if self.entries().is_ok_and(|entries| entries.own.is_empty()) {
             // Fails when anything of others is in it.
             let _ = std::fs::remove_dir(&folder);
-            return error;
+            return error.not_kept();
         }
         Error::PointsKept { error: Box::new(error), done: self.done(), of: self.sweep.count(), folder }
     }
@@ -291,8 +287,8 @@ impl Points<'_> {
         };
         for entry in entries {
             let entry = entry.map_err(failed)?;
-            let is_folder = entry.file_type().map_err(failed)?.is_dir();
-            match entry.file_name().to_str().filter(|name| !is_folder && is_of_point(name)) {
+            let is_file = entry.file_type().map_err(failed)?.is_file();
+            match entry.file_name().to_str().filter(|name| is_file && is_of_point(name)) {
                 Some(_) => found.own.push(entry.path()),
                 None => found.foreign.push(entry.file_name()),
             }
@@ -307,6 +303,7 @@ impl Points<'_> {
         let failed =
             |error| Error::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
         let Entries { own, mut foreign } = self.entries()?;
+        note_kept(false);
         own.iter().try_for_each(std::fs::remove_file).map_err(failed)?;
         if foreign.is_empty() {
             return match std::fs::remove_dir(&folder) {

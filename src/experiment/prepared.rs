@@ -19,6 +19,7 @@ use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock, checksum};
 use crate::scene::{Scene, Warning, warnings};
 use rayon::ThreadPool;
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -37,12 +38,21 @@ pub(crate) struct Session {
     pub host: Box<dyn Host>,
 }
 
-/// So many threads, or one per core with 0.
+/// Most threads for each processor: more would wait for each other only.
+const THREADS_PER_PROCESSOR: usize = 8;
+
+/// The most threads that this machine has a use for, and its processors.
+pub(crate) fn most_threads() -> (usize, usize) {
+    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    (THREADS_PER_PROCESSOR * processors, processors)
+}
+
+/// A pool of that number of threads, as far as the machine has a use for them, or of one per core with 0.
 ///
 /// # Errors
 /// [`Error::Threads`].
 pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, Error> {
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads.min(most_threads().0)).build()?)
 }
 
 /// One scene and where its result goes.

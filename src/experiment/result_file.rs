@@ -17,7 +17,7 @@ use crate::output::OutputError;
 use crate::output::partial::Visit;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::{CURVE_CHUNK, Writer};
-use crate::scene::{Scene, findings};
+use crate::scene::{Scene, findings, listed};
 use crate::validation::{Cumulants, SIGNIFICANCE};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -102,11 +102,12 @@ pub(crate) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
     writer.text("/", "created", &created)
 }
 
-/// Writes what made the file, and from which text.
-pub(crate) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
+/// Writes what made the file, from which text, and which values of other files.
+pub(crate) fn write_about(writer: &Writer<'_>, scene: &Scene, text: &str) -> Result<(), OutputError> {
     write_program(writer)?;
-    writer.text("/", "title", title)?;
-    writer.text("/", "scene", text)
+    writer.text("/", "title", &scene.title)?;
+    writer.text("/", "scene", text)?;
+    writer.text("/", "inputs", &listed(&scene.inputs))
 }
 
 /// Writes the law and how replicas are drawn.
@@ -127,7 +128,7 @@ pub(crate) fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(),
 
 /// Writes what made the file, the scene, its numbers and its separations.
 pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
-    write_about(writer, &scene.title, &scene.text)?;
+    write_about(writer, scene, &scene.text)?;
     writer.text("/", "history", scene.history_name())?;
     if let Some(contact) = scene.model.contact() {
         writer.text("/", "plastic_contact", contact.name())?;

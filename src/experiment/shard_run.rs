@@ -8,7 +8,7 @@ use super::{Error, Observer, Phases};
 use crate::engine::{Shard, batches_of, replicas_of};
 use crate::output::identity::Identity;
 use crate::output::journal::forget;
-use crate::output::partial::Kept;
+use crate::output::partial::{Kept, is_checkpoint};
 use crate::output::schema::SWEEP;
 use crate::output::shard_file::{Head, ShardFile, ShardPiece};
 use crate::output::{OutputError, OutputLock};
@@ -76,7 +76,10 @@ impl ShardRun<'_> {
         }
         let kept = |error| {
             let (replicas, checkpoint) = (part.count(), self.lock.beside(".checkpoint"));
-            Error::Kept { error: Box::new(error), replicas, checkpoint }
+            match is_checkpoint(&checkpoint) {
+                true => Error::Kept { error: Box::new(error), replicas, checkpoint },
+                false => error.not_kept(),
+            }
         };
         let pieces = self.written(identity, std::slice::from_ref(&part)).map_err(kept)?;
         forget(self.lock)?;

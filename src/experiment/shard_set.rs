@@ -10,7 +10,7 @@ use crate::output::beside;
 use crate::output::identity::Identity;
 use crate::output::partial::{Kept, Partial, is_checkpoint};
 use crate::output::shard_file::ShardFile;
-use crate::scene::{Document, Scene, Sweep, with_inputs};
+use crate::scene::{Document, Scene, Sweep};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -138,8 +138,7 @@ fn document(identity: &Identity, source: &Path) -> Result<Document, Error> {
     }
     let document = Document::parse(&identity.scene, Arc::new(SceneFiles::scene(source)));
     let document = document.map_err(|error| failed(error.to_string()))?;
-    let text = document.sweep.as_ref().map_or(&document.scene.text[..], Sweep::source);
-    if with_inputs(text, &document.scene.inputs) == identity.scene {
+    if document.scene.inputs == identity.inputs {
         return Ok(document);
     }
     let paths: Vec<&str> = document.scene.inputs.iter().map(|input| input.path.as_str()).collect();
@@ -245,6 +244,7 @@ mod tests {
             program_version: "1".to_owned(),
             source_hash: "a".to_owned(),
             scene: "format = 1\n".to_owned(),
+            inputs: Vec::new(),
             seed: 1,
             replicas: 40,
             shard: Some(Shard { index, count }),

@@ -105,7 +105,7 @@ fn assembled(
     let files = points.intact()?;
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
     let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
-    write_about(&writer, &scene.title, &identity.scene)?;
+    write_about(&writer, scene, &identity.scene)?;
     write_model(&writer, scene, identity.seed)?;
     write_axes(&mut writer, sweep)?;
     if partial {

@@ -4,26 +4,61 @@
 use crate::output::asperities;
 use crate::output::guard::{self, fits, is_kind_of};
 use crate::scene::files::{Column, Files, MOST_VALUES, Measured};
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Longest CSV file that is read, bytes.
 const LONGEST: u64 = 1 << 30;
 
-/// Files beside a scene, whose paths are relative to its folder.
+/// Files beside a scene, whose paths are relative to its folder. Each is read once: whatever becomes of it
+/// afterwards, its values stay those that the scene began with.
 #[derive(Debug)]
 pub struct SceneFiles {
     folder: PathBuf,
+    tables: Known<PathBuf, Arc<Vec<u8>>>,
+    columns: Known<(PathBuf, Column), Vec<f64>>,
+    asperities: Known<PathBuf, Measured>,
+}
+
+/// What has been read.
+#[derive(Debug)]
+struct Known<K, V>(Mutex<HashMap<K, V>>);
+
+impl<K: Hash + Eq, V: Clone> Known<K, V> {
+    fn new() -> Self {
+        Self(Mutex::default())
+    }
+
+    /// What is known of a key; it is read where nothing is yet.
+    fn get(&self, key: K, read: impl FnOnce(&K) -> Result<V, String>) -> Result<V, String> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(value) = known.get(&key) {
+            return Ok(value.clone());
+        }
+        let value = read(&key)?;
+        known.insert(key, value.clone());
+        Ok(value)
+    }
 }
 
 impl SceneFiles {
     /// The files beside the scene of a path.
     pub fn scene(path: &Path) -> Self {
-        Self { folder: path.parent().unwrap_or(Path::new("")).to_owned() }
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self { folder, tables: Known::new(), columns: Known::new(), asperities: Known::new() }
     }
 
     /// Where a file is that the scene names.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
+    }
+
+    /// A column of a CSV file: see [`numbers_of_column`].
+    fn of_table(&self, path: &Path, name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
+        let table = self.tables.get(path.to_owned(), |path| table(path).map(Arc::new))?;
+        numbers_of_column(&table, name, place)
     }
 }
 
@@ -31,26 +66,31 @@ impl Files for SceneFiles {
     fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
         let path = self.path(path);
         let named = |problem: String| format!("the file {} {problem}", path.display());
-        match column {
-            Column::Dataset(dataset) => numbers_of_dataset(&path, dataset),
-            Column::Named(name) => numbers_of_column(&path, Some(name), 0),
-            Column::Numbered(number) => numbers_of_column(&path, None, *number as usize - 1),
-        }
-        .map_err(named)
+        let read = |(path, column): &(PathBuf, Column)| match column {
+            Column::Dataset(dataset) => numbers_of_dataset(path, dataset),
+            Column::Named(name) => self.of_table(path, Some(name), 0),
+            Column::Numbered(number) => self.of_table(path, None, *number as usize - 1),
+        };
+        self.columns.get((path.clone(), column.clone()), read).map_err(named)
     }
 
     fn asperities(&self, path: &str) -> Result<Measured, String> {
-        let file = asperities::read(&self.path(path)).map_err(|error| error.to_string())?;
-        Ok(Measured {
-            heights: file.heights,
-            radii: file.radii,
-            equivalent_radii: file.equivalent_radii,
-            positions: file.positions,
-            extent: file.extent,
-            nominal_area: file.nominal_area,
-            surface_height_std: file.m0.sqrt(),
-        })
+        self.asperities.get(self.path(path), |path| measured(path))
     }
+}
+
+/// Measured asperities of a file.
+fn measured(path: &Path) -> Result<Measured, String> {
+    let file = asperities::read(path).map_err(|error| error.to_string())?;
+    Ok(Measured {
+        heights: file.heights,
+        radii: file.radii,
+        equivalent_radii: file.equivalent_radii,
+        positions: file.positions,
+        extent: file.extent,
+        nominal_area: file.nominal_area,
+        surface_height_std: file.m0.sqrt(),
+    })
 }
 
 /// A dataset of numbers, whatever its shape.
@@ -67,18 +107,22 @@ fn numbers_of_dataset(path: &Path, name: &str) -> Result<Vec<f64>, String> {
     dataset.read_raw().map_err(|_| format!("has a dataset {name} that is damaged"))
 }
 
-/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. Lines that
-/// begin with # are comments.
-fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
+/// The bytes of a CSV file.
+fn table(path: &Path) -> Result<Vec<u8>, String> {
     if guard::length(path)? > LONGEST {
         return Err(format!("is longer than {} MB", LONGEST >> 20));
     }
+    std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
+}
+
+/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. Lines that
+/// begin with # are comments.
+fn numbers_of_column(table: &[u8], name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(name.is_some())
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| format!("cannot be read: {error}"))?;
+        .from_reader(table);
     let place = match name {
         None => place,
         Some(name) => {
@@ -107,36 +151,50 @@ fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write;
 
-    fn file(text: &str) -> tempfile::NamedTempFile {
-        let mut file = tempfile::NamedTempFile::new().unwrap();
-        file.write_all(text.as_bytes()).unwrap();
-        file
+    /// Each column of a file is that of the file as it was first read, also a column that is asked for later.
+    #[test]
+    fn a_file_that_changes_stays_as_it_was_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.csv");
+        let files = SceneFiles::scene(&folder.path().join("scene.toml"));
+        let column = |name: &str| files.column("a.csv", &Column::Named(name.to_owned()));
+        std::fs::write(&file, "height,radius\n1,2\n3,4\n").unwrap();
+        assert_eq!(column("height"), Ok(vec![1.0, 3.0]));
+        std::fs::write(&file, "height,radius\n5,6\n7,8\n").unwrap();
+        assert_eq!((column("height"), column("radius")), (Ok(vec![1.0, 3.0]), Ok(vec![2.0, 4.0])));
+        let anew = SceneFiles::scene(&folder.path().join("scene.toml"));
+        assert_eq!(
+            anew.column("a.csv", &Column::Numbered(1)).unwrap_err(),
+            format!("the file {} has no number in line 1, column 1", file.display())
+        );
+        assert_eq!(anew.column("a.csv", &Column::Named("radius".to_owned())), Ok(vec![6.0, 8.0]));
     }
 
     #[test]
     fn columns_are_found_by_name_and_number() {
-        let named = file("# measured\nx, height\n1, 2.5\n3,-4e-1\n");
-        assert_eq!(numbers_of_column(named.path(), Some("height"), 0), Ok(vec![2.5, -0.4]));
-        let bare = file("1 , 2\n3, 4\n");
-        assert_eq!(numbers_of_column(bare.path(), None, 1), Ok(vec![2.0, 4.0]));
+        let named = b"# measured\nx, height\n1, 2.5\n3,-4e-1\n";
+        assert_eq!(numbers_of_column(named, Some("height"), 0), Ok(vec![2.5, -0.4]));
+        let bare = b"1 , 2\n3, 4\n";
+        assert_eq!(numbers_of_column(bare, None, 1), Ok(vec![2.0, 4.0]));
     }
 
     #[test]
     fn what_is_wrong_with_a_file_is_said() {
-        let named = file("x,height\n1,2\n3,high\n");
-        let problem = numbers_of_column(named.path(), Some("height"), 0).unwrap_err();
+        let named = b"x,height\n1,2\n3,high\n";
+        let problem = numbers_of_column(named, Some("height"), 0).unwrap_err();
         assert_eq!(problem, "has no number in line 3, column 2");
-        let problem = numbers_of_column(named.path(), Some("depth"), 0).unwrap_err();
+        let problem = numbers_of_column(named, Some("depth"), 0).unwrap_err();
         assert_eq!(problem, "has no column \"depth\" among the 2 that its first line names");
-        let secret = file("root:x:0:0:secret\nhidden\n");
+        let secret = b"root:x:0:0:secret\nhidden\n";
         for name in [Some("height"), None] {
-            let problem = numbers_of_column(secret.path(), name, 0).unwrap_err();
+            let problem = numbers_of_column(secret, name, 0).unwrap_err();
             assert!(!["secret", "hidden", "root"].iter().any(|word| problem.contains(word)), "{problem}");
         }
-        assert!(numbers_of_column(named.path(), None, 7).unwrap_err().contains("no column 8"));
-        assert_eq!(numbers_of_column(Path::new("/dev/zero"), None, 0).unwrap_err(), "is not a regular file");
-        assert_eq!(numbers_of_dataset(named.path(), "/x").unwrap_err(), "is not an HDF5 file");
+        assert!(numbers_of_column(named, None, 7).unwrap_err().contains("no column 8"));
+        assert_eq!(table(Path::new("/dev/zero")).unwrap_err(), "is not a regular file");
+        let text = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(text.path(), named).unwrap();
+        assert_eq!(numbers_of_dataset(text.path(), "/x").unwrap_err(), "is not an HDF5 file");
     }
 }

@@ -12,6 +12,7 @@
 
 mod controls;
 mod expectations;
+mod far_rule;
 mod height_integral;
 mod independence;
 mod mean_field;

@@ -86,7 +86,10 @@ impl<'a> Model<'a> {
 
     /// The same of the asperities alone, without the attraction of the mean planes.
     pub(super) fn of_asperities(&self, separations: &[f64], tolerance: f64) -> Expectations {
-        Mixture::expectations(&self.at(separations, tolerance), self.surface)
+        let mut answer = Mixture::expectations(&self.at(separations, tolerance), self.surface);
+        let tables = self.parts.iter().filter_map(|part| part.nodes.as_ref());
+        tables.for_each(|(nodes, _)| answer.stats.merge(&nodes.stats));
+        answer
     }
 
     /// Expected external force, N, at one separation h, m.
@@ -108,7 +111,7 @@ impl<'a> Model<'a> {
         let d = self.surface.asperity_separation(separation);
         let of = |part: &Part| {
             let (nodes, heights) = part.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d))?;
-            Some(part.of.weight * nodes.external_force(*heights, d))
+            Some(part.of.weight * nodes.external_force(part.law(self), *heights, d))
         };
         let forces: Option<Vec<f64>> = self.parts.par_iter().map(of).collect();
         Some(self.surface.asperity_count as f64 * forces?.into_iter().sum::<f64>())
@@ -127,9 +130,13 @@ impl<'a> Model<'a> {
 }
 
 impl Part {
+    fn law<'l>(&'l self, model: &'l Model<'_>) -> &'l dyn Law {
+        self.law.as_deref().unwrap_or(model.laws.typical)
+    }
+
     /// Expectations at a separation d, m.
     fn at(&self, model: &Model<'_>, d: f64, typical: [f64; 4], tolerance: f64) -> AtSeparation {
-        let (law, heights) = (self.law.as_deref().unwrap_or(model.laws.typical), &self.of.heights);
+        let (law, heights) = (self.law(model), &self.of.heights);
         if let Some((nodes, normal)) = self.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d)) {
             let mut at = nodes.at(law, *normal, d, typical);
             at.probabilities(law, heights, d);

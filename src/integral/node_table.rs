@@ -4,8 +4,10 @@
 //! E\[q\](d) = ∫q(δ)φ(δ + d)dδ: at another separation d the forces at the same interferences δ count with another
 //! density. So the nodes of Gauss's rule on panels of δ, on which the law is one smooth function, serve all separations.
 //! Panels are so narrow, in σ_s, that a density is a polynomial to rounding there, and are halved until the
-//! quantities alone are integrated as accurately as they are asked for.
+//! quantities alone are integrated as accurately as they are asked for. Separations at which all heights are
+//! [far](super::far_rule) from contact need no panels.
 
+use super::far_rule;
 use super::height_integral::{AtSeparation, Variable};
 use crate::asperity::{Law, Quantity, Responses, SolverStats};
 use crate::math::exponential::exp;
@@ -23,8 +25,10 @@ const HALVINGS: usize = 24;
 /// The forces of a law at the nodes of panels.
 pub(super) struct NodeTable {
     panels: Vec<Panel>,
-    /// Separations d, m, for which heights within reach are covered.
+    /// Separations d, m, for which panels cover all heights within reach.
     covered: (f64, f64),
+    /// The separation d, m, from which on heights are far from contact.
+    far: f64,
     pub stats: SolverStats,
 }
 
@@ -52,8 +56,13 @@ pub(super) struct Normal {
 impl NodeTable {
     /// The forces of a law for Gaussian heights at separations d, m, between two: to a relative accuracy on every panel.
     pub fn new(law: &dyn Law, heights: Normal, (nearest, furthest): (f64, f64), tolerance: f64) -> Self {
-        let mut table =
-            Self { panels: Vec::new(), covered: (nearest, furthest), stats: SolverStats::default() };
+        let far = far_rule::begin(law, heights);
+        let furthest = furthest.min(far);
+        let (covered, stats) = ((nearest, furthest), SolverStats::default());
+        let mut table = Self { panels: Vec::new(), covered, far, stats };
+        if nearest > furthest {
+            return table;
+        }
         let mut out = Responses::default();
         let reach = heights.reach * heights.std;
         let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
@@ -90,13 +99,16 @@ impl NodeTable {
         table
     }
 
-    /// Whether all heights within reach are covered at a separation d, m.
+    /// Whether all heights within reach are covered, or far from contact, at a separation d, m.
     pub fn covers(&self, separation: f64) -> bool {
-        self.covered.0 <= separation && separation <= self.covered.1
+        self.covered.0 <= separation && separation <= self.covered.1 || separation > self.far
     }
 
-    /// The expected external force, N, at a separation d, m.
-    pub fn external_force(&self, heights: Normal, separation: f64) -> f64 {
+    /// The expected external force of its law, N, at a separation d, m.
+    pub fn external_force(&self, law: &dyn Law, heights: Normal, separation: f64) -> f64 {
+        if separation > self.far {
+            return far_rule::external_force(law, heights, separation);
+        }
         let mean = heights.mean - separation;
         let reach = heights.reach * heights.std;
         let per_std = 1.0 / heights.std;
@@ -125,6 +137,9 @@ impl NodeTable {
 
     /// The expectations at a separation d, m, with deviations from `typical` quantities.
     pub fn at(&self, law: &dyn Law, heights: Normal, separation: f64, typical: [f64; 4]) -> AtSeparation {
+        if separation > self.far {
+            return far_rule::at(law, heights, separation, typical);
+        }
         let mut at = AtSeparation::new(law.regimes().len(), typical);
         let mean = heights.mean - separation;
         let reach = heights.reach * heights.std;

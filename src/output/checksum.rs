@@ -42,7 +42,11 @@ pub fn keep(lock: &OutputLock) -> Result<(), OutputError> {
 pub fn check(path: &Path) -> Result<Finding, OutputError> {
     let failed = |path: &Path, error| OutputError::Io { action: "cannot read", path: path.to_owned(), error };
     let kept = beside(path, ".checksum");
-    let kept = match std::fs::read(&kept) {
+    let read = || {
+        let mut bytes = Vec::new();
+        regular(&kept)?.read_to_end(&mut bytes).map(|_| bytes)
+    };
+    let kept = match read() {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Finding::Unknown),
         read => read.map_err(|error| failed(&kept, error))?,
     };
@@ -50,9 +54,14 @@ pub fn check(path: &Path) -> Result<Finding, OutputError> {
     Ok(if found.as_bytes() == kept { Finding::Intact } else { Finding::Damaged })
 }
 
+/// A regular file. Others are not opened: a pipe may wait for ever.
+fn regular(path: &Path) -> std::io::Result<File> {
+    if path.metadata()?.is_file() { File::open(path) } else { Err(std::io::Error::other("it is not a file")) }
+}
+
 /// The line for a file.
 fn line(path: &Path) -> std::io::Result<String> {
-    let (mut file, mut checksum, mut length) = (File::open(path)?, crc32fast::Hasher::new(), 0);
+    let (mut file, mut checksum, mut length) = (regular(path)?, crc32fast::Hasher::new(), 0);
     let mut bytes = vec![0; AT_ONCE];
     loop {
         match file.read(&mut bytes)? {

@@ -1,16 +1,19 @@
 //! Checks of a file of unknown origin before its parts are read: libhdf5 follows links into other
 //! files, and what a file claims to hold is not bounded by its size.
 
+use super::scales;
 use hdf5::plist::dataset_create::Layout;
+use hdf5::plist::file_access::FileAccessBuilder;
 use hdf5::types::TypeDescriptor;
 use hdf5::{Container, Dataset, File, Group, H5Type, IndexType, IterationOrder, LinkType};
 use std::fs::TryLockError;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Bytes that a byte of a file can hold at most: deflate makes no more of one.
 const LARGEST_EXPANSION: u64 = 1032;
 /// How every HDF5 file begins, where nothing is prepended to it.
-const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+pub(super) const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Bytes that libhdf5 has to be able to get before it is asked for anything: where an allocation is refused
 /// in its midst it may crash. Above the largest of those that the allocator of the GNU C library takes as a
@@ -20,6 +23,34 @@ const HEADROOM: usize = 40 << 20;
 /// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
 pub(super) fn require_headroom() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
+}
+
+/// Refuses to go on where libhdf5 does not start, as it does not with drivers, connectors or plugins that it
+/// cannot find.
+///
+/// # Errors
+/// The message says which variables of the environment may be why.
+pub(super) fn require_start() -> Result<(), String> {
+    static STARTS: LazyLock<bool> = LazyLock::new(scales::starts);
+    require_headroom();
+    if *STARTS {
+        return Ok(());
+    }
+    let is_set = |name: &&str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let set: Vec<&str> = VARIABLES.into_iter().filter(is_set).collect();
+    Err(match &set[..] {
+        [] => "HDF5 does not start".to_owned(),
+        set => format!("HDF5 does not start: unset {} in the environment", set.join(", ")),
+    })
+}
+
+/// Variables that have libhdf5 begin with something that it may not find.
+const VARIABLES: [&str; 4] = ["HDF5_DRIVER", "HDF5_VOL_CONNECTOR", "HDF5_PLUGIN_PRELOAD", "HDF5_PLUGIN_PATH"];
+
+/// The way in which all files are opened, whatever the environment says: plain reads and writes of one file,
+/// without a lock.
+pub(super) fn access(access: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
+    access.sec2().file_locking(false)
 }
 
 /// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have
@@ -45,7 +76,7 @@ pub(crate) fn length(path: &Path) -> Result<u64, String> {
 /// # Errors
 /// Why libhdf5 does not open it, or that another program has it open for writing.
 pub(crate) fn open(path: &Path) -> Result<File, String> {
-    require_headroom();
+    require_start()?;
     if path.to_str().is_none() {
         return Err("cannot be read: its name is not UTF-8, which HDF5 needs; rename it".to_owned());
     }
@@ -54,10 +85,7 @@ pub(crate) fn open(path: &Path) -> Result<File, String> {
             "is locked: another program has it open for writing; close it there, or read a copy".to_owned()
         );
     }
-    File::with_options()
-        .with_fapl(|access| access.file_locking(false))
-        .open(path)
-        .map_err(|_| not_opened(path))
+    File::with_options().with_fapl(access).open(path).map_err(|_| not_opened(path))
 }
 
 /// Whether a file has the lock that libhdf5 takes for writing, unless its users have turned locks off as

@@ -3,6 +3,7 @@
 use crate::engine::Shard;
 use crate::scene;
 use crate::scene::echo::shortened;
+use crate::scene::{Input, differing};
 use serde::{Deserialize, Serialize};
 
 /// The identity of a run: all that the bits of its result depend on.
@@ -14,6 +15,8 @@ pub struct Identity {
     pub source_hash: String,
     /// Text of the scene.
     pub scene: String,
+    /// The files that the scene has taken values from.
+    pub inputs: Vec<Input>,
     /// Seed.
     pub seed: u64,
     /// Number of replicas.
@@ -49,6 +52,9 @@ impl Identity {
         if let Some((key, kept, own)) = scene::difference(&kept.scene, &self.scene) {
             return is(&format!("`{}`", shortened(&key)), &shortened(&kept), &shortened(&own));
         }
+        if let Some((path, kept, own)) = differing(&kept.inputs, &self.inputs) {
+            return is(&format!("`{}`", shortened(&path)), &kept, &own);
+        }
         let shard = |shard: Option<Shard>| shard.map_or("none".to_owned(), |shard| shard.to_string());
         if self.shard != kept.shard {
             return is("the shard", &shard(kept.shard), &shard(self.shard));
@@ -61,6 +67,10 @@ impl Identity {
 mod tests {
     use super::*;
 
+    fn input(checksum: u32) -> Input {
+        Input { path: "a.csv".to_owned(), values: 3, checksum }
+    }
+
     fn identity() -> Identity {
         let text = |text: &str| text.to_owned();
         let scene = text("format = 1\ntitle = \"\"\n");
@@ -68,6 +78,7 @@ mod tests {
             program_version: text("0.1.0"),
             source_hash: text("abc"),
             scene,
+            inputs: vec![input(7)],
             seed: 1,
             replicas: 800,
             shard: None,
@@ -90,6 +101,13 @@ mod tests {
                 "`format` of the interrupted run was 1, and is now 2",
             ),
             (Identity { scene: "seed = 1\nformat = 1\n".into(), ..identity() }, "`seed`"),
+            (
+                Identity { inputs: vec![input(8)], ..identity() },
+                "`a.csv` of the interrupted run was 3 values, CRC-32 00000007, and is now 3 values, CRC-32 \
+                 00000008",
+            ),
+            (Identity { inputs: vec![], ..identity() }, "00000007, and is now none"),
+            (Identity { inputs: vec![input(7), input(7)], ..identity() }, "was none, and is now 3 values"),
             (Identity { seed: 2, ..identity() }, "seed of the interrupted run was 1, and is now 2"),
             (
                 Identity { shard: "3/16".parse().ok(), ..identity() },

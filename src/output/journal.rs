@@ -7,8 +7,8 @@
 
 use super::OutputError;
 use super::lock::{OutputLock, made_anew, replace, unlinked};
-use super::partial::{AT_ONCE, Extent, Kept, Partial, RECORDS, RecordFile, Visit, begins_as, frame};
-use super::register::Registered;
+use super::partial::{AT_ONCE, Extent, Kept, Partial, RECORDS, RecordFile, Visit, frame, is_checkpoint};
+use super::register::{Registered, note_kept};
 use crate::engine::Records;
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -35,14 +35,10 @@ impl Journal {
     /// Begins the records of an output. Nothing counts on what stands there from before.
     ///
     /// # Errors
-    /// When there is a file of the name that is not of this program, or none can be made.
+    /// When no file can be made.
     pub fn begin(lock: &OutputLock) -> Result<Self, OutputError> {
         let records = RecordFile::beside(lock, Extent::default());
         let path = records.path.clone();
-        if path.exists() && begins_as(&path, RECORDS).is_none() {
-            let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
-            return Err(OutputError::NotAPartial { path, problem });
-        }
         let registered = Some(Registered::new(&path));
         let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
         let file = made.map_err(|error| OutputError::Io { action: "cannot make", path, error })?;
@@ -127,9 +123,10 @@ impl Journal {
         self.records.each(visit)
     }
 
-    /// The checkpoint, if one has been saved or taken up.
+    /// The checkpoint, if one has been saved or taken up, and is still there with its records.
     pub fn checkpoint(&self) -> Option<&Path> {
-        self.counted.then_some(self.checkpoint.as_path())
+        let is_there = self.counted && is_checkpoint(&self.checkpoint) && self.records.path.is_file();
+        is_there.then_some(self.checkpoint.as_path())
     }
 
     /// How many checkpoints it has saved, and the time that took.
@@ -140,8 +137,11 @@ impl Journal {
     /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts
     /// on records that are gone.
     pub fn discard(mut self) {
-        let _ = std::fs::remove_file(&self.checkpoint);
+        if self.counted {
+            let _ = std::fs::remove_file(&self.checkpoint);
+        }
         self.counted = false;
+        note_kept(false);
     }
 }
 
@@ -166,10 +166,7 @@ pub fn forget(lock: &OutputLock) -> Result<(), OutputError> {
 
 /// Removes records that no checkpoint counts on, as a run leaves them that is killed while it tidies up.
 pub fn forget_records(lock: &OutputLock) {
-    let path = lock.beside(".checkpoint.replicas");
-    if begins_as(&path, RECORDS) == Some(RECORDS.len()) {
-        let _ = std::fs::remove_file(path);
-    }
+    let _ = std::fs::remove_file(lock.beside(".checkpoint.replicas"));
 }
 
 #[cfg(test)]

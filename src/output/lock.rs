@@ -1,8 +1,10 @@
 //! The lock on an output: where it goes, what stands beside it while it is made, and that nobody else makes
 //! it at the same time.
 
-use super::OutputError;
+use super::partial::{CHECKPOINT, RECORDS};
 use super::register::{Name, Registered};
+use super::shard_file::SHARD;
+use super::{OutputError, guard};
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
@@ -11,10 +13,19 @@ use tempfile::TempPath;
 
 /// Most symbolic links from one to the next.
 const MOST_LINKS: usize = 40;
-/// Endings of the names of the files that are kept beside an output while it is made.
-const BESIDE: [&str; 3] = [".checkpoint", ".checkpoint.replicas", ".points"];
-/// The same of hidden ones.
-const HIDDEN: [&str; 3] = [".lock", ".partial", ".checkpoint.partial"];
+/// Endings of the names of what is kept beside an output while it is made, and how such files may begin; the
+/// folder of points is looked through file by file.
+const BESIDE: [(&str, &[&[u8]]); 3] =
+    [(".checkpoint", &[CHECKPOINT]), (".checkpoint.replicas", &[RECORDS]), (".points", &[])];
+/// Endings of hidden ones. A lock holds the number of a process. The first bytes of an HDF5 file may be
+/// written last.
+const HIDDEN: [(&str, &[&[u8]]); 3] = [
+    (".lock", &[]),
+    (".partial", &[&guard::SIGNATURE, SHARD, &[0; guard::SIGNATURE.len()]]),
+    (".checkpoint.partial", &[CHECKPOINT]),
+];
+/// Most bytes of a file that are looked at to see whose it is.
+const LOOKED_AT: u64 = 64;
 /// The longest path within the folder of the points.
 const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
 
@@ -24,7 +35,7 @@ const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
 pub struct OutputLock {
     output: PathBuf,
     lock: PathBuf,
-    _locked: File,
+    locked: File,
     _registered: Registered,
 }
 
@@ -65,7 +76,8 @@ impl OutputLock {
         if output.exists() && !output.is_file() {
             return Err(OutputError::NotAFile(output));
         }
-        kept(&output).try_for_each(|name| refuse_link(&name))?;
+        guard::require_start().map_err(OutputError::NoHdf5)?;
+        kept(&output).try_for_each(|(name, beginnings)| refuse_foreign(&name, beginnings))?;
         let not_writable = |error| OutputError::NotWritable { folder: folder.to_owned(), error };
         if !can_be_renamed_to(&output, folder).map_err(not_writable)? {
             return Err(OutputError::OtherFileSystem(output));
@@ -76,7 +88,7 @@ impl OutputLock {
         let (made, registered) =
             Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
         match made.map_err(not_writable)? {
-            Ok(file) => Ok(Self { output, lock, _locked: file, _registered: registered }),
+            Ok(file) => Ok(Self { output, lock, locked: file, _registered: registered }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -129,7 +141,9 @@ impl OutputLock {
 impl Drop for OutputLock {
     fn drop(&mut self) {
         // While it is still locked: whoever opens it now finds that it has no name any more.
-        let _ = std::fs::remove_file(&self.lock);
+        if still_named(&self.locked, &self.lock) {
+            let _ = std::fs::remove_file(&self.lock);
+        }
     }
 }
 
@@ -169,10 +183,13 @@ fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// Names of what is kept beside an output while it is made.
-fn kept(output: &Path) -> impl Iterator<Item = PathBuf> {
-    let beside = BESIDE.into_iter().map(|suffix| named(output, "", suffix));
-    beside.chain(HIDDEN.into_iter().map(|suffix| named(output, ".", suffix)))
+/// How files of a name may begin.
+type Beginnings = &'static [&'static [u8]];
+
+/// Names of what is kept beside an output while it is made, and how such files may begin.
+fn kept(output: &Path) -> impl Iterator<Item = (PathBuf, Beginnings)> {
+    let beside = BESIDE.into_iter().map(|(suffix, own)| (named(output, "", suffix), own));
+    beside.chain(HIDDEN.into_iter().map(|(suffix, own)| (named(output, ".", suffix), own)))
 }
 
 /// Refuses an output whose name HDF5 does not take, or which the file system does not with all that is kept
@@ -185,7 +202,7 @@ fn refuse_name(output: &Path) -> Result<(), OutputError> {
     let is_too_long = |path: PathBuf| {
         path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename)
     };
-    if kept(output).chain([named(output, "", DEEPEST)]).any(is_too_long) {
+    if kept(output).map(|(name, _)| name).chain([named(output, "", DEEPEST)]).any(is_too_long) {
         return refused("is too long with the endings of the files that are kept beside it");
     }
     Ok(())
@@ -198,7 +215,7 @@ fn refuse_input(output: &Path, input: &Path) -> Result<(), OutputError> {
     }
     let points = resolved(&named(output, "", ".points"));
     let is_point = points.zip(resolved(input)).is_some_and(|(points, input)| input.starts_with(points));
-    if is_point || kept(output).any(|name| is_same(&name, input)) {
+    if is_point || kept(output).any(|(name, _)| is_same(&name, input)) {
         return Err(OutputError::KeepsInput { output: output.to_owned(), input: input.to_owned() });
     }
     Ok(())
@@ -224,6 +241,31 @@ fn refuse_link(name: &Path) -> Result<(), OutputError> {
         Ok(metadata) if metadata.is_symlink() => Err(OutputError::Link(name.to_owned())),
         _ => Ok(()),
     }
+}
+
+/// Refuses a name of this program's own files that a link or somebody else's file has: it would be replaced
+/// or removed.
+fn refuse_foreign(name: &Path, beginnings: Beginnings) -> Result<(), OutputError> {
+    refuse_link(name)?;
+    let mut found = Vec::new();
+    let is_read = match name.symlink_metadata() {
+        // A folder cannot be taken for a file, nor removed as one.
+        Ok(metadata) if metadata.is_dir() => return Ok(()),
+        Ok(metadata) if metadata.is_file() => {
+            File::open(name).and_then(|file| file.take(LOOKED_AT).read_to_end(&mut found)).is_ok()
+        }
+        Ok(_) => false,
+        Err(_) => return Ok(()),
+    };
+    let is_own = match beginnings {
+        [] => found.iter().all(u8::is_ascii_digit),
+        own => own.iter().any(|own| own.starts_with(&found) || found.starts_with(own)),
+    };
+    if is_read && is_own {
+        return Ok(());
+    }
+    let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
+    Err(OutputError::NotAPartial { path: name.to_owned(), problem })
 }
 
 /// How a file of that very name is opened, and none that a symbolic link leads to.

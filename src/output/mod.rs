@@ -127,6 +127,9 @@ pub enum OutputError {
         /// Why not.
         problem: String,
     },
+    /// libhdf5 cannot be used.
+    #[error("{0}")]
+    NoHdf5(String),
     /// HDF5 failed.
     #[error("HDF5 failed: {}", brief(&.0.to_string()))]
     Hdf5(hdf5::Error),

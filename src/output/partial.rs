@@ -25,11 +25,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The line that a checkpoint begins with.
-const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
+pub(super) const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
 /// The line that the records beside a checkpoint begin with.
 pub(super) const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
 /// Version of the layout of all.
-pub(super) const VERSION: u32 = 8;
+pub(super) const VERSION: u32 = 9;
 /// Bytes before the value of a frame: its length and checksum.
 const HEADER: usize = 12;
 /// Most bytes of the value of a frame.
@@ -325,6 +325,7 @@ pub(super) mod tests {
             program_version: text("0.1.0"),
             source_hash: text("abc"),
             scene: text("format = 1\ntitle = \"\"\n"),
+            inputs: Vec::new(),
             seed: 1,
             replicas: 800,
             shard: None,

@@ -23,9 +23,9 @@ type Text = std::path::PathBuf;
 /// Whether anything is kept that a later process can go on with.
 static IS_KEPT: AtomicBool = AtomicBool::new(false);
 
-/// Notes that something is kept that a later process can go on with.
-pub fn note_kept() {
-    IS_KEPT.store(true, Ordering::Relaxed);
+/// Notes whether something is kept that a later process can go on with.
+pub fn note_kept(is_kept: bool) {
+    IS_KEPT.store(is_kept, Ordering::Relaxed);
 }
 
 /// Whether anything is kept that a later process can go on with.

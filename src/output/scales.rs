@@ -1,4 +1,4 @@
-//! HDF5 dimension scales, for which the hdf5 crate has no safe interface.
+//! HDF5 dimension scales, and the start of libhdf5, for which the hdf5 crate has no safe interface.
 //!
 //! The two functions of libhdf5's high-level library are declared here and nowhere else. Attributes alone
 //! would not do: h5py's scale functions and the netCDF library read what these calls write.
@@ -11,6 +11,17 @@ use std::ffi::{CString, c_char, c_int, c_uint};
 unsafe extern "C" {
     fn H5DSset_scale(dataset: hid_t, name: *const c_char) -> c_int;
     fn H5DSattach_scale(dataset: hid_t, scale: hid_t, dimension: c_uint) -> c_int;
+}
+
+/// Whether libhdf5 starts. The hdf5 crate takes that for granted, and crashes where it does not; it begins
+/// with the same two calls.
+pub(super) fn starts() -> bool {
+    let _guard = hdf5_sys::LOCK.lock();
+    // SAFETY: they take nothing and may be called at any time, and again; the lock of all calls is held.
+    unsafe {
+        hdf5_sys::h5::H5dont_atexit();
+        hdf5_sys::h5::H5open() >= 0
+    }
 }
 
 /// Makes a dataset the scale of the dimension `name`.

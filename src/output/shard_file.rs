@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
 /// The line that a shard begins with.
-const SHARD: &[u8] = b"stiction shard\n";
+pub(super) const SHARD: &[u8] = b"stiction shard\n";
 
 /// Whether a file begins as a shard does.
 pub fn is_shard(path: &Path) -> bool {
@@ -154,5 +154,31 @@ impl ShardFile {
         file.flush().map_err(failed)?;
         drop(file);
         lock.name(temporary, force).map(|()| true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Shard;
+    use crate::output::partial::tests::partial;
+
+    /// A head that is forged to claim more shards than there can be, with a checksum that fits.
+    #[test]
+    fn more_shards_than_there_can_be_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("forged.shard");
+        let opened = |count: u64| {
+            let identity = Identity { shard: Some(Shard { index: 1, count }), ..partial().identity };
+            let head = Head { identity, scene_file: String::new(), points: Vec::new() };
+            let bytes = [SHARD, &VERSION.to_le_bytes(), &frame(&head).unwrap()].concat();
+            std::fs::write(&path, bytes).unwrap();
+            ShardFile::open(&path)
+        };
+        assert!(opened(1000).is_ok());
+        for count in [0, 1_000_001, 1_000_000_000, u64::MAX] {
+            let refused = opened(count).unwrap_err().to_string();
+            assert!(refused.contains("is damaged"), "{count}: {refused}");
+        }
     }
 }

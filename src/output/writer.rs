@@ -2,8 +2,9 @@
 //! complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
-use super::guard::require_headroom;
+use super::guard::{access, require_headroom};
 use super::lock::made_anew;
+use super::reader::Reader;
 use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
@@ -80,7 +81,7 @@ impl<'c> Writer<'c> {
         require_headroom();
         // Nobody else opens what has no name of its own yet. A lock of libhdf5 on it would go over to every
         // program that this process starts meanwhile, and stay on the finished file as long as that runs.
-        let file = File::with_options().with_fapl(|access| access.file_locking(false)).create(&temporary)?;
+        let file = File::with_options().with_fapl(access).create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
@@ -405,15 +406,17 @@ impl<'c> Writer<'c> {
         Ok(scales.iter().enumerate().try_for_each(|(i, scale)| attach_scale(dataset, scale, i))?)
     }
 
-    /// Completes the file: flushed to disk, then given its name in one step.
+    /// Completes the file: flushed to disk, opened again to see that it is there, then given its name in one
+    /// step.
     ///
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, lock, temporary, force, .. } = self;
+        let Self { layout, file, lock, temporary, force, .. } = self;
         require_headroom();
         file.flush()?;
         file.close()?;
+        Reader::open(&temporary, &[layout])?;
         lock.name(temporary, force)
     }
 }
@@ -434,6 +437,23 @@ mod tests {
     use super::*;
     use crate::output::guard;
     use crate::output::schema::SWEEP;
+
+    /// A file of which nothing has reached the disk is not given the name of the result of before.
+    #[test]
+    fn a_file_that_cannot_be_read_back_takes_no_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("out.h5");
+        let lock = OutputLock::new(&output, &[]).unwrap();
+        std::fs::write(&output, "before").unwrap();
+        let writer = Writer::create(&SWEEP, &lock, true).unwrap();
+        std::fs::remove_file(lock.hidden(".partial")).unwrap();
+        std::fs::write(lock.hidden(".partial"), "").unwrap();
+        let failed = writer.finish().unwrap_err().to_string();
+        assert!(failed.contains("is empty"), "{failed}");
+        assert_eq!(std::fs::read(&output).unwrap(), b"before");
+        Writer::create(&SWEEP, &lock, true).and_then(Writer::finish).unwrap();
+        assert!(guard::open(&output).is_ok());
+    }
 
     /// What libhdf5 opens, a program that is started meanwhile has open too, and would hold its lock.
     #[cfg(unix)]

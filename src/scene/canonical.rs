@@ -1,11 +1,10 @@
 //! Content of a scene, whatever its title, comments and spelling as TOML: it says which run it is.
 
-use super::files::Input;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The keys of a scene and their values, in the order of their names, and what its files gave. The order of
-/// the keys of a sweep counts. None for what is not TOML.
+/// The keys of a scene and their values, in the order of their names. The order of the keys of a sweep
+/// counts. None for what is not TOML.
 fn canonical(text: &str) -> Option<Vec<(String, String)>> {
     let document = DeTable::parse(text).ok()?;
     let mut values = Vec::new();
@@ -15,12 +14,10 @@ fn canonical(text: &str) -> Option<Vec<(String, String)>> {
     let swept = values.iter_mut().filter(|(_, name, _)| name.starts_with("sweep."));
     swept.enumerate().for_each(|(i, (.., value))| *value += &format!(" as key {} of the sweep", i + 1));
     values.sort_unstable_by(|(_, a, _), (_, b, _)| a.cmp(b));
-    let files = text.lines().filter_map(|line| Input::of_line(line.strip_prefix("# ")?));
-    Some(values.into_iter().map(|(_, name, value)| (name, value)).chain(files).collect())
+    Some(values.into_iter().map(|(_, name, value)| (name, value)).collect())
 }
 
-/// A key whose value differs between two scenes, with both values, or that of a file; `none` where it is
-/// missing.
+/// A key whose value differs between two scenes, with both values; `none` where it is missing.
 pub fn difference(one: &str, other: &str) -> Option<(String, String, String)> {
     if one == other {
         return None;
@@ -112,14 +109,9 @@ mod tests {
     }
 
     #[test]
-    fn the_order_of_a_sweep_and_what_files_gave_count() {
+    fn the_order_of_a_sweep_counts() {
         let sweep = |keys: &str| format!("{SCENE}[sweep]\n{keys}");
         let (one, other) = ("material.hardness = [1]\n", "surface.asperity_radius = [2]\n");
         assert!(difference(&sweep(&format!("{one}{other}")), &sweep(&format!("{other}{one}"))).is_some());
-        let input = |checksum| Input { path: "a.csv".to_owned(), values: 3, checksum };
-        let with = |checksum| crate::scene::with_inputs(SCENE, &[input(checksum)]);
-        assert_eq!(difference(&with(7), &with(7).replace("title = \"a\"\n", "")), None);
-        assert_eq!(difference(&with(7), &with(8)).unwrap().0, "a.csv");
-        assert!(difference(&with(7), SCENE).is_some());
     }
 }

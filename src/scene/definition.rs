@@ -2,7 +2,7 @@
 
 use super::background::BackgroundTables;
 use super::choices::LOOP;
-use super::files::Input;
+use super::files::{Files, Input};
 use super::films::Films;
 use super::instability::Instability;
 use super::substrate::Substrate;
@@ -14,6 +14,7 @@ use crate::asperity::{
 use crate::engine::Stopping;
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
+use std::sync::Arc;
 
 /// A validated scene, SI.
 ///
@@ -30,7 +31,7 @@ use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The TOML text, with a comment for each file that it has taken values from.
+    /// The TOML text.
     pub text: String,
     /// The title, may be empty.
     pub title: String,
@@ -66,6 +67,9 @@ pub struct Scene {
     pub stiffness_span: f64,
     /// The files that it has taken values from.
     pub inputs: Vec<Input>,
+    /// Where it finds the files that it names.
+    #[doc(hidden)]
+    pub files: Arc<dyn Files>,
     /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
     pub replicas: u64,
     /// The targets that end the run before.

@@ -16,9 +16,10 @@ impl Scene {
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref());
+        let files: Arc<dyn Files> = Arc::new(NoFiles);
         match root.get("sweep") {
-            Some(sweep) => Sweep::read(text, &sweep, Arc::new(NoFiles)).and_then(|sweep| sweep.scene(0)),
-            None => read(text, &root, &NoFiles),
+            Some(sweep) => Sweep::read(text, &sweep, files).and_then(|sweep| sweep.scene(0)),
+            None => read(text, &root, &files),
         }
         .map_err(SceneError::shortened)
     }
@@ -54,7 +55,7 @@ impl Document {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref());
         let read = match root.get("sweep") {
-            None => read(text, &root, files.as_ref()).map(|scene| Self { scene, sweep: None }),
+            None => read(text, &root, &files).map(|scene| Self { scene, sweep: None }),
             Some(sweep) => Sweep::read(text, &sweep, files).and_then(Self::swept),
         };
         read.map_err(SceneError::shortened)

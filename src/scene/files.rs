@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub const MOST_VALUES: usize = 10_000_000;
 
 /// The values of a file that are meant.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Column {
     /// Column of a CSV file, by the name in its first line.
     Named(String),
@@ -88,29 +88,23 @@ impl Input {
         Self { path: path.to_owned(), values: count, checksum: checksum.finalize() }
     }
 
-    /// A line that tells it from any other.
-    pub fn line(&self) -> String {
-        format!("{}: {} values, CRC-32 {:08x}", self.path, self.values, self.checksum)
-    }
-
-    /// The path and the rest of such a line.
-    pub fn of_line(line: &str) -> Option<(String, String)> {
-        let (path, rest) = line.rsplit_once(": ")?;
-        let (count, checksum) = rest.split_once(" values, CRC-32 ")?;
-        let is_one = count.parse::<u64>().is_ok() && u32::from_str_radix(checksum, 16).is_ok();
-        is_one.then(|| (path.to_owned(), rest.to_owned()))
+    /// The number and the checksum of its values, in words.
+    fn content(&self) -> String {
+        format!("{} values, CRC-32 {:08x}", self.values, self.checksum)
     }
 }
 
-/// A scene's text, and behind it what each of its files gave: the same text is then the same scene.
-pub fn with_inputs(text: &str, inputs: &[Input]) -> String {
-    let mut text = text.to_owned();
-    for input in inputs {
-        let line = format!("# {}\n", one_line(&input.line()));
-        if !text.contains(&line) {
-            let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
-            text += &format!("{end}{line}");
-        }
-    }
-    text
+/// The files that a scene has taken values from, a line each.
+pub fn listed(inputs: &[Input]) -> String {
+    let lines = inputs.iter().map(|input| one_line(&format!("{}: {}", input.path, input.content())));
+    lines.collect::<Vec<String>>().join("\n")
+}
+
+/// The first file by which two lists differ, and its content in both; `none` where it is in one only.
+pub fn differing(one: &[Input], other: &[Input]) -> Option<(String, String, String)> {
+    let pairs = (0..one.len().max(other.len())).map(|place| (one.get(place), other.get(place)));
+    let (one, other) = pairs.into_iter().find(|(one, other)| one != other)?;
+    let content = |input: Option<&Input>| input.map_or("none".to_owned(), Input::content);
+    let named = one.or(other).map(|input| one_line(&input.path)).unwrap_or_default();
+    Some((named, content(one), content(other)))
 }

@@ -52,7 +52,7 @@ pub use definition::Scene;
 pub use document::Document;
 pub use error::{Problem, SceneError};
 #[doc(hidden)]
-pub use files::{NoFiles, with_inputs};
+pub use files::{Input, NoFiles, differing, listed};
 pub use instability::Instability;
 #[doc(hidden)]
 pub use keys::{Absent, Key, Sign, Value};

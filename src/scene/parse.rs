@@ -5,7 +5,7 @@ use super::capillary::{capillary, wet};
 use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
-use super::files::{Files, with_inputs};
+use super::files::Files;
 use super::instability::{InstabilityTable, instability};
 use super::material::Material;
 use super::measured::measured;
@@ -19,9 +19,10 @@ use crate::asperity::scale::{Scale, UNIT_RANGE};
 use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
 use crate::engine::Stopping;
 use crate::surface::{CountLaw, SamplingScheme};
+use std::sync::Arc;
 
 /// Reads a scene that is no sweep, and what it takes out of files.
-pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Scene, SceneError> {
+pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
     let section = |name: &'static str| required(root, name);
     let substrate = SubstrateTable::read(root);
     let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
@@ -35,8 +36,8 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
             material.asperity(radius, 0.0)?;
         }
         let population = match surface.get("asperities") {
-            Some(entry) => measured(&surface, &entry, files, is_coupled),
-            None => population(&surface, files),
+            Some(entry) => measured(&surface, &entry, files.as_ref(), is_coupled),
+            None => population(&surface, files.as_ref()),
         };
         (population, lubricant).together()
     });
@@ -99,7 +100,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         }
     }
     let scene = Scene {
-        text: with_inputs(text, &inputs),
+        text: text.to_owned(),
         title,
         instability: instability.of(asperity.reduced_modulus, surface.nominal_area),
         asperity,
@@ -116,6 +117,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         separations,
         stiffness_span,
         inputs,
+        files: Arc::clone(files),
         replicas,
         stopping,
         sampling,

@@ -164,7 +164,7 @@ impl Sweep {
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
         let document = document(&text)
-            .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref()));
+            .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), &self.files));
         document.map_err(|mut error| {
             let point = self.name(point).replace(" (", " (`").replace(')', "`)");
             for problem in &mut error.problems {

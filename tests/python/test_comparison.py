@@ -56,7 +56,7 @@ def test_xarray_sees_laws_by_name(path, engine):
 
 
 def test_root_attributes(file):
-    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 4]
+    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 5]
     assert file.attrs["force_unit"] == pytest.approx(PULL, rel=1e-14)
     k = 4 / 3 * MODULUS
     assert file.attrs["approach_unit"] == pytest.approx((PULL**2 / (RADIUS * k**2)) ** (1 / 3), rel=1e-14)

@@ -63,7 +63,7 @@ def test_files_say_what_the_asperities_are(results):
         counts = replicas.asperity_count.values
         assert counts.std() > 0.0 and abs(counts.mean() - 739) < 4.5 * math.sqrt(739 / counts.size)
     with h5py.File(results["file"]) as file:
-        assert "# heights.csv: 400 values, CRC-32 " in file.attrs["scene"]
+        assert file.attrs["inputs"].startswith("heights.csv: 400 values, CRC-32 ")
         heights = np.loadtxt(SURFACES / "heights.csv", comments="#", skiprows=2)
         assert math.isclose(file.attrs["asperity_height_std"], 1e-9 * heights.std(), rel_tol=1e-12)
         # The highest asperity of a replica is one of the file's.

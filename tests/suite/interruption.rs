@@ -279,8 +279,8 @@ fn a_checkpoint_of_another_run_is_refused() {
     assert_refused(&folder, &[], "has the checkpoint layout 99; this program reads");
     // Something else.
     std::fs::write(folder.path(CHECKPOINT), "my notes").unwrap();
-    assert_refused(&folder, &[], "is not a checkpoint of stiction");
-    assert_refused(&folder, &["--force"], "is not a checkpoint of stiction");
+    assert_refused(&folder, &[], "scene.h5.checkpoint: is not of stiction");
+    assert_refused(&folder, &["--force"], "scene.h5.checkpoint: is not of stiction");
     std::fs::write(folder.path(CHECKPOINT), checkpoint).unwrap();
     // The same run under another title, with a comment more.
     let renamed = format!("# Renamed\n{}", scene.replace("title = \"", "title = \"Another: "));
@@ -444,7 +444,7 @@ fn records_that_nothing_counts_on_are_removed_from_a_complete_run() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
     std::fs::write(&records, b"of another program").unwrap();
-    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 2);
     assert_eq!(folder.files(), ["scene.h5", "scene.h5.checkpoint.replicas", "scene.toml"]);
 }
 
@@ -642,6 +642,7 @@ fn a_folder_that_goes_away_is_an_error() {
     assert_exit(&output, 1);
     let message = text(&output.stderr);
     assert!(message.contains("cannot write results/scene.h5.checkpoint"), "{message}");
+    assert!(!message.contains("kept"), "nothing is kept where it says: {message}");
     // What was kept before is whole.
     std::fs::rename(folder.path("gone"), folder.path("results")).unwrap();
     let mut child = begin(&folder, &["--resume", "-o", "results/scene.h5"]);

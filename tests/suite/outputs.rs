@@ -2,13 +2,14 @@
 //! what was written.
 #![cfg(unix)]
 
-use crate::common::program::{Folder, assert_exit, bits, small, text};
+use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
 use crate::common::unlocked;
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
 use std::process::{Command, Output};
 use stiction::output::checksum::{Finding, check};
+use stiction::scene::Document;
 
 const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
 const MEASURED: &str = include_str!("../../configs/surfaces/measured.toml");
@@ -417,4 +418,138 @@ fn points_that_are_whole_are_taken_as_they_are() {
     let said = text(&failed.stderr);
     assert!(said.contains("0002.h5") && !said.contains("0001.h5") && !said.contains("0003.h5"), "{said}");
     assert_eq!(modified("out.h5.points/0001.h5"), before);
+}
+
+/// The two versions of a file that a test changes, and what a result says of each.
+const VERSIONS: [&str; 2] = ["height\n1.0\n-1.0\n0.5\n-0.5\n", "height\n1.0\n-1.0\n0.5\n-0.25\n"];
+
+/// Every point has the values that a file had when the sweep began, and the checksum is that of these. The
+/// checksum is computed here from the bits of the numbers.
+#[test]
+fn a_file_that_changes_meanwhile_changes_nothing() {
+    let folder = with_inputs();
+    let sweep = Document::from_toml_file(folder.path("swept.toml")).unwrap().sweep.unwrap();
+    std::fs::write(folder.path("heights.csv"), VERSIONS[1]).unwrap();
+    let bytes: Vec<u8> = [1.0, -1.0, 0.5, -0.5_f64].iter().flat_map(|height| height.to_le_bytes()).collect();
+    for point in 0..sweep.count() {
+        let scene = sweep.scene(point).unwrap();
+        let [input] = &scene.inputs[..] else { panic!("{:?}", scene.inputs) };
+        assert_eq!((input.values, input.checksum), (4, crc32fast::hash(&bytes)));
+        let heights = scene.surface.heights.values().unwrap();
+        assert!((heights[0] + heights[3]).abs() < 1e-24, "{heights:?}");
+    }
+}
+
+/// A scene out of a result is its text, without additions, and the values that it has read are compared
+/// whatever comments it has: also where these name both versions of a file.
+#[test]
+fn values_that_a_run_has_read_are_data() {
+    let folder = with_inputs();
+    let lines = VERSIONS.map(|version| {
+        std::fs::write(folder.path("heights.csv"), version).unwrap();
+        assert_exit(&run(&folder, "run heights.toml --force", "out.h5"), 0);
+        let scene = attribute(&folder.path("out.h5"), "/", "scene");
+        assert_eq!(scene, std::fs::read_to_string(folder.path("heights.toml")).unwrap());
+        attribute(&folder.path("out.h5"), "/", "inputs")
+    });
+    assert!(lines[0] != lines[1] && lines[0].starts_with("heights.csv: 4 values, CRC-32 "), "{lines:?}");
+    let commented = tiny(HEIGHTS) + &format!("# {}\n# {}\n", lines[0], lines[1]);
+    std::fs::write(folder.path("commented.toml"), &commented).unwrap();
+    std::fs::write(folder.path("heights.csv"), VERSIONS[0]).unwrap();
+    std::fs::create_dir(folder.path(".stopped.h5.partial")).unwrap();
+    assert_exit(&run(&folder, "run commented.toml", "stopped.h5"), 1);
+    std::fs::remove_dir(folder.path(".stopped.h5.partial")).unwrap();
+    assert_exit(&run(&folder, "run commented.toml", "whole.h5"), 0);
+    std::fs::write(folder.path("heights.csv"), VERSIONS[1]).unwrap();
+    let before = contents(&folder);
+    let refused = run(&folder, "run commented.toml --resume", "stopped.h5");
+    assert_refused(&folder, &refused, &["`heights.csv` of the interrupted run was 4 values"], &before);
+    assert_refused(&folder, &run(&folder, "run commented.toml --resume", "whole.h5"), &["exists"], &before);
+    std::fs::write(folder.path("heights.csv"), VERSIONS[0]).unwrap();
+    assert_exit(&run(&folder, "run commented.toml --resume", "stopped.h5"), 0);
+    assert!(bits(&folder.path("stopped.h5")) == bits(&folder.path("whole.h5")));
+}
+
+/// Runs the program with a variable in its environment.
+fn with_variable(folder: &Folder, (name, value): (&str, &str), command: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(command.split(' '))
+        .env(name, value)
+        .current_dir(folder.path(""))
+        .output()
+        .unwrap()
+}
+
+/// A result is one plain file whatever driver the environment names; where HDF5 does not start there is a
+/// message, and the earlier result stays.
+#[test]
+fn results_do_not_depend_on_the_drivers_of_hdf5() {
+    let folder = Folder::new(&tiny(&small()));
+    assert_exit(&run(&folder, "run scene.toml", "plain.h5"), 0);
+    let plain = bits(&folder.path("plain.h5"));
+    for driver in ["family", "split", "multi", "core", "stdio", "log"] {
+        let own = |command: &str| with_variable(&folder, ("HDF5_DRIVER", driver), command);
+        assert_exit(&own("run scene.toml -o out.h5 --force"), 0);
+        assert_exit(&own("validate out.h5"), 0);
+        assert!(bits(&folder.path("out.h5")) == plain, "{driver}");
+        assert_eq!(folder.files(), ["out.h5", "plain.h5", "scene.toml"], "{driver}");
+    }
+    let before = contents(&folder);
+    for variable in [("HDF5_DRIVER", "foo"), ("HDF5_DRIVER", "mpio"), ("HDF5_VOL_CONNECTOR", "foo")] {
+        for command in ["run scene.toml -o out.h5 --force", "run scene.toml -o new.h5", "info out.h5"] {
+            let refused = with_variable(&folder, variable, command);
+            let message = format!("HDF5 does not start: unset {}", variable.0);
+            assert_refused(&folder, &refused, &[&message], &before);
+        }
+    }
+}
+
+/// Nothing that has a name which a run would replace or remove, and is not of this program, is lost.
+#[test]
+fn files_of_others_are_left_alone() {
+    let hidden = [".out.h5.lock", ".out.h5.partial", ".out.h5.checkpoint.partial"];
+    for name in hidden.into_iter().chain(["out.h5.checkpoint", "out.h5.checkpoint.replicas"]) {
+        let folder = Folder::new(&tiny(&small()));
+        std::fs::write(folder.path(name), "precious").unwrap();
+        let before = contents(&folder);
+        for command in ["run scene.toml", "run scene.toml --force", "run scene.toml --resume"] {
+            assert_refused(&folder, &run(&folder, command, "out.h5"), &[name, "move it"], &before);
+        }
+    }
+}
+
+/// What a killed run leaves there is in no one's way.
+#[test]
+fn files_of_a_killed_run_are_replaced() {
+    let own: [(&str, &[u8]); 5] = [
+        (".out.h5.lock", b"12345"),
+        (".out.h5.partial", b"\x89HDF\r\n\x1a\nand more"),
+        (".out.h5.partial", &[0; 100]),
+        (".out.h5.partial", b"stiction shard\nand more"),
+        (".out.h5.checkpoint.partial", b"stiction checkp"),
+    ];
+    for (name, bytes) in own {
+        let folder = Folder::new(&tiny(&small()));
+        std::fs::write(folder.path(name), bytes).unwrap();
+        assert_exit(&run(&folder, "run scene.toml", "out.h5"), 0);
+        assert_eq!(folder.files(), ["out.h5", "scene.toml"], "{name}");
+    }
+}
+
+/// A pipe in the place of the checksum of a point is not waited for, and stays.
+#[test]
+fn a_pipe_is_no_checksum() {
+    let folder = finished("run scene.toml", "hybrid");
+    let checksum = folder.path("out.h5.points/0002.h5.checksum");
+    std::fs::remove_file(&checksum).unwrap();
+    assert!(Command::new("mkfifo").arg(&checksum).status().unwrap().success());
+    let refused = run(&folder, "run scene.toml --resume", "out.h5");
+    assert_exit(&refused, 1);
+    assert!(
+        text(&refused.stderr).contains("0002.h5.checksum: it is not a file"),
+        "{}",
+        text(&refused.stderr)
+    );
+    std::fs::remove_file(&checksum).unwrap();
+    assert_exit(&run(&folder, "run scene.toml --resume", "out.h5"), 0);
 }

@@ -577,3 +577,45 @@ fn chunks_of_several_radii_add_up() {
         assert_eq!(curves.regime_count[k + separations.len()], touching().count() as f64, "{k}");
     }
 }
+
+/// Far from contact the integral costs no more for a wider range of separations, and its forces are the sums
+/// over even heights, which meet a Gaussian mean of a smooth force to rounding.
+#[test]
+fn separations_that_are_far_cost_nothing_more() {
+    let (_, surface) = surfaces(1000).into_iter().find(|(name, _)| *name == "nayak").unwrap();
+    let std = surface.surface_height_std;
+    for name in ["hybrid", "emd"] {
+        let to = |furthest: f64| {
+            let separations: Vec<f64> =
+                (0..9).map(|i| std * (0.75 + (furthest - 0.75) * f64::from(i) / 8.0)).collect();
+            let laws = law_for(name, &surface, &separations);
+            let answer = Expectations::new(laws.view(), &surface, &separations);
+            (laws, separations, answer)
+        };
+        let count = |answer: &Expectations| {
+            let stats = &answer.stats;
+            stats.contact_solves + stats.noncontact_solves + stats.closed_form + stats.constant + stats.far
+        };
+        let [near, far, further] = [6.0, 1e3, 1e5].map(to);
+        assert!(count(&far.2) < 2 * count(&near.2), "{name}: {} {}", count(&far.2), count(&near.2));
+        assert!(count(&further.2) <= count(&far.2), "{name}");
+        for (laws, separations, answer) in [far, further] {
+            let (d, force) = (surface.asperity_separation(separations[5]), answer.expected[0][5]);
+            let family = laws.family.as_ref().unwrap();
+            let mut sum = 0.0;
+            for part in surface.parts() {
+                let law = family.law(part.radius);
+                for i in -180..=180 {
+                    let s = 0.05 * f64::from(i);
+                    let weight = 0.05 * (-0.5 * s * s).exp() / (2.0 * std::f64::consts::PI).sqrt();
+                    let height = part.heights.mean + s * part.heights.std;
+                    let (_, [adhesion, ..]) = respond(law.as_ref(), height - d).unwrap();
+                    sum += part.weight * weight * adhesion;
+                }
+            }
+            let reference = surface.asperity_count as f64 * sum;
+            assert!((force / reference - 1.0).abs() < 1e-11, "{name}: {force:e} {reference:e}");
+            assert!(answer.quadrature_error < 1e-6, "{name}: {:e}", answer.quadrature_error);
+        }
+    }
+}

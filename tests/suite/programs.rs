@@ -247,6 +247,13 @@ fn other_commands_are_programs() {
         assert_exit(&refused, 2);
         assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
     }
+    // Neither is the folder where somebody happens to be, whatever the PATH calls it.
+    for path in [".", "", ":/bin", "/bin::"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+        let refused = command.arg("greet").env("PATH", path).current_dir(folder.path("")).output().unwrap();
+        assert_exit(&refused, 2);
+        assert!(text(&refused.stderr).contains("no command `greet`"), "{}", text(&refused.stderr));
+    }
     // Nothing but the folder of the program is looked at where there is no PATH.
     for name in ["plot", "report"] {
         let refused =

@@ -110,3 +110,43 @@ fn no_asperity_in_any_regime_is_no_share() {
         assert!(!text.contains("NaN"), "{text}");
     }
 }
+
+/// Standard output that is closed cannot be written, although the standard library opens another thing there.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_standard_output_is_a_failure() {
+    let folder = Folder::new(&small());
+    let closed = |arguments: &str| {
+        Command::new("sh")
+            .args(["-c", &format!("exec \"$0\" {arguments} >&-"), env!("CARGO_BIN_EXE_stiction")])
+            .current_dir(folder.path(""))
+            .output()
+            .unwrap()
+    };
+    for (arguments, said) in [
+        ("check scene.toml", "standard output: it is closed"),
+        ("--version", "standard output: it is closed"),
+        ("run scene.toml --quiet", "it is closed; the result scene.h5 is complete"),
+    ] {
+        let output = closed(arguments);
+        assert_exit(&output, 1);
+        assert!(text(&output.stderr).contains(said), "{arguments}: {}", text(&output.stderr));
+    }
+    // To throw output away is nobody's mistake.
+    let null = File::options().read(true).write(true).open("/dev/null").unwrap();
+    let thrown = Command::new(env!("CARGO_BIN_EXE_stiction")).arg("--version").stdout(null).status().unwrap();
+    assert!(thrown.success());
+}
+
+/// More threads than the processors have a use for are not started.
+#[test]
+fn threads_beyond_use_are_not_started() {
+    let folder = Folder::new(&small());
+    let processors = std::thread::available_parallelism().unwrap().get();
+    let output = folder.stiction(&["run", "scene.toml", "--quiet", "--threads", "4096"]);
+    assert_exit(&output, 0);
+    let most = 8 * processors;
+    assert!(text(&output.stdout).contains(&format!("on {most} threads")), "{}", text(&output.stdout));
+    let said = format!("--threads 4096: {most} are taken, as there are {processors} processors");
+    assert!(text(&output.stderr).contains(&said), "{}", text(&output.stderr));
+}

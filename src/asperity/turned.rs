@@ -69,11 +69,17 @@ impl Turned {
             if cycle.onset == cycle.critical() { ends[plastic - 1] } else { cycle.onset * lane.ratio }
         };
         let (mut on_approach, mut own, mut flowed) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut ratio, mut capture) = (f64::NAN, f64::NAN);
         for (i, lane) in lanes.iter().enumerate() {
             let largest = turned.largest[i];
-            approach.ends(lane, &mut on_approach);
-            let touch = on_approach[contact - 1];
-            let capture = approach.capture_of(lane).map_or(touch, |capture| capture.min(touch));
+            // Neighbours are often alike.
+            if lane.ratio != ratio {
+                ratio = lane.ratio;
+                approach.ends(lane, &mut on_approach);
+                retraction.ends(lane, &mut own);
+                let touch = on_approach[contact - 1];
+                capture = approach.capture_of(lane).map_or(touch, |capture| capture.min(touch));
+            }
             let fate = if largest < capture {
                 0
             } else if cycle.flows() && largest > onset(lane, &on_approach) {
@@ -95,7 +101,6 @@ impl Turned {
                 1 => columns,
                 _ => contact,
             };
-            retraction.ends(lane, &mut own);
             let ends = if fate == 0 { &on_approach } else { &own };
             for (e, column) in turned.ends.iter_mut().enumerate() {
                 column.push(if e < passed { turned.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
@@ -138,11 +143,14 @@ impl Turned {
     /// Lowers the tops that have flowed, and finds where their contacts end.
     fn lower(&mut self, cycle: &Loop, flowed: &[u32]) {
         let mut lowered = if cycle.own_radii { self.lanes.to_vec() } else { Vec::new() };
-        let (contact, mut own) = (cycle.first_contact, Vec::new());
+        let (contact, mut own, mut ratio) = (cycle.first_contact, Vec::new(), f64::NAN);
         for i in flowed.iter().map(|i| *i as usize) {
             let top = self.tops[i];
             self.recovery[i] = top.recovery;
-            cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
+            if self.lanes[i].ratio != ratio {
+                ratio = self.lanes[i].ratio;
+                cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
+            }
             let mut release = own[contact - 1];
             let further: Vec<f64> = own[..contact].iter().map(|end| release - end).collect();
             if cycle.own_radii {

@@ -362,6 +362,17 @@ impl Loop {
         }
     }
 
+    /// Whether an asperity of the interference ω_max, m, has flowed.
+    pub fn has_flowed(&self, largest: f64) -> bool {
+        self.fate(largest) == 2
+    }
+
+    /// Whether tops that have flowed have radii of their own.
+    #[doc(hidden)]
+    pub fn own_radii(&self) -> bool {
+        self.own_radii
+    }
+
     /// Interferences, m, rising, at which the force on retraction is not smooth, by [`Loop::fate`]: counted
     /// from the top that the asperity has then, so they are passed at the distance [`Loop::recovery`] less
     /// them.

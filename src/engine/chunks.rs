@@ -138,6 +138,7 @@ fn largest(heights: &[f64]) -> f64 {
 
 /// Sums of heights, m, rising, by state and regime.
 fn sum_heights(job: &Job<'_>, heights: &[f64], sums: &mut Sums, states: &[State]) -> Vec<RegimeSums> {
+    sums.forget();
     let sum = |state: &State| {
         sums.surface(job, heights, *state);
         sums.regimes.clone()

@@ -178,6 +178,19 @@ impl Asperities {
 }
 
 impl PulledBack {
+    /// Asperities of a loop's own radius, of heights, m, that are pulled back from a separation h, m.
+    pub fn alike(
+        (job, cycle): (&Job<'_>, &Loop),
+        heights: &[f64],
+        from: f64,
+        stats: &mut SolverStats,
+    ) -> Self {
+        let closest = job.surface.asperity_separation(from);
+        let lanes: Arc<[Lane]> = vec![cycle.lane(1.0); heights.len()].into();
+        let largest = heights.iter().map(|height| height - closest).collect();
+        Self { from, closest, turned: Turned::new(cycle, &lanes, largest, stats) }
+    }
+
     /// Sums all at the separations of a job as states of its curves from `first` on.
     pub fn record(
         &self,

@@ -246,6 +246,7 @@ impl Workspace {
                 continue;
             }
             heights.sort_unstable_by(f64::total_cmp);
+            self.sums.forget();
             for (k, state) in states.iter().enumerate() {
                 self.sums.surface(job, heights, *state);
                 RegimeSums::record(&self.sums.regimes, k, &mut self.curves[lane]);

@@ -2,7 +2,8 @@
 
 use super::Job;
 use super::curves::Curves;
-use crate::asperity::{Law, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
+use super::polydisperse::{LaneSums, PulledBack};
+use crate::asperity::{Law, Loop, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 
@@ -41,6 +42,9 @@ pub(super) struct Sums {
     pub regimes: Vec<RegimeSums>,
     pub scratch: Scratch,
     pub stats: SolverStats,
+    /// The asperities that have flowed, where their tops have radii of their own, since they turned last.
+    flowed: Option<PulledBack>,
+    lane_sums: LaneSums,
 }
 
 /// Sums over the asperities of a surface in one regime.
@@ -111,13 +115,23 @@ impl Sums {
             regimes: vec![RegimeSums::default(); regimes],
             scratch: Scratch::default(),
             stats: SolverStats::default(),
+            flowed: None,
+            lane_sums: LaneSums::new(regimes),
         }
+    }
+
+    /// Forgets the surface that was summed last, before another is.
+    pub fn forget(&mut self) {
+        self.flowed = None;
     }
 
     /// Sums a surface of a job, `heights` (m) rising, in a state.
     pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
         let d = |h: f64| job.surface.asperity_separation(h);
         match (state, job.protocol.cycle) {
+            (State::Retraction { from, to }, Some(cycle)) if cycle.own_radii() => {
+                self.flattened((job, cycle), heights, (from, d(from)), d(to));
+            }
             (State::Retraction { from, to }, Some(cycle)) => {
                 let law = cycle.at(d(to) - d(from));
                 self.over(&law, Some(law.base()), heights, d(from));
@@ -125,6 +139,30 @@ impl Sums {
             (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
                 self.over(job.laws.typical, None, heights, d(h))
             }
+        }
+    }
+
+    /// Sums a surface that is pulled back from h and d, m, to d, m, where tops that have flowed have radii of their own: what
+    /// is left of each is found once.
+    fn flattened(
+        &mut self,
+        (job, cycle): (&Job<'_>, &Loop),
+        heights: &[f64],
+        (from, closest): (f64, f64),
+        d: f64,
+    ) {
+        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
+        let law = cycle.at_for(d - closest, &[]);
+        self.over(&law, Some(law.base()), &heights[..first], closest);
+        if first == heights.len() {
+            return;
+        }
+        if self.flowed.as_ref().is_none_or(|flowed| flowed.from != from) {
+            self.flowed = Some(PulledBack::alike((job, cycle), &heights[first..], from, &mut self.stats));
+        }
+        if let Some(flowed) = &self.flowed {
+            flowed.sum(cycle, None, d, &mut self.lane_sums, &mut self.stats);
+            self.regimes.iter_mut().zip(&self.lane_sums.regimes).for_each(|(sum, other)| sum.merge(other));
         }
     }
 

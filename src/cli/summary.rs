@@ -230,6 +230,16 @@ fn cycle(results: &Results) -> String {
         scatter(energy, std, "J")
     };
     let mut text = row("dissipated", &of_replicas);
+    if energy.mean < 0.0 {
+        text += &row(
+            "",
+            "no result: a loop cannot give out energy. Loading and unloading do not belong together:",
+        );
+        text += &row(
+            "",
+            "the adhesion of the one is not that of the other; law = \"md_plastic\" has one for both",
+        );
+    }
     if let Some([(radius, force), (other, other_force)]) =
         retraction.by_radius.filter(|[(_, force), _]| *force > 0.0)
     {

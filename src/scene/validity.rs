@@ -6,7 +6,7 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead};
-use crate::asperity::models::{Model, SMALLEST_JKR_LAMBDA};
+use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, Model, Plasticity, SMALLEST_JKR_LAMBDA};
 use crate::asperity::{Law, Regime, Unloading};
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
@@ -40,6 +40,10 @@ const FEWEST_CONTACTS: f64 = 100.0;
 const SMALLEST_MENISCUS: f64 = 0.5e-9;
 /// Largest Kelvin radius over the radius of an asperity.
 const LARGEST_MENISCUS: f64 = 0.01;
+/// Largest share of contacts that have flowed of which the adhesion does not matter.
+const LARGEST_FLOWED: f64 = 0.01;
+/// Interference over that where flow begins, from which contacts are called fully plastic.
+const FULLY_PLASTIC: f64 = 30.0;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 
@@ -57,6 +61,8 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(wet(scene, model));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
+    warnings.extend(shallow(scene, law));
+    warnings.extend(joined(scene, model, law, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
     warnings.extend(unresolved(scene, &expected.readings));
@@ -219,6 +225,55 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     }
 }
 
+/// Whether most contacts that unload as fully plastic ones are not.
+fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
+    let is_asked = scene.cycle && scene.unloading == Unloading::MesarovicJohnson;
+    let first = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|_| is_asked)?;
+    let onset = law.boundaries()[first - 1].interference;
+    let d = scene.surface.asperity_separation(scene.separations[0]);
+    let [flowed, plastic] = [onset, FULLY_PLASTIC * onset]
+        .map(|place| scene.surface.heights.probability(place + d, f64::INFINITY));
+    (flowed > 0.0 && plastic < 0.5 * flowed).then(|| {
+        Warning::new(
+            format!(
+                "{:.0} % of the contacts that have flowed are pressed to less than {FULLY_PLASTIC} times where they begin to",
+                100.0 * (1.0 - plastic / flowed)
+            ),
+            "the unloading of Mesarovic and Johnson (2000) is for full plasticity; its tops are too flat for those",
+            &[],
+        )
+    })
+}
+
+/// Whether contacts that have flowed carry what is read off under a law that joins Maugis and Dugdale's adhesion to that of
+/// Kogut and Etsion's fits.
+fn joined(scene: &Scene, model: &Model, law: &dyn Law, readings: &[Reading]) -> Option<Warning> {
+    let lambda = scene.scale().lambda;
+    let is_joined = model.validity.plasticity == Plasticity::KogutEtsion
+        && model.validity.adhesion == Adhesion::Any
+        && lambda > LARGEST_DMT_LAMBDA;
+    let flows = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|_| is_joined)?;
+    let touches = law.regimes().iter().position(|regime| regime.is_contact())?;
+    let share = |regime: usize, d: f64| {
+        let lower = law.boundaries()[regime - 1].interference;
+        scene.surface.heights.probability(lower + d, f64::INFINITY)
+    };
+    let flowed = |reading: &Reading| {
+        let d = scene.surface.asperity_separation(reading.separation);
+        share(flows, d) / share(touches, d).max(f64::MIN_POSITIVE)
+    };
+    let words = |what: WhatIsRead, share: f64, h_star: &str| {
+        format!("{:.0} % of contacts have flowed {}, {h_star}", 100.0 * share, what.place())
+    };
+    let shares = told_of(scene, readings, LARGEST_FLOWED, flowed, words)?;
+    Some(Warning::new(
+        format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
+        "the adhesion of those is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow; \
+         law = \"md_plastic\" is continuous there",
+        &[],
+    ))
+}
+
 /// Whether any asperity touches at the closest separation, and enough of them.
 fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     let first = law.regimes().iter().position(|regime| regime.is_contact())?;
@@ -254,7 +309,7 @@ fn told_of(
     scene: &Scene,
     readings: &[Reading],
     largest: f64,
-    of: fn(&Reading) -> f64,
+    of: impl Fn(&Reading) -> f64,
     told: fn(WhatIsRead, f64, &str) -> String,
 ) -> Option<String> {
     let told = |reading: &Reading| {

@@ -6,7 +6,7 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -281,6 +281,9 @@ def _run(run: Run) -> Facts:
     if loop:
         there, lost = run["replicas/approach_pull_off_force"].values, run["replicas/dissipated_energy"].values
         numbers += [_mean("pull-off on approach", there, "N"), _mean("energy dissipated in a cycle", lost, "J")]
+        if numbers[-1].value < 0:
+            why = "no result: a loop cannot give out energy; the adhesion of loading is not that of unloading"
+            numbers[-1] = replace(numbers[-1], note=why)
     stiffness, error = _scalar(run, "peak_secant_stiffness")
     numbers.append(Number("largest stiffness", quantities.with_error(stiffness, error, "N m-1"),
                           "mean over patches of the largest secant", stiffness, error))  # fmt: skip

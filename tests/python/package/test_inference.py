@@ -62,6 +62,9 @@ def told(function, *arguments, **named):
         ("surface.nominal_area (um^2)\n3\n", "no column has an outcome"),
         ("pull_off_force (uX)\n3\n", "1 uX"),
         ("pull_off_force (uN)\n3\nseven\n", "line 3, pull_off_force: seven is not a number"),
+        ('pull_off_force (uN)\n"3\n"\n4\n', "line 2: unexpected end of data; the quotation marks of a cell begin and end in one line"),
+        ('pull_off_force (uN)\n"3" 4\n', "line 2: "),
+        ("pull_off_force (uN)\n" + "3" * 200_000 + "\n", "line 2: field larger than field limit"),
         ("pull_off_force (uN)\n-3\n", "greater than 0; write `<`"),
         ("pull_off_force (uN),pull_off_force_error (uN)\n3,-1\n", "a standard deviation of 0 or more"),
         ("pull_off_force (uN)\n3,4\n", "line 2: 2 cells"),
@@ -219,7 +222,7 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     row = result.summary().loc["material_work_of_adhesion"]
     assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.03
     assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in said
-    assert "exists; give force=True" in told(infer, folder / "data.csv", small(), folder / "out.h5")
+    assert "exists; force=True overwrites it" in told(infer, folder / "data.csv", small(), folder / "out.h5")
     other = folder / "other.h5"
     other.write_text("nothing")
     assert "not a result" in told(open_inference, other)

@@ -59,8 +59,8 @@ def check(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Pa
 def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Iterator[Path]:
     """A new, empty file to fill, which gets the name `path` when the block ends without an error.
 
-    The new file is in the folder of `path`, with the same ending and a random name, and it reaches the disk before it is
-    renamed. An earlier file of the name `path` stays as it is until then, and for good if anything fails.
+    The new file is in the folder of `path`, with the same ending and a random name. It reaches the disk before it
+    is renamed. An earlier file of the name `path` stays as it is until then, and for good if anything fails.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> 
 
 @contextmanager
 def writing_hdf5(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Iterator[Path]:
-    """As `writing`, for what libhdf5 writes, which may crash on a full disk: it does so in a temporary folder."""
+    """As `writing`, for libhdf5, which may crash on a full disk: what it fills is in a temporary folder."""
     with Folder() as folder:
         yield folder / "whole.h5"
         with writing(path, force=force, inputs=inputs) as part:
@@ -114,7 +114,7 @@ def _name(part: Path, path: Path, force: bool) -> None:
 
 
 class Folder:
-    """A temporary folder that is deleted with this object, by the process that made it and by none that is forked from it.
+    """A temporary folder that is deleted with this object, by the process that made it and by no child of it.
 
     Attributes
     ----------
@@ -129,7 +129,9 @@ class Folder:
     def __enter__(self) -> Path:
         return self.path
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.delete()
 
 

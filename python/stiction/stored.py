@@ -41,12 +41,14 @@ def reading(path: Path) -> Iterator[None]:
         raise FileError(f"{path}: is damaged, or too large for the memory of this computer") from None
     except Exception as error:
         said = " ".join(str(error).split())[:_SHOWN]
-        said = f"something is missing: {said}" if isinstance(error, KeyError) else said or type(error).__name__
+        said = (
+            f"something is missing: {said}" if isinstance(error, KeyError) else said or type(error).__name__
+        )
         raise FileError(f"{path}: is damaged or not whole: {said}") from error
 
 
 def try_first(path: Path) -> None:
-    """Has the program read an HDF5 file, in a process with limits: libhdf5 may never return from one that is damaged.
+    """Has the program read a file first, in a process with limits: libhdf5 may never return from damage.
 
     Raises
     ------
@@ -76,7 +78,9 @@ def check(path: Path) -> None:
             for name in group:
                 count += 1
                 if count > _MOST_OBJECTS:
-                    raise FileError(f"{path}: has more than {_MOST_OBJECTS} groups and datasets, which no result has")
+                    raise FileError(
+                        f"{path}: has more than {_MOST_OBJECTS} groups and datasets, which no result has"
+                    )
                 where = f"{group.name.rstrip('/')}/{name}"
                 if not isinstance(group.get(name, getlink=True), h5py.HardLink):
                     raise FileError(f"{path}: has a link {where} to elsewhere, which is not followed")

@@ -15,7 +15,7 @@ _INTERRUPTED = 130
 
 
 def ended(name: str, work: Callable[[], None]) -> int:
-    """Does the work of a command, says in one line on standard error what went wrong, and returns the exit code.
+    """Does the work of a command, says in a line on standard error what went wrong; returns the exit code.
 
     Parameters
     ----------
@@ -46,12 +46,13 @@ def ended(name: str, work: Callable[[], None]) -> int:
         code, said = 1, f"cannot write to standard output: {error}" if is_of_output else str(error)
         _silence()
     line = " ".join(said.replace("force=True", "--force").split())
-    print(f"{name}: {''.join(one if one.isprintable() else '�' for one in line)}", file=sys.stderr)
+    if sys.stderr is not None:
+        print(f"{name}: {''.join(one if one.isprintable() else '�' for one in line)}", file=sys.stderr)
     return code
 
 
 def _silence() -> None:
-    """Leaves nothing to write to a standard output that fails, which Python would try at its end once more."""
+    """Leaves nothing to write to a standard output that fails: Python would try it once more at its end."""
     try:
         sys.stdout.flush()
     except (OSError, AttributeError):

@@ -103,7 +103,8 @@ def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
             fontsize=7,
         )
     ax.axvline(0.0, color=GREY, linewidth=0.5)
-    ax.set(yticks=places, yticklabels=[plain(law) for law in result.laws], ylabel="law", xlabel="pull-off force against that of the first law (%)")
+    ax.set(yticks=places, yticklabels=[plain(law) for law in result.laws], ylabel="law")
+    ax.set(xlabel="pull-off force against that of the first law (%)")
     ax.invert_yaxis()
     if not np.nan_to_num(off).any():
         ax.set_xlim(-1.0, 1.0)

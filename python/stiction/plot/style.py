@@ -25,7 +25,8 @@ R = TypeVar("R")
 
 __all__ = [
     "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "MARKERS", "PINK", "VERMILION",
-    "context", "dressed", "empty", "inches", "label", "legend", "logarithmic", "new_axes", "places_logarithmic", "plain", "scaled",
+    "context", "dressed", "empty", "inches", "label", "legend", "logarithmic", "new_axes", "places_logarithmic",
+    "plain", "scaled",
 ]  # fmt: skip
 
 BLUE, VERMILION, GREEN, PINK = "#0072B2", "#D55E00", "#009E73", "#CC79A7"

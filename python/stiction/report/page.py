@@ -61,7 +61,9 @@ def write(results: Sequence[Result | str | os.PathLike[str]], output: str | os.P
     inputs = [result.path if isinstance(result, Result) else result for result in results]
     files.check(output, force=force, inputs=inputs)
     with ExitStack() as opened:
-        text = page([result if isinstance(result, Result) else opened.enter_context(open_run(result)) for result in results])
+        text = page(
+            [of if isinstance(of, Result) else opened.enter_context(open_run(of)) for of in results]
+        )
     with files.writing(output, force=force, inputs=inputs) as part:
         part.write_text(text, encoding="utf-8")
     return Path(output)
@@ -276,8 +278,8 @@ def _data(table: pd.DataFrame, name: str) -> str:
 
 def _no_formulas(table: pd.DataFrame) -> pd.DataFrame:
     """A table that spreadsheets take for texts and numbers, also where a text begins like a formula."""
-    texts = {name: table[name].map(_no_formula) for name in table.columns if not pd.api.types.is_numeric_dtype(table[name])}
-    return table.assign(**texts).rename(columns=_no_formula)
+    texts = [name for name in table.columns if not pd.api.types.is_numeric_dtype(table[name])]
+    return table.assign(**{name: table[name].map(_no_formula) for name in texts}).rename(columns=_no_formula)
 
 
 def _no_formula(cell: Any) -> Any:

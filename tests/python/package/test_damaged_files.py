@@ -1,4 +1,4 @@
-"""Damaged and odd results end in one clear line and exit code 2, or are drawn, and nothing of other files is shown."""
+"""Damaged and odd results end in one clear line and exit code 2, or are drawn; other files are not shown."""
 
 import csv
 import math
@@ -63,14 +63,15 @@ def said(main, file, output, capsys):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_every_damage_is_told_in_a_line_or_drawn(result, name, folder, capsys):
+def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
     source = result(name).path
     cases = damages.cases(source)
     chosen = random.Random(7).sample(cases, min(COUNT, len(cases)))
     for number, (kind, way, where) in enumerate(chosen):
         file = damaged(source, folder, kind, way, where)
         codes = [
-            said(main, file, folder / f"{number}{ending}", capsys)[0] for main, ending in ((plot, ".svg"), (report, ".html"))
+            said(main, file, folder / f"{number}{ending}", capsys)[0]
+            for main, ending in ((plot, ".svg"), (report, ".html"))
         ]
         if kind in (damages.Elsewhere, damages.Circles):
             assert codes == [2, 2], (way, where)
@@ -84,14 +85,49 @@ def test_every_damage_is_told_in_a_line_or_drawn(result, name, folder, capsys):
     "kind, way, where, message",
     [
         (damages.OfDatasets, "missing", "ensemble/h_star", "is damaged or not whole: something is missing"),
-        (damages.OfDatasets, "compound", "ensemble/scalar", "has a dataset /ensemble/scalar that holds neither numbers nor texts"),
-        (damages.OfDatasets, "without_values", "ensemble/h_star", "has a dataset /ensemble/h_star without values"),
-        (damages.OfDatasets, "a_type", "ensemble/h_star", "has /ensemble/h_star, which is neither a group nor a dataset"),
-        (damages.OfDatasets, "a_sea_of_zeros", "ensemble/h_star", "/ensemble/h_star that has more values than the file holds"),
-        (damages.Elsewhere, "soft_loop", "ensemble/h_star", "has a link /ensemble/h_star to elsewhere, which is not followed"),
+        (
+            damages.OfDatasets,
+            "compound",
+            "ensemble/scalar",
+            "has a dataset /ensemble/scalar that holds neither numbers nor texts",
+        ),
+        (
+            damages.OfDatasets,
+            "without_values",
+            "ensemble/h_star",
+            "has a dataset /ensemble/h_star without values",
+        ),
+        (
+            damages.OfDatasets,
+            "a_type",
+            "ensemble/h_star",
+            "has /ensemble/h_star, which is neither a group nor a dataset",
+        ),
+        (
+            damages.OfDatasets,
+            "a_sea_of_zeros",
+            "ensemble/h_star",
+            "/ensemble/h_star that has more values than the file holds",
+        ),
+        (
+            damages.Elsewhere,
+            "soft_loop",
+            "ensemble/h_star",
+            "has a link /ensemble/h_star to elsewhere, which is not followed",
+        ),
         (damages.Elsewhere, "external_link", "ensemble/h_star", "has a link /ensemble/h_star to elsewhere"),
-        (damages.Elsewhere, "external_storage", "ensemble/h_star", "whose values are in other files, which are not read"),
-        (damages.Elsewhere, "virtual", "ensemble/h_star", "whose values are in other files, which are not read"),
+        (
+            damages.Elsewhere,
+            "external_storage",
+            "ensemble/h_star",
+            "whose values are in other files, which are not read",
+        ),
+        (
+            damages.Elsewhere,
+            "virtual",
+            "ensemble/h_star",
+            "whose values are in other files, which are not read",
+        ),
         (damages.Circles, "in_itself", "ensemble", "has the group /ensemble/again twice"),
         (damages.Circles, "in_the_root", "ensemble", "has the group /ensemble/root twice"),
         (damages.OfGroups, "missing", "integral", "lacks the group /integral"),
@@ -127,7 +163,9 @@ def test_names_with_dollars_are_no_formulas(result, folder, capsys):
             for where in (group, *(other for other in opened if f"{other}/{dataset}" in opened)):
                 opened[f"{where}/{dataset}"][...] = [f"{odd}{i}" for i in range(opened[path].size)]
             opened.attrs["title"] = opened.attrs["warnings"] = odd
-        assert plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0
+        assert (
+            plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0
+        )
     with h5py.File(result("sweep").path) as opened:
         key = opened.attrs["sweep_keys"].replace(".", "_")
     file = folder / "sweep.h5"
@@ -150,7 +188,9 @@ def test_texts_of_the_programs_tables_are_no_formulas(result, folder):
     assert [row[0] for row in rows[1:]] == ["'=1+1", "'-a", "-1"]
 
 
-@pytest.mark.skipif(COUNT <= 4, reason="slow: five seconds and more of a processor; STICTION_DAMAGES=all has it")
+@pytest.mark.skipif(
+    COUNT <= 4, reason="slow: five seconds and more of a processor; STICTION_DAMAGES=all has it"
+)
 def test_a_file_that_makes_libhdf5_loop_is_given_up(result, folder, capsys):
     """The first object of a global heap has a length that, rounded up, is none."""
     content = bytearray(result("run").path.read_bytes())

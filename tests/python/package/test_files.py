@@ -1,4 +1,4 @@
-"""What the package writes is whole or as it was before: with full disks, kills, links, and files that are there already."""
+"""What the package writes is whole or as it was before: with full disks, kills, links and files that are there."""
 
 import os
 import resource
@@ -202,7 +202,7 @@ def test_a_forked_child_deletes_nothing_of_its_parent(tmp_path):
 
 
 @pytest.mark.parametrize("how", [">&-", ">/dev/full"])
-def test_a_name_that_cannot_be_told_is_an_error(result, how, tmp_path):
+def test_a_name_that_cannot_be_printed_is_an_error(result, how, tmp_path):
     command = f'"{sys.executable}" -m stiction.plot "{result("run").path}" -o "{tmp_path / "a.png"}" {how}'
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.count("\n") == 1, done

@@ -69,6 +69,8 @@ def check(path: Path) -> None:
     FileError
         The message says what is wrong.
     """
+    if not h5py.is_hdf5(path):
+        raise FileError(f"{path}: not an HDF5 file")
     with reading(path), h5py.File(path, "r") as file:
         groups: list[h5py.Group] = [file]
         known = {_address(file)}
@@ -109,7 +111,8 @@ def _check_dataset(path: Path, where: str, dataset: h5py.Dataset) -> None:
     layout = creation.get_layout()
     if layout == h5py.h5d.VIRTUAL or (layout == h5py.h5d.CONTIGUOUS and creation.get_external_count()):
         raise FileError(f"{path}: has a dataset {where} whose values are in other files, which are not read")
-    held = min(dataset.id.get_storage_size(), path.stat().st_size) * _LARGEST_EXPANSION
+    # Dimensions of netCDF are datasets without any value that is stored, so the file as a whole is the limit.
+    held = path.stat().st_size * _LARGEST_EXPANSION
     most = max(math.prod(dataset.shape), math.prod(dataset.chunks or ())) * dataset.dtype.itemsize
     if dataset.size and most > held:
         raise FileError(f"{path}: has a dataset {where} that has more values than the file holds")

@@ -143,6 +143,14 @@ def test_the_line_says_what_is_wrong(result, kind, way, where, message, folder, 
             stiction.open_run(file)
 
 
+def test_what_xarray_has_copied_is_read(result, folder):
+    with stiction.open_run(result("run").path) as run:
+        run.tree.load()
+        run.tree.to_netcdf(folder / "copy.h5", engine="h5netcdf")
+        with stiction.open_run(folder / "copy.h5") as copy:
+            assert copy.pull_off == run.pull_off
+
+
 def test_a_file_of_many_groups_is_refused_soon(result, folder, capsys):
     file = folder / "many.h5"
     file.write_bytes(result("run").path.read_bytes())

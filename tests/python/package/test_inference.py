@@ -10,8 +10,10 @@ import os
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
+import xarray
 from conftest import CONFIGS
 from scipy import stats
 from scipy.integrate import quad
@@ -225,7 +227,12 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     assert "exists; force=True overwrites it" in told(infer, folder / "data.csv", small(), folder / "out.h5")
     other = folder / "other.h5"
     other.write_text("nothing")
-    assert "not a result" in told(open_inference, other)
+    assert "not an HDF5 file" in told(open_inference, other)
+    xarray.Dataset({"x": ("n", [1.0])}).to_netcdf(other, engine="h5netcdf")
+    assert "not a result of `stiction infer`" in told(open_inference, other)
+    with h5py.File(other, "r+") as file:
+        file["y"] = h5py.SoftLink("/x")
+    assert "has a link /y to elsewhere" in told(open_inference, other)
 
 
 def test_models_are_compared_by_their_prediction(inferred):

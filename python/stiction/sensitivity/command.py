@@ -50,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:
     inputs = named_files(given.scene)
-    files.check(picture, force=given.force, inputs=inputs)
+    for path in (output, picture):
+        files.check(path, force=given.force, inputs=inputs)
     found = sensitivity(
         given.scene, output, samples=given.samples, replicas=given.replicas, seed=given.seed, threads=given.threads,
         force=given.force,

@@ -12,6 +12,8 @@ from typing import Any
 import xarray
 from xarray.backends import BackendEntrypoint
 
+from . import stored
+from .errors import FileError
 from .results import indexed, is_result
 
 __all__ = ["StictionBackend"]
@@ -29,7 +31,7 @@ class StictionBackend(BackendEntrypoint):
     ) -> xarray.Dataset:
         """A group of the file, or its root."""
         opened = xarray.open_dataset(
-            filename_or_obj, engine="h5netcdf", group=group, drop_variables=drop_variables
+            _checked(filename_or_obj), engine="h5netcdf", group=group, drop_variables=drop_variables
         )
         return indexed(opened)
 
@@ -38,7 +40,7 @@ class StictionBackend(BackendEntrypoint):
     ) -> dict[str, xarray.Dataset]:
         """All groups of the file, or those in `group`, by their paths."""
         opened = xarray.open_groups(
-            filename_or_obj, engine="h5netcdf", drop_variables=drop_variables, group=group
+            _checked(filename_or_obj), engine="h5netcdf", drop_variables=drop_variables, group=group
         )
         return {path: indexed(one) for path, one in opened.items()}
 
@@ -56,5 +58,12 @@ class StictionBackend(BackendEntrypoint):
             return False
         try:
             return is_result(Path(filename_or_obj))
-        except OSError:
+        except FileError:
             return False
+
+
+def _checked(filename_or_obj: Any) -> Any:
+    """What is to be opened; of a file only if all that it has is in the file itself."""
+    if isinstance(filename_or_obj, str | Path) and Path(filename_or_obj).is_file():
+        stored.check(Path(filename_or_obj))
+    return filename_or_obj

@@ -113,7 +113,10 @@ def sweep(
             "axes: a dict of values by dotted keys is needed, such as {'material.hardness': ['1 GPa', '2 GPa']}"
         )
     if isinstance(scene, Mapping):
-        scene = {**scene, "sweep": {**scene.get("sweep", {}), **axes, "mode": mode}}
+        swept = scene.get("sweep", {})
+        if not isinstance(swept, Mapping):
+            raise SceneError(f"sweep is a {type(swept).__name__}: a table is needed, a dict")
+        scene = {**scene, "sweep": {**swept, **axes, "mode": mode}}
         added: dict[str, Any] = {}
     else:
         added = {f'sweep."{key}"': values for key, values in axes.items()} | {"sweep.mode": mode}

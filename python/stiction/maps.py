@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 
-from . import program, quantities
+from . import files, program, quantities
 from .errors import SceneError, StictionError
 from .results import Asperities, Place
 
@@ -106,8 +105,8 @@ def find_asperities(
     pixel, height_unit = pixel or own_pixel, height_unit or own_unit
     if pixel is None:
         raise SceneError('pixel: an array does not say how large its pixels are; give pixel="10 nm"')
-    with tempfile.TemporaryDirectory(prefix="stiction-") as folder:
-        file = Path(folder) / f"{name}.npy"
+    with files.Folder() as folder:
+        file = folder / f"{name}.npy"
         np.save(file, heights)
         try:
             return _found(file, output, pixel, height_unit, None, options)
@@ -148,11 +147,15 @@ def _heights(map: Any) -> tuple[Any, Any, str | None]:
         return _of_data_array(map)
     if quantities.is_pint(map):
         map = quantities.in_si("map", map, "m")
-    values: Any = np.ma.filled(np.ma.asarray(map, dtype=float), np.nan)
-    return _checked(values), None, "m"
+    return _checked(map), None, "m"
 
 
-def _checked(values: Any) -> Any:
+def _checked(map: Any) -> Any:
+    """Heights as an array of two dimensions, NaN where they are missing."""
+    try:
+        values = quantities.reals("map", map)
+    except ValueError as error:
+        raise SceneError(str(error)) from None
     if values.ndim != 2:
         raise SceneError(f"map: an array of 2 dimensions (y, x) is needed, and this has {values.ndim}")
     return np.ascontiguousarray(values)
@@ -166,15 +169,14 @@ def _of_topography(topography: Any) -> tuple[Any, Any, str]:
         raise SceneError(
             'map: the topography has no unit; give it one, such as topography.scale_height_by_factor(1, "nm")'
         )
-    heights: Any = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
     pixel = [f"{float(size)!r} {unit}" for size in topography.pixel_size]
-    return _checked(heights.T), pixel, str(unit)
+    return _checked(topography.heights().T), pixel, str(unit)
 
 
 def _of_data_array(map: xarray.DataArray) -> tuple[Any, Any, str | None]:
     if map.ndim == 2 and set(map.dims) == {"x", "y"}:
         map = map.transpose("y", "x")
-    values = _checked(map.values.astype(float))
+    values = _checked(map.values)
     pixel = []
     for name in reversed(map.dims):
         if name not in map.coords or map.sizes[name] < 2:

@@ -221,7 +221,10 @@ def read(scene: Scene) -> Priors:
     tables = opened(scene)
     given = tables.pop("priors", {})
     priors: list[Prior] = []
-    replaced = _replaced(tables, "", priors)
+    try:
+        replaced = _replaced(tables, "", priors)
+    except RecursionError:
+        raise SceneError("the scene: a table in it holds itself") from None
     if not priors:
         raise SceneError(
             "no number of the scene has a prior: a table in its place has one, such as "

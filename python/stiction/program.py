@@ -47,7 +47,9 @@ def find() -> str:
         found = shutil.which("stiction", path=folder)
         if found is not None:
             return found
-    found = shutil.which("stiction")
+    # Folders by their whole names: the one at hand may be anybody's.
+    searched = [folder for folder in os.get_exec_path() if os.path.isabs(folder)]
+    found = shutil.which("stiction", path=os.pathsep.join(searched)) if searched else None
     if found is None:
         raise StictionError(
             f"the program stiction is neither in {folders[0]} nor on the PATH: `pip install stiction` has it, "
@@ -77,21 +79,26 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
     KeyboardInterrupt
         It was interrupted, here or by a signal of its own; what was done is kept where it keeps it.
     """
+    for argument in arguments:
+        _check_text(argument)
     with (
         tempfile.TemporaryFile("w+", encoding="utf-8") as given,
         tempfile.TemporaryFile("w+", encoding="utf-8") as out,
     ):
         given.write(text)
         given.seek(0)
+        # It ends with this process, however that ends.
+        environment = {**os.environ, "STICTION_PARENT": str(os.getpid())}
         process = subprocess.Popen(
-            [find(), *arguments], stdin=given, stdout=out, stderr=subprocess.PIPE, text=True, encoding="utf-8"
-        )
+            [find(), *arguments], stdin=given, stdout=out, stderr=subprocess.PIPE, text=True, encoding="utf-8",
+            env=environment,
+        )  # fmt: skip
         assert process.stderr is not None
         told: list[str] = []
         try:
             _read(process.stderr, told, _Bars(_shown(progress)))
             code = process.wait()
-        except KeyboardInterrupt:
+        except BaseException as stop:
             # On a terminal the program has had the same signal; of two that come together it takes one.
             process.send_signal(signal.SIGINT)
             try:
@@ -100,6 +107,8 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
             except KeyboardInterrupt:
                 process.kill()
                 process.wait()
+            if not isinstance(stop, KeyboardInterrupt):
+                raise
             raise KeyboardInterrupt(_message(told)) from None
         finally:
             process.stderr.close()
@@ -111,6 +120,16 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
     if code == _INTERRUPTED:
         raise KeyboardInterrupt(message)
     raise (SceneError if code == 2 else StictionError)(message, code)
+
+
+def _check_text(argument: str) -> None:
+    """Refuses an argument that no program can be given."""
+    try:
+        fits = b"\0" not in os.fsencode(argument)
+    except UnicodeEncodeError:
+        fits = False
+    if not fits:
+        raise SceneError(f"{argument[:100]!r}: a text cannot have the character NUL, nor half of a surrogate pair")
 
 
 def _message(told: Sequence[str]) -> str:

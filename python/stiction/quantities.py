@@ -18,6 +18,7 @@ __all__ = [
     "parsed",
     "pint_text",
     "plain_unit",
+    "reals",
     "si",
     "with_error",
 ]
@@ -229,6 +230,36 @@ def pint_text(value: Any) -> str:
         return repr(float(value.to("dimensionless").magnitude))
     known = ", ".join(_OF_PINT.values())
     raise ValueError(f"{value}: scenes have no quantity of this dimension; they have {known}")
+
+
+def reals(name: str, value: Any) -> Any:
+    """Real numbers as an array of floats, NaN where they are masked.
+
+    Parameters
+    ----------
+    name : str
+        What they are, for the message.
+    value : array_like
+        The numbers.
+
+    Raises
+    ------
+    ValueError
+        They are complex, of different lengths, or no numbers.
+
+    Examples
+    --------
+    >>> reals("radius", [1, 2]).tolist()
+    [1.0, 2.0]
+    """
+    try:
+        if np.iscomplexobj(value):
+            raise ValueError(f"{name}: real numbers are needed, not complex ones")
+        return np.ma.filled(np.asanyarray(value, dtype=float), np.nan)
+    except (TypeError, ValueError) as error:
+        if str(error).startswith(name):
+            raise
+        raise ValueError(f"{name}: an array of real numbers is needed ({error})") from None
 
 
 def in_si(name: str, value: Any, unit: str) -> Any:

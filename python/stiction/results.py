@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import tomllib
-import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from . import quantities
+from . import files, quantities, stored
 from .errors import FileError
 
 if TYPE_CHECKING:
@@ -120,8 +118,11 @@ class Result:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
+        self._folder: files.Folder | None = None
         _checked(self.path, type(self))
-        self.tree = _opened(self.path)
+        stored.check(self.path)
+        with stored.reading(self.path):
+            self.tree = xarray.open_datatree(self.path, engine="h5netcdf", decode_times=False)
 
     @property
     def attrs(self) -> dict[str, Any]:
@@ -191,13 +192,11 @@ class Result:
         Raises
         ------
         FileError
-            There is a file already and `force` is false.
+            There is a file already and `force` is false, or it is the file of the result itself.
         """
-        target = Path(path)
-        if target.exists() and not force:
-            raise FileError(f"{target}: exists; force=True overwrites it")
-        shutil.copyfile(self.path, target)
-        return target
+        with files.writing(path, force=force, inputs=[self.path]) as part:
+            shutil.copyfile(self.path, part)
+        return Path(path)
 
     def close(self) -> None:
         """Closes the file."""
@@ -526,18 +525,15 @@ class Place:
     """Where a result goes that is about to be computed: a path, or without one a folder that is deleted."""
 
     def __init__(self, output: str | Path | None) -> None:
-        self._folder = None
-        if output is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="stiction-")
-            output = Path(self._folder.name) / "result.h5"
-        self.path = Path(output)
+        self._folder = files.Folder() if output is None else None
+        self.path = self._folder.path / "result.h5" if self._folder is not None else Path(output or "")
 
     def __enter__(self) -> Place:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is not None and self._folder is not None:
-            self._folder.cleanup()
+            self._folder.delete()
 
     def result(self) -> Any:
         """The result that is there now. What is in a folder that is deleted is so when the result is garbage."""
@@ -546,9 +542,7 @@ class Place:
             if self.path.stat().st_size <= _IN_MEMORY:
                 # Parts of it may be wanted for longer than the result.
                 result.tree.load()
-            # Without the warning that a folder gives which is deleted at last.
-            self._folder._finalizer.detach()  # type: ignore[attr-defined]
-            weakref.finalize(result, shutil.rmtree, self._folder.name, ignore_errors=True)
+            result._folder = self._folder
         return result
 
 
@@ -558,10 +552,7 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
         raise FileError(f"{path}: no such file")
     if not path.is_file() or not h5py.is_hdf5(path):
         raise FileError(f"{path}: not an HDF5 file")
-    try:
-        name, version = _format(path)
-    except OSError as error:
-        raise FileError(f"{path}: {' '.join(str(error).split())}") from None
+    name, version = _format(path)
     known = _KINDS.get(name)
     if known is None:
         raise FileError(
@@ -579,19 +570,15 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
 
 def _format(path: Path) -> tuple[str, int]:
     """The root attribute `format` of an HDF5 file, and the major version of it."""
-    with h5py.File(path, "r") as file:
+    with stored.reading(path), h5py.File(path, "r") as file:
         found = file.attrs.get("format", "")
-        version = np.atleast_1d(file.attrs.get("format_version", 0))
-    return found.decode() if isinstance(found, bytes) else str(found), int(version[0])
+        version = int(np.atleast_1d(file.attrs.get("format_version", 0))[0])
+    return found.decode() if isinstance(found, bytes) else str(found), version
 
 
 def is_result(path: Path) -> bool:
     """Whether a file is a result of stiction of any kind, by its root attribute `format`."""
     return bool(h5py.is_hdf5(path)) and _format(path)[0] in _KINDS
-
-
-def _opened(path: Path) -> xarray.DataTree:
-    return xarray.open_datatree(path, engine="h5netcdf")
 
 
 def indexed(group: xarray.Dataset) -> xarray.Dataset:

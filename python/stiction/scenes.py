@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-import tempfile
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
@@ -15,11 +15,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import quantities
+from . import files, quantities
 from .errors import SceneError
 from .results import Asperities
 
-__all__ = ["Scene", "Source", "toml"]
+__all__ = ["Scene", "Source", "named_files", "toml"]
 
 #: A scene: the path of its TOML file, or its tables.
 Scene = str | Path | Mapping[str, Any]
@@ -33,7 +33,7 @@ class Source:
     """
 
     def __init__(self, scene: Scene, overrides: Mapping[str, Any], output: Path | None) -> None:
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._folder: files.Folder | None = None
         self._output = output
         self.text = ""
         if isinstance(scene, Mapping):
@@ -68,7 +68,7 @@ class Source:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._folder is not None:
-            self._folder.cleanup()
+            self._folder.delete()
 
     def _named(self, scene: Mapping[str, Any]) -> dict[str, Any]:
         """With files in the place of arrays."""
@@ -86,7 +86,10 @@ class Source:
             if isinstance(value, Mapping) and isinstance(value.get("path"), Asperities):
                 return {**value, "path": str(value["path"].path.resolve())}
         if key in ("heights", "radii") and not isinstance(value, str | Mapping):
-            lengths = np.asarray(quantities.in_si(key, value, "m"), dtype=float)
+            try:
+                lengths = quantities.reals(key, quantities.in_si(key, value, "m"))
+            except ValueError as error:
+                raise SceneError(f"surface.{error}") from None
             if lengths.ndim != 1 or lengths.size == 0 or not np.isfinite(lengths).all():
                 raise SceneError(f"surface.{key}: an array of one dimension of finite lengths in m is needed")
             return {"law": "file", "path": self._written(key, lengths), "dataset": key, "unit": "m"}
@@ -95,14 +98,34 @@ class Source:
     def _written(self, key: str, values: np.ndarray[Any, np.dtype[np.float64]]) -> str:
         """The path of an HDF5 file that has the values as a dataset; the same values have the same name."""
         if self._output is None:
-            self._folder = self._folder or tempfile.TemporaryDirectory(prefix="stiction-")
-            folder, stem = Path(self._folder.name), "scene"
+            self._folder = self._folder or files.Folder()
+            folder, stem = self._folder.path, "scene"
         else:
             folder, stem = self._output.resolve().parent, self._output.stem
         path = folder / f"{stem}.{key}-{hashlib.sha256(values.tobytes()).hexdigest()[:12]}.h5"
-        with h5py.File(path, "w") as file:
+        with files.writing_hdf5(path, force=True) as part, h5py.File(part, "w") as file:
             file[key] = values
         return str(path)
+
+
+def named_files(scene: Scene) -> list[Path]:
+    """The files that a scene is made from: its own and those that it names, as far as it can be read."""
+    if isinstance(scene, Mapping):
+        return [Path(name) for name in paths_in(scene)]
+    path = Path(scene)
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return [path]
+    return [path, *(path.parent / name for name in paths_in(tables))]
+
+
+def paths_in(tables: Any) -> list[str]:
+    """The files that tables of a scene name, as they name them."""
+    if isinstance(tables, Mapping):
+        here = [str(value) for key, value in tables.items() if key == "path" and isinstance(value, str | Path)]
+        return here + [name for value in tables.values() for name in paths_in(value)]
+    return [name for value in tables for name in paths_in(value)] if isinstance(tables, list) else []
 
 
 def toml(tables: Mapping[str, Any]) -> str:
@@ -142,19 +165,28 @@ def _tables(tables: Mapping[str, Any]) -> Iterator[str]:
             yield from (f"{_key(key)} = {_value(value, f'{name}.{key}')}" for key, value in table.items())
 
 
-def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise SceneError(f"{key!r}: the name of a key or table is a text, not a {type(key).__name__}")
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key, "the name of a key")
 
 
 def _value(value: Any, name: str = "value") -> str:
     """A value as TOML writes it in a line."""
+    try:
+        return _written(value, name)
+    except RecursionError:
+        raise SceneError(f"{name.split('.')[0]}: a table or list in it holds itself") from None
+
+
+def _written(value: Any, name: str) -> str:
     if hasattr(value, "tolist") and not quantities.is_pint(value):
         value = value.tolist()
     match value:
         case bool():
             return "true" if value else "false"
         case str() | Path():
-            return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+            return _text(str(value), name)
         case int():
             return str(value)
         case float():
@@ -162,14 +194,14 @@ def _value(value: Any, name: str = "value") -> str:
         case Mapping():
             return (
                 "{ "
-                + ", ".join(f"{_key(key)} = {_value(one, f'{name}.{key}')}" for key, one in value.items())
+                + ", ".join(f"{_key(key)} = {_written(one, f'{name}.{key}')}" for key, one in value.items())
                 + " }"
             )
         case list() | tuple():
-            return "[" + ", ".join(_value(one, name) for one in value) + "]"
+            return "[" + ", ".join(_written(one, name) for one in value) + "]"
     if quantities.is_pint(value):
         if np.ndim(value.magnitude):
-            return _value(list(value), name)
+            return _written(list(value), name)
         try:
             text = quantities.pint_text(value)
         except ValueError as error:
@@ -178,6 +210,14 @@ def _value(value: Any, name: str = "value") -> str:
     raise SceneError(
         f"{name} is a {type(value).__name__}: a text, number, list, dict, array or pint quantity is needed"
     )
+
+
+def _text(text: str, name: str) -> str:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise SceneError(f"{name} = {text!r}: half of a surrogate pair is no character") from None
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _is_number(text: str) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import xarray
 
@@ -130,8 +129,8 @@ def asperity(
 def _array(name: str, value: Any) -> xarray.DataArray:
     """A number or an array over dimensions, of which a list of numbers is its own coordinate."""
     if isinstance(value, xarray.DataArray):
-        return value.astype(float)
-    numbers = np.asarray(value, dtype=float)
+        return value.copy(data=quantities.reals(name, value.values))
+    numbers = quantities.reals(name, value)
     if numbers.ndim > 1:
         raise ValueError(
             f"{name}: an array of {numbers.ndim} dimensions needs their names: give an xarray.DataArray"

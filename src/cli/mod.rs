@@ -15,6 +15,7 @@ mod info;
 mod instability;
 mod memory;
 mod merge;
+mod parent;
 mod progress;
 mod resources;
 mod rows;
@@ -123,6 +124,7 @@ enum Command {
 
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
+    parent::end_with_parent();
     let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
         Ok(Cli { command: Command::External(named), .. }) => return external(&named[0]),
         Ok(Cli { reader, command }) => {

@@ -15,6 +15,7 @@ use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
+use std::io::Write;
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,7 +62,8 @@ impl Host for Terminal {
     }
 
     fn notice(&self, text: &str) {
-        eprintln!("{text}");
+        // Nobody may be there to read it.
+        let _ = writeln!(std::io::stderr(), "{text}");
     }
 
     fn require(&self, estimate: &Estimate, output: Option<&Path>) -> Result<(), String> {

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from .. import priors, quantities
-from ..errors import SceneError, StictionError
+from ..errors import SceneError
+from ..terminal import ended
 from .estimate import Probability
 from .search import Best, Design, best, design, event, probability
 
@@ -52,27 +52,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("--probability: it is needed with --maximise or --minimise, and with them alone")
     if (given.above is None and given.below is None) != (key == _FORCE):
         parser.error(f"--above or --below: one of them is needed, but with --maximise or --minimise {_FORCE} none")
-    try:
-        if key == _FORCE:
-            most = given.maximise is not None
-            print(_best(best(given.scene, given.probability, largest=most, error=given.error, seed=given.seed, threads=given.threads), given))
-            return 0
-        happens = event(given.above, given.below)
-        common = {"above": given.above, "below": given.below, "error": given.error, "seed": given.seed, "threads": given.threads}
-        if key is None:
-            print(f"probability of {happens}\n{_told(probability(given.scene, **common))}")
-            return 0
-        found = priors.read(given.scene)
-        if found.keys != [key]:
-            raise SceneError(f"{key}: this number of the scene, and no other, needs a range (a prior); there is one of {', '.join(found.keys)}")
-        print(_designed(design(given.scene, given.probability, largest=given.maximise is not None, **common), given, str(happens)))
-    except (StictionError, OSError) as error:
-        print(f"stiction design: {error}", file=sys.stderr)
-        return error.exit_code if isinstance(error, StictionError) else 1
-    except KeyboardInterrupt:
-        print("stiction design: interrupted", file=sys.stderr)
-        return 130
-    return 0
+    return ended("stiction design", lambda: _design(given, key))
+
+
+def _design(given: argparse.Namespace, key: str | None) -> None:
+    if key == _FORCE:
+        most = given.maximise is not None
+        print(_best(best(given.scene, given.probability, largest=most, error=given.error, seed=given.seed, threads=given.threads), given))
+        return
+    happens = event(given.above, given.below)
+    common = {"above": given.above, "below": given.below, "error": given.error, "seed": given.seed, "threads": given.threads}
+    if key is None:
+        print(f"probability of {happens}\n{_told(probability(given.scene, **common))}")
+        return
+    found = priors.read(given.scene)
+    if found.keys != [key]:
+        raise SceneError(f"{key}: this number of the scene, and no other, needs a range (a prior); there is one of {', '.join(found.keys)}")
+    print(_designed(design(given.scene, given.probability, largest=given.maximise is not None, **common), given, str(happens)))
 
 
 def _told(found: Probability) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from .. import priors
+from .. import files, priors
 from ..errors import FileError, StictionError
+from ..scenes import named_files
+from ..terminal import ended
 
 __all__ = ["main"]
 
@@ -48,16 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
-    try:
-        _infer(given)
-    except (StictionError, OSError) as error:
-        told = " ".join(str(error).split()).replace("force=True", "--force")
-        print(f"stiction infer: {told}", file=sys.stderr)
-        return error.exit_code if isinstance(error, StictionError) else 1
-    except KeyboardInterrupt:
-        print("stiction infer: interrupted", file=sys.stderr)
-        return 130
-    return 0
+    return ended("stiction infer", lambda: _infer(given))
 
 
 def _infer(given: argparse.Namespace) -> None:
@@ -69,13 +61,11 @@ def _infer(given: argparse.Namespace) -> None:
     output = given.output or Path(f"{given.scene.stem}_infer.h5")
     outputs = [output, *(output.with_name(f"{scene.stem}_infer.h5") for scene in given.model)]
     written = outputs if given.figure is None else [*outputs, given.figure]
+    inputs = [given.data, *(path for scene in (given.scene, *given.model) for path in named_files(scene))]
     for path in written:
         if written.count(path) > 1:
             raise FileError(f"{path} would be written twice; give other names to the scenes, or another output")
-        if path.exists() and not given.force:
-            raise FileError(f"{path} exists; give force=True to overwrite it, or another output")
-        if not path.resolve().parent.is_dir():
-            raise FileError(f"{path}: there is no such folder")
+        files.check(path, force=given.force, inputs=inputs)
     if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
         raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
     # What is wrong with a scene is told before minutes are spent on others.
@@ -87,8 +77,8 @@ def _infer(given: argparse.Namespace) -> None:
         results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
         print(f"{scene}\n{result}", flush=True)
         if given.figure is not None and scene == given.scene:
-            with context():
-                figures.page(result).savefig(given.figure)
+            with context(), files.writing(given.figure, force=given.force, inputs=inputs) as part:
+                figures.page(result).savefig(part)
     if given.model:
         print(f"\n{posterior.models(results)[['elpd_loo', 'elpd_diff', 'dse', 'weight', 'warning']].to_string()}")
     print("\n".join(str(path) for path in written))

@@ -99,7 +99,7 @@ def read(path: str | Path) -> Measurements:
     except (OSError, UnicodeDecodeError) as error:
         raise FileError(f"{path}: cannot be read as text: {error}") from None
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-    rows = list(csv.reader([line for _, line in numbered], skipinitialspace=True))
+    rows = [_row(f"{path}, line {number}", line) for number, line in numbered]
     if len(rows) < 2:
         raise FileError(f"{path}: a header and a line for each patch are needed")
     heads = [_head(path, cell) for cell in rows[0]]
@@ -147,6 +147,14 @@ def read(path: str | Path) -> Measurements:
         table = np.array(patches)
         groups.append(Group(dict(conditions_of), table[:, :, 0], table[:, :, 1], table[:, :, 2].astype(np.int64)))
     return Measurements(tuple(outcomes), tuple(units[name] for name in outcomes), tuple(groups))
+
+
+def _row(where: str, line: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return next(csv.reader([line], skipinitialspace=True, strict=True))
+    except csv.Error as error:
+        raise FileError(f"{where}: {error}; the quotation marks of a cell begin and end in one line") from None
 
 
 def _texts(header: list[str]) -> list[tuple[str, str]]:

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from scipy import linalg
 from threadpoolctl import threadpool_limits
 
+from .. import files, quantities, stored
 from .. import priors as scenes
-from .. import quantities
 from ..errors import FileError, SceneError
 from ..priors import Priors
-from ..scenes import Scene, toml
+from ..scenes import Scene, named_files, toml
 from . import data as measurements
 from .check import check_p_values
 from .data import EXACT, Group, Measurements
@@ -104,13 +104,9 @@ class Inference:
         FileError
             There is one already, and `force` is not given.
         """
-        path = Path(path)
-        if path.exists() and not force:
-            raise FileError(f"{path} exists; give force=True to overwrite it, or another output")
-        part = path.with_name(f"{path.name}.part")
-        self.data.to_netcdf(str(part), engine="h5netcdf")
-        part.replace(path)
-        return path
+        with files.writing_hdf5(path, force=force) as part:
+            self.data.to_netcdf(str(part), engine="h5netcdf")
+        return Path(path)
 
     def __str__(self) -> str:
         rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}")]
@@ -187,13 +183,11 @@ def infer(
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
     if not 20 <= replicas <= 100_000:
         raise SceneError(f"replicas = {replicas}: a number from 20 to 100000 is needed")
-    if output is not None:
-        if Path(output).exists() and not force:
-            raise FileError(f"{output} exists; give force=True to overwrite it, or another output")
-        if not Path(output).resolve().parent.is_dir():
-            raise FileError(f"{output}: there is no such folder")
     measured = data if isinstance(data, Measurements) else measurements.read(data)
     priors = scenes.read(scene)
+    if output is not None:
+        inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
+        files.check(output, force=force, inputs=inputs)
     # Matrices are so small that threads would only wait for each other.
     with threadpool_limits(1):
         result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas, progress)
@@ -415,10 +409,13 @@ def open_inference(path: str | os.PathLike[str]) -> Inference:
     if not path.is_file():
         raise FileError(f"{path}: no such file")
     try:
+        stored.check(path)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             data = arviz.from_netcdf(str(path))  # type: ignore[no-untyped-call]
         known = data.posterior.attrs.get("format") == _FORMAT
+    except FileError:
+        raise
     except Exception:
         known = False
     if not known:

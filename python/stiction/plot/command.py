@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import io
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import FileError, StictionError
+from .. import files, stored
+from ..errors import FileError
 from ..results import Sweep, open_run
+from ..terminal import ended
 from .pages import page, panels
 from .style import context, inches
 
@@ -46,6 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--dpi", type=int, default=200, metavar="N", help="dots per inch of .png, by default 200"
     )
+    parser.add_argument("--force", action="store_true", help="overwrite pictures that are there")
     return parser
 
 
@@ -65,22 +69,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
             inches(given.width)
     except ValueError as error:
         parser.error(f"--{error}")
-    for path in given.files:
-        try:
-            _draw(path, given)
-        except (StictionError, OSError) as error:
-            text = str(error)
-            told = text if str(path) in text else f"{path}: {text}"
-            print(f"stiction plot: {' '.join(told.split())}", file=sys.stderr)
-            return 1 if isinstance(error, OSError) else 2
-    return 0
+    return ended("stiction plot", lambda: _draw_all(given))
 
 
-def _draw(path: Path, given: argparse.Namespace) -> None:
+def _draw_all(given: argparse.Namespace) -> None:
+    outputs = [given.output or path.parent / f"{path.stem}.png" for path in given.files]
+    if given.what != "list":
+        for output in outputs:
+            if outputs.count(output) > 1:
+                raise FileError(f"{output} would be written twice: draw the files one by one, with --output")
+            files.check(output, force=given.force, inputs=given.files)
+    for path, output in zip(given.files, outputs, strict=True):
+        stored.try_first(path)
+        # A file that is damaged is told of in one line.
+        with stored.reading(path), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            picture = _drawn(path, output.suffix.lower(), given)
+        if given.what == "list":
+            print(picture.decode())
+            continue
+        with files.writing(output, force=given.force, inputs=given.files) as part:
+            part.write_bytes(picture)
+        print(output)
+
+
+def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
+    """A picture of a result, or the names of its figures."""
     with open_run(path) as result:
         if given.what == "list":
-            print("\n".join(panels(result)))
-            return
+            return "\n".join(panels(result)).encode()
         options: dict[str, Any] = {}
         for name in ("x", "by"):
             if getattr(given, name) is not None:
@@ -89,10 +106,10 @@ def _draw(path: Path, given: argparse.Namespace) -> None:
                 options[name] = getattr(given, name)
         what = given.what.split(",") if given.what else None
         figure = page(result, given.width, what=what, title=given.title, **options)
-        output = given.output or path.with_suffix(".png")
+        stream = io.BytesIO()
         with context():
-            figure.savefig(output, dpi=given.dpi, metadata=_UNDATED.get(output.suffix.lower()))
-    print(output)
+            figure.savefig(stream, format=ending[1:], dpi=given.dpi, metadata=_UNDATED.get(ending))
+        return stream.getvalue()
 
 
 # The same result gives the same bytes.

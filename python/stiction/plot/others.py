@@ -27,6 +27,7 @@ from .style import (
     label,
     legend,
     new_axes,
+    plain,
     scaled,
 )
 
@@ -55,7 +56,7 @@ def comparison(result: Comparison, ax: Axes | None = None) -> Axes:
     for place, law in enumerate(result.laws):
         color = COLORS[place % len(COLORS)]
         handles += ax.plot(
-            x, forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=law
+            x, forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=plain(law)
         )
         if "ensemble/external_force_mean" in result:
             step = max(1, x.size // 40)
@@ -102,7 +103,8 @@ def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
             fontsize=7,
         )
     ax.axvline(0.0, color=GREY, linewidth=0.5)
-    ax.set(yticks=places, yticklabels=result.laws, ylabel="law", xlabel="pull-off force against that of the first law (%)")
+    ax.set(yticks=places, yticklabels=[plain(law) for law in result.laws], ylabel="law")
+    ax.set(xlabel="pull-off force against that of the first law (%)")
     ax.invert_yaxis()
     if not np.nan_to_num(off).any():
         ax.set_xlim(-1.0, 1.0)
@@ -477,7 +479,7 @@ def _course(run: Run, target: int) -> tuple[str, str, Any, Any, Any]:
     names = [str(name) for name in run["ensemble/target"].values]
     if str(run["ensemble/target_estimate"].values[target]) != "plain":
         raise FileError(f"{names[target]}: the course of a mean with control variates is not in the file")
-    name, unit = names[target], str(run["ensemble/target_units"].values[target])
+    name, unit = plain(names[target]), plain(run["ensemble/target_units"].values[target])
     group, of = _GROUPS[str(run.attrs["sampling"])], values(run, f"replicas/{names[target]}")
     means = of[: of.size // group * group].reshape(-1, group).mean(axis=1)
     if means.size < 3:

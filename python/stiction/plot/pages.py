@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ..errors import FileError
 from ..results import Result, Run, Sweep
 from . import coupled, loop, others, run
-from .style import VERMILION, dressed, inches
+from .style import VERMILION, dressed, inches, plain
 from .sweep import QUANTITIES, sweep
 
 __all__ = ["page", "panels"]
@@ -138,6 +138,7 @@ def page(
                         textcoords="offset points", ha="right", va="bottom", annotation_clip=False)  # fmt: skip
     if title:
         told = result.title or result.path.name
+        told = "".join(one if one.isprintable() else " " for one in told)
         figure.suptitle(
             "\n".join(textwrap.wrap(told, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
         )
@@ -145,7 +146,7 @@ def page(
         attrs = result.attrs
         whole = f" of {attrs['replicas_of_whole_run']}" if "replicas_of_whole_run" in attrs else ""
         told = (
-            f"PARTIAL: {attrs.get('replicas', 'some')}{whole} replicas"
+            plain(f"PARTIAL: {attrs.get('replicas', 'some')}{whole} replicas")
             if whole
             else "PARTIAL: some replicas are missing"
         )

@@ -25,6 +25,7 @@ from .style import (
     legend,
     logarithmic,
     new_axes,
+    plain,
     scaled,
 )
 
@@ -52,7 +53,7 @@ def ways(run: Run) -> list[tuple[str, str, str, Any]]:
     """The ways that a run has gone."""
     if run.attrs["history"] == "loop":
         return list(WAYS)
-    return [(str(run.attrs["history"]), "", BLUE, "-")]
+    return [(plain(run.attrs["history"]), "", BLUE, "-")]
 
 
 @dressed
@@ -170,7 +171,7 @@ def regimes(run: Run, ax: Axes | None = None) -> Axes:
     ax = new_axes(ax)
     x = values(run, "ensemble/h_star")
     curves = {"total": (values(run, "ensemble/adhesion_force_mean"), values(run, "integral/adhesion_force"))}
-    names = [str(name) for name in run["ensemble/regime"].values]
+    names = [plain(name) for name in run["ensemble/regime"].values]
     pair = (run["ensemble/regime_adhesion_force_mean"], run["integral/regime_adhesion_force"])
     means, integrals = (of.transpose("regime", "separation").values for of in pair)
     for name, mean, integral in zip(names, means, integrals, strict=True):

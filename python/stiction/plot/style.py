@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.resources import files
@@ -24,7 +25,8 @@ R = TypeVar("R")
 
 __all__ = [
     "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "MARKERS", "PINK", "VERMILION",
-    "context", "dressed", "empty", "inches", "label", "legend", "logarithmic", "new_axes", "places_logarithmic", "scaled",
+    "context", "dressed", "empty", "inches", "label", "legend", "logarithmic", "new_axes", "places_logarithmic",
+    "plain", "scaled",
 ]  # fmt: skip
 
 BLUE, VERMILION, GREEN, PINK = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -39,6 +41,8 @@ _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))
 _LENGTHS = {"mm": 1.0 / 25.4, "cm": 1.0 / 2.54, "in": 1.0, "pt": 1.0 / 72.0}
 # Positive data over more than so many times get a logarithmic axis.
 _DECADES = 100.0
+# Characters of a text of a file that are shown.
+_LONGEST = 80
 
 
 @contextmanager
@@ -98,6 +102,12 @@ def scaled(unit: str, *values: ArrayLike) -> tuple[float, str]:
     """The factor to divide all of the values by, and their unit then."""
     finite = np.concatenate([np.ravel(np.asarray(value, dtype=float)) for value in values])
     return quantities.factor_and_unit(finite, unit)
+
+
+def plain(text: Any) -> str:
+    """A text of a file as figures show it: no formula, in one line, and not too long."""
+    line = "".join(one if one.isprintable() else " " for one in str(text))
+    return textwrap.shorten(line, _LONGEST, placeholder=" …").replace("$", r"\$")
 
 
 def label(words: str, unit: str) -> str:

@@ -23,6 +23,7 @@ from .style import (
     logarithmic,
     new_axes,
     places_logarithmic,
+    plain,
     scaled,
 )
 
@@ -107,7 +108,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
 
 
 def _words(result: Sweep, name: str, index: int) -> str:
-    return f"{result.key_words(name)[0]} {result.key_text(name, result[name].values[index], 3)}"
+    return plain(f"{result.key_words(name)[0]} {result.key_text(name, result[name].values[index], 3)}")
 
 
 @dressed
@@ -183,11 +184,11 @@ def sweep(
     key_words, choices = result.key_words(follows or across)
     if choices:
         there = sorted({float(value) for value in key.values})
-        ax.set_xticks(there, [choices[value] for value in there])
+        ax.set_xticks(there, [plain(choices[value]) for value in there])
         ax.margins(x=0.2)
     else:
         places_logarithmic(ax, key.values)
-    ax.set(xlabel=label(key_words, key_sign), ylabel=label(words, sign))
+    ax.set(xlabel=label(plain(key_words), plain(key_sign)), ylabel=label(words, sign))
     if handles:
         legend(ax, handles)
     return ax

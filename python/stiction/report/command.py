@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import StictionError
+from .. import stored
+from ..terminal import ended
 from .page import write
 
 __all__ = ["main"]
@@ -32,13 +33,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, writes the page, and says where it is; returns the exit code."""
     parser = _parser()
     given = parser.parse_args(arguments)
-    output = given.output or given.files[0].with_suffix(".html")
+    output = given.output or given.files[0].parent / f"{given.files[0].stem}.html"
     if output.suffix.lower() not in (".html", ".htm"):
         parser.error(f"--output {output}: a name that ends with .html is needed")
-    try:
-        print(write(given.files, output, force=given.force))
-    except (StictionError, OSError) as error:
-        told = " ".join(str(error).split()).replace("force=True", "--force")
-        print(f"stiction report: {told}", file=sys.stderr)
-        return 1 if isinstance(error, OSError) else 2
-    return 0
+    return ended("stiction report", lambda: _write(given.files, output, given.force))
+
+
+def _write(files: Sequence[Path], output: Path, force: bool) -> None:
+    # A file that is damaged is told of in one line.
+    for file in files:
+        stored.try_first(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        print(write(files, output, force=force))

@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import quantities
 from ..results import Asperities, Comparison, FiniteSize, Result, Run, Sweep
+from ..scenes import paths_in
 
 __all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
 
@@ -225,14 +226,6 @@ def _heredoc(command: list[str], scene: str) -> str:
     return f"{shlex.join(command)} <<'{end}'\n{scene.rstrip()}\n{end}\n"
 
 
-def _named_files(tables: Any) -> list[str]:
-    """The files that a scene names, which have to be there."""
-    if isinstance(tables, dict):
-        here = [str(value) for key, value in tables.items() if key == "path" and isinstance(value, str)]
-        return here + [name for value in tables.values() for name in _named_files(value)]
-    return [name for value in tables for name in _named_files(value)] if isinstance(tables, list) else []
-
-
 def _again(result: Result, command: list[str], *options: str) -> str:
     """The command that makes a result again, with its scene on standard input."""
     ensemble, attrs = result.scene.get("ensemble", {}), result.attrs
@@ -310,7 +303,7 @@ def _run(run: Run) -> Facts:
         computed.append(("coupling", f"{attrs['coupling']}, {attrs['kernel']} kernel, {attrs['positions']} positions"))
     tables = [*_targets(run), *_springs(run)]
     commands = _again(run, ["run"])
-    return Facts("run", numbers, verdicts, computed, commands, _named_files(run.scene), tables)
+    return Facts("run", numbers, verdicts, computed, commands, paths_in(run.scene), tables)
 
 
 def _mean_planes(run: Run) -> Number:
@@ -414,7 +407,7 @@ def _sweep(sweep: Sweep) -> Facts:
         computed.append((key, told))
     computed += [*_law(sweep), *_draws(sweep)]
     table = _points(sweep, keys)
-    return Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), _named_files(sweep.scene), [table])
+    return Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
 
 
 def _edges(sweep: Sweep) -> Any:
@@ -482,7 +475,7 @@ def _comparison(result: Comparison) -> Facts:
     computed = [("laws", ", ".join(laws)), *_law(result), *_surface(result), *_separations(result), *_draws(result)]
     options = ["--laws", ",".join(laws), *(["--ensemble"] if ensemble else [])]
     return Facts("comparison of laws", numbers, [check, validity, Verdict("independence", grade, word, told), resolution], computed,
-                 _again(result, ["compare"], *options), _named_files(result.scene), [table])  # fmt: skip
+                 _again(result, ["compare"], *options), paths_in(result.scene), [table])  # fmt: skip
 
 
 def _finite_size(result: FiniteSize) -> Facts:
@@ -516,7 +509,7 @@ def _finite_size(result: FiniteSize) -> Facts:
     computed = [("sizes", f"{counts.size}, from {counts.min()} to {counts.max()} asperities"), *_law(result), *_surface(result), *_draws(result)]
     options = ["--counts", ",".join(str(int(n)) for n in counts)]
     return Facts("patches of several sizes", numbers, [check, _validity(result), _independence(result), fit], computed,
-                 _again(result, ["finite-size"], *options), _named_files(result.scene), [table])  # fmt: skip
+                 _again(result, ["finite-size"], *options), paths_in(result.scene), [table])  # fmt: skip
 
 
 def _filter(attrs: dict[str, Any]) -> list[tuple[str, str]]:

@@ -10,14 +10,15 @@ import math
 import os
 import re
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from html import escape
-from importlib.resources import files
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from .. import quantities
+from .. import files, quantities, stored
 from ..errors import FileError
 from ..plot import page as drawn_page
 from ..plot import panels
@@ -55,20 +56,17 @@ def write(results: Sequence[Result | str | os.PathLike[str]], output: str | os.P
     Raises
     ------
     FileError
-        A file is no result, or the page is there already.
+        A file is no result, or the page is there already, or is one of the results.
     """
-    target = Path(output)
-    if target.exists() and not force:
-        raise FileError(f"{target}: exists; force=True overwrites it")
-    opened = [result if isinstance(result, Result) else open_run(result) for result in results]
-    text = page(opened)
-    part = target.with_name(f"{target.name}.part")
-    try:
+    inputs = [result.path if isinstance(result, Result) else result for result in results]
+    files.check(output, force=force, inputs=inputs)
+    with ExitStack() as opened:
+        text = page(
+            [of if isinstance(of, Result) else opened.enter_context(open_run(of)) for of in results]
+        )
+    with files.writing(output, force=force, inputs=inputs) as part:
         part.write_text(text, encoding="utf-8")
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
-    return target
+    return Path(output)
 
 
 def page(results: Sequence[Result]) -> str:
@@ -82,7 +80,7 @@ def page(results: Sequence[Result]) -> str:
         raise FileError("a report needs a result")
     from .. import __version__
 
-    said = [facts(result) for result in results]
+    said = [_read(result, facts) for result in results]
     pairs = list(zip(results, said, strict=True))
     names = _names(results)
     title = results[0].title or names[0]
@@ -90,7 +88,7 @@ def page(results: Sequence[Result]) -> str:
         title = f"{len(results)} results side by side"
 
     def section(heading: str, content: Callable[[Result, Facts], str]) -> str:
-        parts = [content(result, fact) for result, fact in pairs]
+        parts = [_read(result, content, fact) for result, fact in pairs]
         if not any(parts):
             return ""
         several = len(parts) > 1
@@ -115,7 +113,7 @@ def page(results: Sequence[Result]) -> str:
         section("How to make it again", _again),
         section("Provenance", lambda result, _: _rows(_provenance(result))),
     ]
-    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
+    style = resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8")
     policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -126,6 +124,12 @@ def page(results: Sequence[Result]) -> str:
         + "\n".join(part for part in body if part)
         + "\n</body>\n</html>\n"
     )
+
+
+def _read(result: Result, content: Callable[..., Any], *more: Any) -> Any:
+    """What is made of a result; if that fails, its file is at fault."""
+    with stored.reading(result.path):
+        return content(result, *more)
 
 
 def _names(results: Sequence[Result]) -> list[str]:
@@ -261,7 +265,7 @@ def _inline(svg: str, prefix: str, words: str) -> str:
 
 def _data(table: pd.DataFrame, name: str) -> str:
     """A table of data: its first rows, and a link to a CSV file with all of them."""
-    csv = table[:_KEPT].to_csv(index=False, lineterminator="\n")
+    csv = _no_formulas(table[:_KEPT]).to_csv(index=False, lineterminator="\n")
     link = f"data:text/csv;charset=utf-8;base64,{base64.b64encode(csv.encode()).decode()}"
     left_out = ""
     if len(table) > _SHOWN:
@@ -270,6 +274,22 @@ def _data(table: pd.DataFrame, name: str) -> str:
     rows = [[_cell(value) for value in row] for row in table[:_SHOWN].itertuples(index=False)]
     grid = _grid([str(column) for column in table.columns], rows, kind="data")
     return f'<p><a download="{escape(name)}" href="{link}">{escape(name)}</a></p>{left_out}<div class=scroll tabindex=0>{grid}</div>'
+
+
+def _no_formulas(table: pd.DataFrame) -> pd.DataFrame:
+    """A table that spreadsheets take for texts and numbers, also where a text begins like a formula."""
+    texts = [name for name in table.columns if not pd.api.types.is_numeric_dtype(table[name])]
+    return table.assign(**{name: table[name].map(_no_formula) for name in texts}).rename(columns=_no_formula)
+
+
+def _no_formula(cell: Any) -> Any:
+    if not (isinstance(cell, str) and cell.lstrip().startswith(("=", "+", "-", "@"))):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def _cell(value: Any) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import xarray
 
-from .. import quantities
-from ..errors import StictionError
+from .. import files, quantities
+from ..scenes import named_files
+from ..terminal import ended
 from .figure import draw
 from .study import QUANTITIES, sensitivity
 
@@ -45,24 +45,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     picture = output.with_suffix(".png")
     if output.suffix.lower() not in (".h5", ".nc"):
         parser.error(f"--output {output}: a name that ends with .h5 or .nc is needed")
-    try:
-        for path in (output, picture):
-            if path.exists() and not given.force:
-                raise StictionError(f"{path} exists; --force overwrites it", 2)
-        found = sensitivity(
-            given.scene, output, samples=given.samples, replicas=given.replicas, seed=given.seed, threads=given.threads,
-            force=given.force,
-        )  # fmt: skip
-        draw(found).savefig(picture, dpi=200)
-    except (StictionError, OSError) as error:
-        print(f"stiction sensitivity: {error}", file=sys.stderr)
-        return error.exit_code if isinstance(error, StictionError) else 1
-    except KeyboardInterrupt:
-        print("stiction sensitivity: interrupted; nothing was kept", file=sys.stderr)
-        return 130
+    return ended("stiction sensitivity", lambda: _study(given, output, picture))
+
+
+def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:
+    inputs = named_files(given.scene)
+    for path in (output, picture):
+        files.check(path, force=given.force, inputs=inputs)
+    found = sensitivity(
+        given.scene, output, samples=given.samples, replicas=given.replicas, seed=given.seed, threads=given.threads,
+        force=given.force,
+    )  # fmt: skip
+    with files.writing(picture, force=given.force, inputs=inputs) as part:
+        draw(found).savefig(part, dpi=200)
     print(told(found))
     print(f"{output}, {picture}")
-    return 0
 
 
 def told(found: xarray.Dataset) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from .. import experiments, priors
-from ..errors import FileError, SceneError, StictionError
+from .. import experiments, files, priors
+from ..errors import SceneError, StictionError
 from ..results import Result
-from ..scenes import Scene, toml
+from ..scenes import Scene, named_files, toml
 from . import indices
 
 __all__ = ["BLOCKS", "QUANTITIES", "sensitivity"]
@@ -85,12 +85,10 @@ def sensitivity(
         raise SceneError(f"samples = {samples}: a power of 2 of at least 128 is needed")
     if not 0.5 <= level < 1.0:
         raise SceneError(f"level = {level}: a number from 0.5 to below 1 is needed")
-    path = None if output is None else Path(output)
-    if path is not None and path.exists() and not force:
-        raise FileError(f"{path} exists; force=True overwrites it")
-    if path is not None and not path.resolve().parent.is_dir():
-        raise FileError(f"{path}: the folder {path.resolve().parent} is not there")
     found = priors.read(scene)
+    inputs = named_files(scene)
+    if output is not None:
+        files.check(output, force=force, inputs=inputs)
     tables, patches = _checked(found, replicas)
     k, rows = len(found.priors), samples // BLOCKS
     if rows * (k + 2) > _MOST_POINTS:
@@ -121,8 +119,9 @@ def sensitivity(
     # As the run had it: with what the arguments say.
     result.attrs |= {"title": str(tables.get("title", "")), "samples": samples, "blocks": BLOCKS, "replicas": patches,
                      "seed": first, "scene": _text(scene)}  # fmt: skip
-    if path is not None:
-        result.to_netcdf(path, engine="h5netcdf")
+    if output is not None:
+        with files.writing_hdf5(output, force=force, inputs=inputs) as part:
+            result.to_netcdf(part, engine="h5netcdf")
     return result
 
 

@@ -66,9 +66,15 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
 
 fn named(name: &str, described: &Description) -> String {
     match &described.units {
-        Some(units) => format!("{name} [{units}]"),
-        None => name.to_owned(),
+        Some(units) => no_formula(format!("{name} [{units}]")),
+        None => no_formula(name.to_owned()),
     }
+}
+
+/// A text that spreadsheets take for a text, also where it begins like a formula.
+fn no_formula(text: String) -> String {
+    let begins = text.trim_start().starts_with(['=', '+', '-', '@']);
+    if begins && text.parse::<f64>().is_err() { format!("'{text}") } else { text }
 }
 
 fn fields(stored: Stored) -> Vec<String> {
@@ -76,7 +82,7 @@ fn fields(stored: Stored) -> Vec<String> {
         Stored::Numbers(values) => values.iter().map(|value| format!("{value:?}")).collect(),
         Stored::Whole(values) => values.iter().map(u64::to_string).collect(),
         Stored::Signed(values) => values.iter().map(i64::to_string).collect(),
-        Stored::Texts(values) => values,
+        Stored::Texts(values) => values.into_iter().map(no_formula).collect(),
     }
 }
 

@@ -10,8 +10,10 @@ import os
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
+import xarray
 from conftest import CONFIGS
 from scipy import stats
 from scipy.integrate import quad
@@ -62,6 +64,9 @@ def told(function, *arguments, **named):
         ("surface.nominal_area (um^2)\n3\n", "no column has an outcome"),
         ("pull_off_force (uX)\n3\n", "1 uX"),
         ("pull_off_force (uN)\n3\nseven\n", "line 3, pull_off_force: seven is not a number"),
+        ('pull_off_force (uN)\n"3\n"\n4\n', "line 2: unexpected end of data; the quotation marks of a cell begin and end in one line"),
+        ('pull_off_force (uN)\n"3" 4\n', "line 2: "),
+        ("pull_off_force (uN)\n" + "3" * 200_000 + "\n", "line 2: field larger than field limit"),
         ("pull_off_force (uN)\n-3\n", "greater than 0; write `<`"),
         ("pull_off_force (uN),pull_off_force_error (uN)\n3,-1\n", "a standard deviation of 0 or more"),
         ("pull_off_force (uN)\n3,4\n", "line 2: 2 cells"),
@@ -219,10 +224,15 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     row = result.summary().loc["material_work_of_adhesion"]
     assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.03
     assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in said
-    assert "exists; give force=True" in told(infer, folder / "data.csv", small(), folder / "out.h5")
+    assert "exists; force=True overwrites it" in told(infer, folder / "data.csv", small(), folder / "out.h5")
     other = folder / "other.h5"
     other.write_text("nothing")
-    assert "not a result" in told(open_inference, other)
+    assert "not an HDF5 file" in told(open_inference, other)
+    xarray.Dataset({"x": ("n", [1.0])}).to_netcdf(other, engine="h5netcdf")
+    assert "not a result of `stiction infer`" in told(open_inference, other)
+    with h5py.File(other, "r+") as file:
+        file["y"] = h5py.SoftLink("/x")
+    assert "has a link /y to elsewhere" in told(open_inference, other)
 
 
 def test_models_are_compared_by_their_prediction(inferred):

@@ -5,9 +5,13 @@ import re
 import signal
 import subprocess
 import sys
+import time
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 
 import stiction
 from stiction import SceneError
@@ -49,6 +53,46 @@ def test_arguments_of_a_single_asperity_are_named():
     assert "nolaw" in refused(stiction.asperity, **TIP, interference=0.0, law="nolaw")
     assert "approach, retraction" in refused(stiction.asperity, **TIP, interference=0.0, path="sideways")
     assert "poisson_ratio is missing" in refused(stiction.asperity, **TIP, interference=0.0, hardness=1e9)
+
+
+def cyclic():
+    table = {"a": 1}
+    table["b"] = {"c": [table]}
+    return table
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"model": {3: "hybrid"}}, "3: the name of a key or table is a text, not a int"),
+        ({4: {"law": "hybrid"}}, "4: the name of a key or table is a text, not a int"),
+        ({"model": cyclic()}, "model: a table or list in it holds itself"),
+        ({"sweep": ["a"]}, "sweep is a list: a table is needed, a dict"),
+        ({"surface": {"heights": [1e-9 + 1e-9j]}}, "surface.heights: real numbers are needed, not complex ones"),
+        ({"surface": {"heights": np.array([1e-9j])}}, "surface.heights: real numbers are needed, not complex ones"),
+        ({"surface": {"radii": [[1e-9], [1e-9, 2e-9]]}}, "surface.radii: an array of real numbers is needed"),
+        ({"surface": {"radii": np.ma.masked_equal([1e-9, 2e-9], 2e-9)}}, "surface.radii: an array of one dimension of finite lengths"),
+        ({"title": "\udc80"}, "half of a surrogate pair is no character"),
+    ],
+)
+def test_scenes_that_are_no_scenes_are_refused(change, message):
+    scene = {**tomllib.loads(QUICK.read_text()), **change}
+    assert message in refused(stiction.sweep, scene, {"material.hardness": ["1 GPa", "2 GPa"]})
+
+
+def test_names_that_are_none_are_refused(tmp_path):
+    for output in ("a\0.h5", "\ud800.h5"):
+        assert "a text cannot have the character NUL, nor half of a surrogate pair" in refused(stiction.run, QUICK, tmp_path / output)
+    assert "no such file" in refused(stiction.run, "a\0.toml")
+    assert not list(tmp_path.iterdir())
+
+
+def test_complex_numbers_are_no_lengths(tmp_path):
+    assert "radius: real numbers" in refused(stiction.asperity, **{**TIP, "radius": [1e-9j]}, interference=0.0)
+    heights = xarray.DataArray([[1e-9j, 0.0], [0.0, 0.0]], dims=("y", "x"))
+    assert "map: real numbers" in refused(stiction.find_asperities, heights, pixel="1 nm")
+    assert "map: real numbers" in refused(stiction.find_asperities, heights.values, pixel="1 nm")
+    assert "interference: real" in refused(stiction.asperity, **TIP, interference=xarray.DataArray([1j], dims="x"))
 
 
 def test_options_of_false_and_none_are_left_out():
@@ -94,3 +138,26 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
     else:
         assert told == "nothing was kept, as no output was named\n"
         assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+def test_the_program_ends_with_python(how, tmp_path):
+    """However Python ends: what was done is kept, and the output is free."""
+    output = tmp_path / "long.h5"
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, str(output), QUICK], stderr=subprocess.PIPE, text=True, env=os.environ
+    )
+    shown = ""
+    while not re.search(r"\| *[1-9]\d*/", shown):
+        read = process.stderr.read(1)
+        assert read, shown
+        shown += read
+    (program,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    process.send_signal(how)
+    assert process.wait() == -how
+    process.stderr.close()
+    given_up = time.monotonic() + 30.0
+    while Path(f"/proc/{program}").exists() and time.monotonic() < given_up:
+        time.sleep(0.05)
+    assert not Path(f"/proc/{program}").exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.h5.checkpoint", "long.h5.checkpoint.replicas"]

@@ -242,6 +242,15 @@ def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
     assert main([str(copy)]) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'a.png'}\n"
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    # A picture that is there stays.
+    (tmp_path / "a.png").write_text("mine")
+    assert main([str(copy)]) == 2
+    assert capsys.readouterr().err == f"stiction plot: {tmp_path / 'a.png'}: exists; --force overwrites it\n"
+    assert (tmp_path / "a.png").read_text() == "mine"
+    assert main([str(copy), "--force"]) == 0
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and capsys.readouterr().out
+    assert main([str(copy), str(copy), "--force"]) == 2
+    assert "would be written twice" in capsys.readouterr().err
     assert main([str(copy), "--what", "list"]) == 0
     assert capsys.readouterr().out.split() == ["force", "pull_off", "regimes", "deviation"]
 
@@ -252,7 +261,7 @@ def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
         ("run", ["--what", "forces"], 2, "forces: no figure of this result; it has force, pull_off, regimes, deviation"),
         ("run", ["--x", "material.hardness"], 2, "--x: this is no sweep, whose keys it names"),
         ("sweep", ["--x", "material.hardness"], 2, "not a key of this sweep; it has surface.lubricant_thickness"),
-        ("run", ["-o", "none/a.png"], 1, "none/a.png"),
+        ("run", ["-o", "none/a.png"], 2, "none/a.png: there is no folder none"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(result, name, arguments, code, message, tmp_path, monkeypatch, capsys):

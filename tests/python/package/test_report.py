@@ -12,6 +12,7 @@ import subprocess
 
 import h5py
 import numpy as np
+import pandas as pd
 import pytest
 
 import stiction
@@ -20,6 +21,7 @@ from stiction import FileError, plot
 from stiction.program import find
 from stiction.report.command import main
 from stiction.report.facts import facts
+from stiction.report.page import _data
 
 KINDS = [
     "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid_of_three", "choice", "comparison",
@@ -88,6 +90,16 @@ def test_the_data_behind_a_figure_are_the_datasets(result):
     np.testing.assert_array_equal(quantile, run["ensemble/external_force_quantile"].sel(quantile=0.95).values)
     patches = list(csv.DictReader(io.StringIO(base64.b64decode(links["run_pull_off.csv"]).decode())))
     np.testing.assert_array_equal([float(row["pull_off_force (N)"]) for row in patches], run["replicas/pull_off_force"].values)
+
+
+def test_texts_of_a_csv_are_no_formulas():
+    given = {"=1+1": ["=cmd|' /C calc'!A0", "@sum(a)", "+a", "-a", " =1", "a=1"], "x": [-1.0, 2.0, 3.0, 4.0, 5.0, 6.0]}
+    given["text"] = ["-1.5", "+2", "-inf", "a", "", "1e-9"]
+    link = re.search(r'base64,([^"]*)"', _data(pd.DataFrame(given), "a.csv"))[1]
+    rows = list(csv.reader(io.StringIO(base64.b64decode(link).decode())))
+    assert rows[0] == ["'=1+1", "x", "text"]
+    assert [row[0] for row in rows[1:]] == [f"'{text}" for text in given["=1+1"][:5]] + ["a=1"]
+    assert [float(row[1]) for row in rows[1:]] == given["x"] and [row[2] for row in rows[1:]] == given["text"]
 
 
 def test_the_share_of_the_mean_planes_is_told(result):
@@ -223,8 +235,8 @@ def test_the_command_writes_a_page_and_overwrites_none(result, tmp_path, capsys)
 def test_what_is_wrong_is_told_in_one_line(result, tmp_path, capsys):
     assert main([str(tmp_path / "none.h5")]) == 2
     assert capsys.readouterr().err == f"stiction report: {tmp_path / 'none.h5'}: no such file\n"
-    assert main([str(result("run").path), "-o", str(tmp_path / "none" / "a.html")]) == 1
-    assert "none" in capsys.readouterr().err
+    assert main([str(result("run").path), "-o", str(tmp_path / "none" / "a.html")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
     with pytest.raises(SystemExit) as ended:
         main([str(result("run").path), "-o", "a.pdf"])
     assert ended.value.code == 2 and "--output a.pdf: a name that ends with .html is needed" in capsys.readouterr().err

@@ -158,7 +158,7 @@ def test_the_command_leaves_file_and_figure_and_overwrites_nothing(tmp_path, mon
         assert file.attrs["scene"] == (tmp_path / "counts.toml").read_text(encoding="utf-8")
     assert (tmp_path / "counts_sensitivity.png").stat().st_size > 10_000
     assert command.main(given) == 2
-    assert "counts_sensitivity.h5 exists; --force overwrites it" in capsys.readouterr().err
+    assert "counts_sensitivity.h5: exists; --force overwrites it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

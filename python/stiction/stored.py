@@ -1,0 +1,118 @@
+"""Files of unknown origin: that they hold what they claim, and nothing that is elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+
+from . import program
+from .errors import FileError, StictionError
+
+__all__ = ["check", "reading", "try_first"]
+
+# Groups and datasets together; results have up to two hundred.
+_MOST_OBJECTS = 1000
+# Bytes that a byte of a file can hold at most: deflate makes no more of one.
+_LARGEST_EXPANSION = 1032
+# Characters of a message of a library that are shown.
+_SHOWN = 200
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Whatever fails in the block is a fault of the file, which is all that the block depends on.
+
+    Raises
+    ------
+    FileError
+        The message begins with the path.
+    """
+    try:
+        yield
+    except StictionError as error:
+        if str(path) in str(error):
+            raise
+        raise type(error)(f"{path}: {error}", error.exit_code) from error
+    except MemoryError:
+        raise FileError(f"{path}: is damaged, or too large for the memory of this computer") from None
+    except Exception as error:
+        said = " ".join(str(error).split())[:_SHOWN]
+        said = (
+            f"something is missing: {said}" if isinstance(error, KeyError) else said or type(error).__name__
+        )
+        raise FileError(f"{path}: is damaged or not whole: {said}") from error
+
+
+def try_first(path: Path) -> None:
+    """Has the program read a file first, in a process with limits: libhdf5 may never return from damage.
+
+    Raises
+    ------
+    StictionError
+        With the message of `stiction info`.
+    """
+    if path.is_file() and h5py.is_hdf5(path):
+        program.call(["info", str(path)])
+
+
+def check(path: Path) -> None:
+    """Refuses an HDF5 file that leads to other files, in a circle, or claims more values than it holds.
+
+    As `stiction validate` does with what it reads, but of everything in the file.
+
+    Raises
+    ------
+    FileError
+        The message says what is wrong.
+    """
+    if not h5py.is_hdf5(path):
+        raise FileError(f"{path}: not an HDF5 file")
+    with reading(path), h5py.File(path, "r") as file:
+        groups: list[h5py.Group] = [file]
+        known = {_address(file)}
+        count = 0
+        while groups:
+            group = groups.pop()
+            for name in group:
+                count += 1
+                if count > _MOST_OBJECTS:
+                    raise FileError(
+                        f"{path}: has more than {_MOST_OBJECTS} groups and datasets, which no result has"
+                    )
+                where = f"{group.name.rstrip('/')}/{name}"
+                if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                    raise FileError(f"{path}: has a link {where} to elsewhere, which is not followed")
+                item = group[name]
+                if isinstance(item, h5py.Dataset):
+                    _check_dataset(path, where, item)
+                elif isinstance(item, h5py.Group):
+                    if _address(item) in known:
+                        raise FileError(f"{path}: has the group {where} twice")
+                    known.add(_address(item))
+                    groups.append(item)
+                else:
+                    raise FileError(f"{path}: has {where}, which is neither a group nor a dataset")
+
+
+def _address(group: h5py.Group) -> int:
+    return int(h5py.h5o.get_info(group.id).addr)
+
+
+def _check_dataset(path: Path, where: str, dataset: h5py.Dataset) -> None:
+    if dataset.shape is None:
+        raise FileError(f"{path}: has a dataset {where} without values")
+    if dataset.dtype.kind not in "iuf" and h5py.check_string_dtype(dataset.dtype) is None:
+        raise FileError(f"{path}: has a dataset {where} that holds neither numbers nor texts")
+    creation = dataset.id.get_create_plist()
+    layout = creation.get_layout()
+    if layout == h5py.h5d.VIRTUAL or (layout == h5py.h5d.CONTIGUOUS and creation.get_external_count()):
+        raise FileError(f"{path}: has a dataset {where} whose values are in other files, which are not read")
+    # Dimensions of netCDF are datasets without any value that is stored, so the file as a whole is the limit.
+    held = path.stat().st_size * _LARGEST_EXPANSION
+    most = max(math.prod(dataset.shape), math.prod(dataset.chunks or ())) * dataset.dtype.itemsize
+    if dataset.size and most > held:
+        raise FileError(f"{path}: has a dataset {where} that has more values than the file holds")

@@ -1,0 +1,60 @@
+"""What the commands of the package say on a terminal, and how they end."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+
+from .errors import StictionError
+
+__all__ = ["ended"]
+
+# The exit code of a command that was interrupted.
+_INTERRUPTED = 130
+
+
+def ended(name: str, work: Callable[[], None]) -> int:
+    """Does the work of a command, says in a line on standard error what went wrong; returns the exit code.
+
+    Parameters
+    ----------
+    name : str
+        The command, such as ``stiction plot``.
+    work : callable
+        Prints its results; they are lost to nobody unless an error says so.
+    """
+    try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
+        work()
+        sys.stdout.flush()
+        return 0
+    except BrokenPipeError:
+        # Nobody reads it any more.
+        _silence()
+        return 0
+    except StictionError as error:
+        code, said = error.exit_code, str(error)
+    except KeyboardInterrupt:
+        code, said = _INTERRUPTED, "interrupted"
+    except MemoryError:
+        code, said = 1, "not enough memory"
+    except OSError as error:
+        # Files are named in their errors.
+        is_of_output = error.errno is not None and error.filename is None
+        code, said = 1, f"cannot write to standard output: {error}" if is_of_output else str(error)
+        _silence()
+    line = " ".join(said.replace("force=True", "--force").split())
+    if sys.stderr is not None:
+        print(f"{name}: {''.join(one if one.isprintable() else '�' for one in line)}", file=sys.stderr)
+    return code
+
+
+def _silence() -> None:
+    """Leaves nothing to write to a standard output that fails: Python would try it once more at its end."""
+    try:
+        sys.stdout.flush()
+    except (OSError, AttributeError):
+        if sys.stdout is not None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

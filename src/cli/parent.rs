@@ -1,0 +1,27 @@
+//! Ending with the process that this one computes for.
+
+/// In the environment: the number of the process with which this one is to end.
+#[cfg(target_os = "linux")]
+const PARENT: &str = "STICTION_PARENT";
+
+/// Has this process interrupted, as by SIGTERM, when the one ends that has started it and is named in
+/// `STICTION_PARENT`, however that ends: the Python package names itself.
+#[cfg(target_os = "linux")]
+pub(super) fn end_with_parent() {
+    use rustix::process::{Pid, Signal, set_parent_process_death_signal, test_kill_process};
+    use std::io::Write;
+    let named = std::env::var(PARENT).ok().and_then(|number| number.parse().ok());
+    let Some(parent) = named.and_then(Pid::from_raw) else { return };
+    let _ = set_parent_process_death_signal(Some(Signal::TERM));
+    // It may have ended since it started this one.
+    if test_kill_process(parent) == Err(rustix::io::Errno::SRCH) {
+        let number = parent.as_raw_nonzero();
+        let _ =
+            writeln!(std::io::stderr(), "stiction: {PARENT} = {number}: there is no such process any more");
+        std::process::exit(super::session::INTERRUPTED);
+    }
+}
+
+/// Other systems have no such signal.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn end_with_parent() {}

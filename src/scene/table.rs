@@ -296,13 +296,14 @@ pub static KEYS: &[Key] = &[
         )
         .defaults_to("\"mean_curvature\""),
     key("model", "{ law = \"md_plastic\" }", Table).what("the law of one asperity, and the history"),
-    key("model.law", "\"md_plastic\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
+    key("model.law", "\"hybrid\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
         .what("law of one asperity")
         .swept()
         .about(
             "`md_plastic` is for every λ, and continuous where contacts begin to flow; the page of the laws says what \
-             each is and where it is valid. A loop needs no law: it has `md_plastic`.",
-        ),
+             each is and where it is valid.",
+        )
+        .follows("required, but for a loop, which has `md_plastic`"),
     key("model.plastic_contact", "\"zmc\"", Choice(|| names(&PlasticContact::ALL)))
         .what("plastic contact under `md_plastic`")
         .about(

@@ -393,9 +393,29 @@ const CASES: &[(&str, &str, &[&str])] = &[
         ],
     ),
     (
+        "law = \"hybrid\"",
+        "law = \"hybrid\"\nplastic_contact = \"jg\"",
+        &[
+            "line 21",
+            "`model.plastic_contact = \"jg\"`",
+            "the law hybrid has no contact to choose",
+            "md_plastic",
+        ],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "history = \"loop\"\nunloading = \"secant\"",
+        &["line 21", "is not an unloading of the law md_plastic", "\"flattened_top\""],
+    ),
+    (
         "law = \"hybrid\"\nhistory = \"approach\"",
         "law = \"zmc\"\nhistory = \"loop\"\nunloading = \"ekk\"",
-        &["line 22", "`model.unloading = \"ekk\"`", "not of that of zmc", "\"secant\""],
+        &[
+            "line 22",
+            "`model.unloading = \"ekk\"`",
+            "is not an unloading of the law zmc",
+            "the others are of any law but md_plastic",
+        ],
     ),
     (
         "history = \"approach\"",
@@ -423,7 +443,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "law = \"hybrid\"",
         "law = \"hybird\"",
-        &["line 20", "unknown law", "did you mean \"hybrid\"?", "known: hybrid, emd"],
+        &["line 20", "unknown law", "did you mean \"hybrid\"?", "known: md_plastic, hybrid, emd"],
     ),
     ("history = \"approach\"", "history = \"sideways\"", &["unknown history", "approach, retraction"]),
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
@@ -713,6 +733,7 @@ const OF_SPECTRUM: &[&str] =
 const VARIANTS: &[Variant] = &[
     (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
     (&[], &["substrate.coupling", "substrate.positions", "substrate.tolerance", "substrate.loads_at"], &[]),
+    (&[], &["model.plastic_contact"], &[("model.law", "\"md_plastic\"")]),
     (&[], &["substrate.coupling", "substrate.kernel"], &[]),
     (&[], &["substrate.coupling", "substrate.minimum_distance"], &[]),
     (

@@ -264,7 +264,10 @@ fn bad_arguments_of_asperity_are_named() {
     std::fs::write(folder.path("table.csv"), "lambda,approach\n1,2\n").unwrap();
     std::fs::write(folder.path("words.csv"), "lambda,delta\n1,two\n").unwrap();
     let cases: [(&[&str], &str); 11] = [
-        (&["--law", "edm", "--lambda", "1", "--delta", "0"], "--law edm: unknown law; known: hybrid, emd"),
+        (
+            &["--law", "edm", "--lambda", "1", "--delta", "0"],
+            "--law edm: unknown law; known: md_plastic, hybrid, emd",
+        ),
         (&["--law", "md_kin", "--lambda", "1", "--delta", "0"], "did you mean md_kim?"),
         (&["--law", "ke", "--lambda", "1", "--delta", "0"], "give --critical-interference"),
         (

@@ -137,7 +137,7 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     let cases: [(&[&str], &str); 8] = [
         (
             &["scene.toml", "--laws", "hybrid,emdd"],
-            "--laws emdd: unknown law (did you mean emd?); known: hybrid",
+            "--laws emdd: unknown law (did you mean emd?); known: md_plastic, hybrid",
         ),
         (&["scene.toml", "--laws", "emd,emd"], "emd is given twice"),
         (&["scene.toml", "--laws", "emd,"], "a name is empty"),

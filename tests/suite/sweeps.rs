@@ -516,7 +516,7 @@ fn what_cannot_be_swept_is_refused_with_what_would_do() {
         ("ensemble.replicas = [1, 2]", ["`sweep.ensemble.replicas", "all points have the same replicas"]),
         ("ensemble.seed = [1, 2]", ["`sweep.ensemble.seed", "common_random_numbers = false"]),
         ("separation.h_star = [1, 2]", ["`sweep.separation", "give them in [separation]"]),
-        ("model.law = [\"edm\"]", ["`sweep.model.law[0] = \"edm\"`", "known: hybrid, emd"]),
+        ("model.law = [\"edm\"]", ["`sweep.model.law[0] = \"edm\"`", "known: md_plastic, hybrid, emd"]),
         ("model.history = [\"loop\"]", ["`sweep.model.history", "give it in [model]"]),
         ("title = [\"a\"]", ["`sweep.title", "is that of the whole file"]),
         ("mode = \"cube\"\nmaterial.hardness = [\"1 GPa\"]", ["`sweep.mode = \"cube\"`", "known: grid, zip"]),

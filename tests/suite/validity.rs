@@ -285,6 +285,11 @@ fn scenes_are_warned_of_what_matters_only(folders: &[&str], fewest: u32) {
         ),
         ("sweep_lubricant.toml", "is thicker than sigma"),
         ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
+        ("sweep_flattened.toml", "of the nominal area is in contact at pull-off"),
+        ("sweep_flattened.toml", "the curves miss 13 % of the peak stiffness"),
+        ("sweep_flattened.toml", "of contacts have flowed where the surfaces turn back"),
+        ("sweep_flattened.toml", "of the contacts that have flowed are pressed to less than 30 times"),
+        ("sweep_flattened.toml", "lambda = 0.165 is below 5, the limit of adhesion within the contact only"),
         ("sweep_plastic.toml", "lambda = 0.165 is above 0.1"),
         ("sweep_plastic.toml", "lambda = 0.165 is below 5, the limit of adhesion within the contact only"),
     ];

@@ -92,7 +92,7 @@ def test_pull_off_of_explicit_heights_is_the_programs(tmp_path):
     """The same heights, as a measured surface that the program takes whole: within 2e-4, all patches that were drawn."""
     tables = priors.opened(CONFIGS / "quick.toml")
     patches = Patches(tables)
-    curves = patches._splitting.curves
+    curves = patches._below
     some = curves.drawn(6, np.random.default_rng(5))
     path = tmp_path / "asperities.h5"
     with stiction.find_asperities(CONFIGS / "maps" / "polished.txt", path):
@@ -129,7 +129,7 @@ def test_moves_keep_the_law_of_patches(count):
     """
     tables = priors.opened(CONFIGS / "quick.toml")
     tables["surface"]["count"] = count
-    curves = Patches(tables)._splitting.curves
+    curves = Patches(tables)._below
     rng = np.random.default_rng(3)
     some = curves.drawn(600, rng)
     for _ in range(8):

@@ -190,7 +190,8 @@ def _indices(means: Array) -> Array:
     whole = of_mean + scatter
 
     def share(part: Array, of: Array) -> Array:
-        return np.divide(part, of, out=np.full(np.broadcast_shapes(part.shape, of.shape), np.nan), where=of > 0.0)
+        nothing = np.full(np.broadcast_shapes(part.shape, of.shape), np.nan)
+        return np.asarray(np.divide(part, of, out=nothing, where=of > 0.0))
 
     shares = share(means[..., :-2], of_mean[..., None])
     return np.concatenate([shares, np.stack([share(scatter, whole), whole], axis=-1)], axis=-1)

@@ -102,12 +102,12 @@ class Patches:
         error : float
             Relative standard error that is wanted.
         most : int, optional
-            Patches at most: by default 200 000 above, which the program solves, and 20 million below, with those that are moved.
+            Patches at most: by default 200 000 above, and 20 million below, with those that are moved.
 
         Raises
         ------
         StictionError
-            With so many patches the error is not reached.
+            The error takes more patches, or the answer rests on a few of them.
         """
         if below:
             return splitting.Splitting(self._below, self._seeds).probability(threshold, error, most or _MOST_BELOW)
@@ -129,7 +129,7 @@ class Patches:
         Raises
         ------
         StictionError
-            With so many patches the error is not reached.
+            The error takes more patches, or the answer rests on a few of them.
         """
         if below:
             return splitting.Splitting(self._below, self._seeds).quantile(probability, error, most or _MOST_BELOW)

@@ -45,6 +45,7 @@ class PullOff:
     ----------
     mean, standard_error : float
         The mean over replicas and its standard error, N; with the integral as control variate where that was possible.
+        NaN is the error of one replica, and of replicas that all agree, which is no certainty.
     interval : tuple of float
         What holds the true mean with the probability `interval_level`, N.
     std, scatter : float
@@ -55,6 +56,8 @@ class PullOff:
         Depth of the mean curve, and of the statistical integral, N: smaller, as each patch has its own separation.
     replicas : int
         How many replicas it is the mean of.
+    most_differing : float
+        Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise NaN.
     """
 
     mean: float
@@ -67,9 +70,18 @@ class PullOff:
     of_mean_curve: float
     of_integral: float
     replicas: int
+    most_differing: float = float("nan")
 
     def __str__(self) -> str:
         return quantities.with_error(self.mean, self.standard_error, "N")
+
+    @property
+    def agreement(self) -> str:
+        """What is known where all replicas agree; empty where they do not."""
+        if not self.most_differing > 0.0:
+            return ""
+        share = quantities.number(100.0 * self.most_differing)
+        return f"all {self.replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
 
     def __float__(self) -> float:
         return self.mean
@@ -302,6 +314,7 @@ class Run(_Curves):
             of_mean_curve=float(ensemble.attrs["pull_off_force"]),
             of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
             replicas=int(values.size),
+            most_differing=float(force.get("scalar_most_differing", np.nan)),
         )
 
     @cached_property

@@ -150,7 +150,7 @@ const BOUNDS: &[Bound] = &[
     bound("/ensemble/scalar_variance_reduction", Ratio, Absent),
     bound("/ensemble/scalar_*", NotNegative, Absent),
     bound("/ensemble/target_mean", Finite, Never),
-    bound("/ensemble/target_standard_error", NotNegative, OneGroup),
+    bound("/ensemble/target_standard_error", NotNegative, Absent),
     bound("/ensemble/target_largest_standard_error", NotNegative, Never),
     bound("/ensemble/target_met", Flag, Never),
     bound("/ensemble/pull_off_force_difference_mean", Finite, Never),

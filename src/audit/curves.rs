@@ -169,7 +169,7 @@ impl Checked<'_> {
             let expected = self.values(&format!("/integral/{way}external_force"))?;
             let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
             let means = controlled_means(&parts, &expected);
-            let plain: Vec<f64> = means.iter().map(|mean| mean.standard_error).collect();
+            let plain: Vec<f64> = means.iter().map(|mean| mean.standard_error.max(0.0)).collect();
             for (name, expected) in [
                 ("controlled_mean", means.iter().map(|mean| mean.controlled_mean).collect::<Vec<f64>>()),
                 (

@@ -36,7 +36,11 @@ impl Checked<'_> {
             moments.push(&columns.iter().map(mean).collect::<Vec<f64>>());
         }
         self.compare(&of("mean"), &mean, moments.mean(), |i| ROUNDING * largest[i], "/replicas");
-        let errors = moments.standard_error();
+        // Where all replicas agree no error is known.
+        let known = |(i, of): (usize, f64)| {
+            if error[i].is_nan() && of <= ROUNDING * largest[i] { f64::NAN } else { of }
+        };
+        let errors: Vec<f64> = moments.standard_error().into_iter().enumerate().map(known).collect();
         self.compare(
             &of("standard_error"),
             &error,
@@ -152,8 +156,12 @@ impl Checked<'_> {
         );
         let is_met: Vec<f64> = error
             .iter()
-            .zip(&largest)
-            .map(|(error, largest)| f64::from(u8::from(error <= largest)))
+            .zip(largest.iter().zip(&met))
+            .map(
+                |(error, (largest, met))| {
+                    if error.is_nan() { *met } else { f64::from(u8::from(error <= largest)) }
+                },
+            )
             .collect();
         self.compare("/ensemble/target_met", &met, &is_met, |_| 0.0, "the standard errors");
         Ok(())

@@ -57,13 +57,13 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
         };
         let missed = if attained.is_met() { "" } else { ": missed" };
         let [reached, largest] = [attained.standard_error, attained.largest].map(error);
+        let reached = match agreeing(attained.samples, attained.most_differing()) {
+            Some(agree) => format!(": {agree}"),
+            None => format!(" to {reached}"),
+        };
         text += &row(
             "",
-            &format!(
-                "{} ({}) to {reached}, at most {largest}{missed}",
-                target.name(),
-                target.estimate.name()
-            ),
+            &format!("{} ({}){reached}, at most {largest}{missed}", target.name(), target.estimate.name()),
         );
         text += &interval(attained.interval, attained.samples, unit(target));
     }
@@ -94,14 +94,20 @@ fn scattered(share: f64) -> String {
     }
 }
 
+/// What is known where all groups of replicas agree, if they do.
+fn agreeing(groups: u64, differing: f64) -> Option<String> {
+    let bound = || format!("with 95 % confidence at most {} of patches differ", percent(differing));
+    differing.is_finite().then(|| format!("all {groups} replicas agree: {}", bound()))
+}
+
 /// A mean over replicas with its standard error and the scatter of one replica.
 fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
     let value = si(mean.mean, unit);
     if !std.is_finite() {
         return format!("{value}  (one replica: no scatter)");
     }
-    if std <= SUM_ROUNDING * mean.mean.abs() {
-        return format!("{value}  (the same in all replicas: nothing is left to chance)");
+    if let Some(agree) = agreeing(mean.samples, mean.most_differing()) {
+        return format!("{value}  ({agree})");
     }
     let scatter = scattered(std / mean.mean.abs());
     if !mean.standard_error.is_finite() {
@@ -163,7 +169,7 @@ fn pull_off(results: &Results) -> String {
     }
     let mean = &results.scalars[0];
     let on_average = format!("at h* = {:.3} on average", h_star(results, separation));
-    let mut text = if std <= SUM_ROUNDING * mean.mean.abs() {
+    let mut text = if mean.most_differing().is_finite() {
         row("pull-off", &scatter(mean, std, "N")) + &row("", &on_average)
     } else {
         quoted(results, mean, "N") + &row("", &format!("{}, {on_average}", scattered(std / mean.mean.abs())))

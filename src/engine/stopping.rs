@@ -12,8 +12,10 @@ use super::Job;
 use super::batch::{BATCH, Ensemble};
 use super::reduction_tree::ReductionTree;
 use super::scalars::SCALARS;
-use crate::math::control_variates::controlled_means;
+use crate::math::control_variates::{agreeing, controlled_means};
 
+/// Replicas that agree are enough for a target where at most so many of all outcomes may differ.
+const DIFFERING: f64 = 0.05;
 /// From one look to the next the replicas grow by one part in so many, and to whole batches.
 const GROWTH: u64 = 10;
 
@@ -109,7 +111,7 @@ pub struct Attained {
     pub target: Target,
     /// The mean, in the units of the scalar, likewise below.
     pub mean: f64,
-    /// The standard error; NaN for fewer than two groups of replicas.
+    /// The standard error; NaN for fewer than two groups of replicas, and where all of them agree.
     pub standard_error: f64,
     /// The 95 % interval, from and to.
     pub interval: [f64; 2],
@@ -120,9 +122,18 @@ pub struct Attained {
 }
 
 impl Attained {
-    /// Whether the mean is known as well as it is to be.
+    /// Whether the mean is known as well as it is to be. Groups that all agree are enough for that when at
+    /// most 5 % of outcomes may differ, and the mean is within two of the standard errors that are allowed
+    /// even if each of these is off by the whole mean.
     pub fn is_met(&self) -> bool {
-        self.standard_error <= self.largest
+        let differing = self.most_differing();
+        let is_enough = differing <= DIFFERING && differing * self.mean.abs() <= 2.0 * self.largest;
+        self.standard_error <= self.largest || is_enough
+    }
+
+    /// Where all groups of replicas agree the largest share of outcomes that may differ, otherwise NaN.
+    pub fn most_differing(&self) -> f64 {
+        agreeing(self.samples, self.standard_error)
     }
 }
 
@@ -183,6 +194,19 @@ impl Rule<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// With 3/n of patches that may differ, 59 replicas are the least for 5 %, and 150 for a mean to 1 %.
+    #[test]
+    fn replicas_that_agree_meet_a_target_when_they_are_many() {
+        let met = |samples: u64, share: f64| {
+            let target = Target { quantity: 0, estimate: Estimator::Plain, limit: Limit::Relative(share) };
+            let interval = [f64::NAN; 2];
+            Attained { target, mean: -2.0, standard_error: f64::NAN, interval, samples, largest: 2.0 * share }
+                .is_met()
+        };
+        assert!(!met(1, 0.5) && !met(8, 0.5) && !met(58, 0.5) && met(59, 0.5));
+        assert!(!met(64, 0.01) && !met(148, 0.01) && met(150, 0.01));
+    }
 
     fn looks(min_replicas: u64, max_replicas: u64) -> Vec<u64> {
         let stopping = Stopping { targets: Vec::new(), min_replicas, max_replicas };

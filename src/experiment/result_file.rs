@@ -303,6 +303,7 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
     writer.number("/ensemble", "interval_level", LEVEL)?;
     intervals("interval", |mean| mean.interval)?;
     intervals("controlled_interval", |mean| mean.controlled_interval)?;
+    write("most_differing", ControlledMean::most_differing)?;
     write("controlled_mean", |mean| mean.controlled_mean)?;
     write("controlled_standard_error", |mean| mean.controlled_standard_error)?;
     write("variance_reduction", ControlledMean::variance_reduction)

@@ -17,7 +17,10 @@
 use super::interval::{interval, skewness};
 use super::linalg::whitening;
 use super::moments::{CentralMoments, Comoments};
+use super::proportion::most_differing;
 
+/// Samples agree whose scatter is at most so much of their mean: what rounding and the solvers leave is less.
+const ALIKE: f64 = 1e-9;
 /// Directions of the controls' correlation whose variance is less than this share of the largest are left out
 /// as collinear.
 const COLLINEAR: f64 = 1e-8;
@@ -41,7 +44,8 @@ pub struct ControlledMean {
     pub samples: u64,
     /// The plain mean.
     pub mean: f64,
-    /// The standard error; NaN for fewer than two samples, likewise below.
+    /// The standard error; NaN for fewer than two samples, and where all of them agree, which is no
+    /// certainty; likewise below.
     pub standard_error: f64,
     /// The 95 % [`interval`], from and to.
     pub interval: [f64; 2],
@@ -54,12 +58,24 @@ pub struct ControlledMean {
 }
 
 impl ControlledMean {
+    /// Where all samples agree, at least two, the largest share of outcomes that may differ, with 95 %
+    /// confidence; otherwise NaN.
+    pub fn most_differing(&self) -> f64 {
+        agreeing(self.samples, self.standard_error)
+    }
+
     /// The variance of the plain mean over that of the one with control variates; NaN where nothing varies,
     /// or nothing is left of it.
     pub fn variance_reduction(&self) -> f64 {
         let ratio = (self.standard_error / self.controlled_standard_error).powi(2);
         if ratio.is_finite() { ratio } else { f64::NAN }
     }
+}
+
+/// The share of outcomes that may differ, with 95 % confidence, where at least two samples agree: there is then
+/// no standard error. Otherwise NaN.
+pub fn agreeing(samples: u64, standard_error: f64) -> f64 {
+    if samples >= 2 && standard_error.is_nan() { most_differing(samples) } else { f64::NAN }
 }
 
 /// The means of the last components of a sample in independent `parts`, with the first ones as controls,
@@ -101,8 +117,10 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
         }
         let ([mean, squares, cubes], n) = (merged.of_combination(&[1.0]), merged.count());
         let squares = if squares <= nothing { 0.0 } else { squares };
+        let agree = !controlled && squares <= n as f64 * (ALIKE * mean).powi(2);
         let freedom = n as f64 - 1.0 - if controlled { coefficients as f64 } else { 0.0 };
-        let standard_error = if n < 2 { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
+        let standard_error =
+            if n < 2 || agree { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
         (
             mean,
             standard_error,
@@ -115,7 +133,8 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
         let plain = mean_of(y, false, 0.0);
         // What the sums round off is no residual.
         let rounding = 16.0 * (samples as f64 + coefficients as f64) * f64::EPSILON * plain.3;
-        let controlled = if coefficients > 0 { mean_of(y, true, rounding) } else { plain };
+        let controlled =
+            if coefficients > 0 && plain.1.is_finite() { mean_of(y, true, rounding) } else { plain };
         ControlledMean {
             samples,
             mean: plain.0,
@@ -231,6 +250,22 @@ mod tests {
         ] {
             assert!(found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {exact:?}");
         }
+    }
+
+    /// Alike but for the rounding of a sum, whatever the controls do: no error is known, and 1 − 0.05^(1/8) of
+    /// outcomes may differ.
+    #[test]
+    fn samples_that_agree_have_no_standard_error() {
+        let rows: Vec<[f64; 2]> =
+            (0..8).map(|i| [f64::from(i), 3.0 * (1.0 + f64::from(i % 2) * f64::EPSILON)]).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(<[f64; 2]>::as_slice).collect();
+        let [mean] = controlled_means(&parts(&rows, 2), &[3.0])[..] else { panic!() };
+        assert!((mean.mean - 3.0).abs() < 1e-15 && (mean.controlled_mean - 3.0).abs() < 1e-15, "{mean:?}");
+        let unknown = [mean.standard_error, mean.controlled_standard_error, mean.interval[0]];
+        assert!(unknown.iter().all(|value| value.is_nan()), "{mean:?}");
+        assert!((mean.most_differing() - (1.0 - 0.05_f64.powf(0.125))).abs() < 1e-12, "{mean:?}");
+        let other = controlled_means(&parts(&[&[0.0, 1.0], &[1.0, 2.0]], 2), &[0.0]);
+        assert!(other[0].most_differing().is_nan() && other[0].standard_error > 0.0);
     }
 
     #[test]

@@ -16,9 +16,25 @@ pub fn wilson_interval(count: u64, of: u64) -> (f64, f64) {
     (low, high)
 }
 
+/// The share of all outcomes that differ at most, with 95 % confidence, if `of` independent ones are alike:
+/// 1 − 0.05^(1/of), which is about 3/of (the rule of three). NaN without an outcome.
+pub fn most_differing(of: u64) -> f64 {
+    if of == 0 { f64::NAN } else { -libm::expm1(libm::log(0.05) / of as f64) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// If a share more than the bound differs, less than one sample in 20 has none that does, by the binomial
+    /// distribution.
+    #[test]
+    fn what_differs_more_than_the_bound_shows() {
+        for of in [1, 2, 8, 64, 1000] {
+            assert!(((1.0 - most_differing(of)).powf(of as f64) - 0.05).abs() < 1e-12, "{of}");
+        }
+        assert!((most_differing(8) - 0.3123).abs() < 1e-4 && most_differing(0).is_nan());
+    }
 
     /// From scipy.stats.binomtest(...).proportion_ci(method="wilson").
     #[test]

@@ -350,6 +350,53 @@ fn one_group_has_no_standard_error() {
     assert!(text(&folder.stiction(&["validate", "scene.h5"]).stdout).contains("ensemble and integral agree"));
 }
 
+/// The highest of four asperities that scatter by 1 µm touches alone, so that each patch pulls 2πRΔγ, 125.7 nN:
+/// a closed form. That all replicas agree is no certainty: of eight 1 − 0.05^(1/8) = 31 % may differ, and a target
+/// of 1 % is met when 3/n is below 2 %.
+#[test]
+fn replicas_that_agree_have_a_bound_in_the_place_of_an_error() {
+    let scene = |ensemble: &str| {
+        format!(
+            r#"format = 1
+[material]
+reduced_modulus = "20 GPa"
+hardness = "1 TPa"
+poisson_ratio = 0.3
+work_of_adhesion = "0.02 J/m^2"
+equilibrium_spacing = "0.3 nm"
+[surface]
+asperity_radius = "1 um"
+asperity_density = "0.04 /um^2"
+asperity_height_std = "1 um"
+mean_plane_offset = "0 nm"
+nominal_area = "100 um^2"
+[model]
+law = "dmt"
+[separation]
+h = {{ from = "-1 um", to = "6 um", count = 101 }}
+[ensemble]
+{ensemble}
+"#
+        )
+    };
+    let target =
+        "target = { quantity = \"pull_off_force\", relative_standard_error = 0.01 }\nmin_replicas = 8";
+    for (ensemble, replicas) in [("replicas = 8", 8), (target, 152)] {
+        let folder = Folder::new(&scene(ensemble));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        let percent = 100.0 * (1.0 - 0.05_f64.powf(1.0 / f64::from(replicas)));
+        let summary = text(&run.stdout);
+        let agree = format!("all {replicas} replicas agree: with 95 % confidence at most {percent:.3}");
+        assert!(
+            summary.contains("125.7 nN") && summary.contains(&agree[..agree.len() - 2]),
+            "{agree} {summary}"
+        );
+        assert!(!summary.contains("NaN") && !summary.contains('±'), "{summary}");
+        assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    }
+}
+
 /// The quantities of an older major version are others.
 #[test]
 fn an_older_result_is_refused() {

@@ -63,7 +63,7 @@ def _design(given: argparse.Namespace, key: str | None) -> None:
     happens = event(given.above, given.below)
     common = {"above": given.above, "below": given.below, "error": given.error, "seed": given.seed, "threads": given.threads}
     if key is None:
-        print(f"probability of {happens}\n{_told(probability(given.scene, **common))}")
+        print(f"probability of {happens}\n{_told(probability(given.scene, **common), given.below is not None)}")
         return
     found = priors.read(given.scene)
     if found.keys != [key]:
@@ -71,17 +71,18 @@ def _design(given: argparse.Namespace, key: str | None) -> None:
     print(_designed(design(given.scene, given.probability, largest=given.maximise is not None, **common), given, str(happens)))
 
 
-def _told(found: Probability) -> str:
+def _told(found: Probability, below: bool) -> str:
     if found.value == 0.0:
         return f"  {_RARER}"
     if found.hits == found.replicas:
-        return f"  at least {quantities.number(0.025 ** (1.0 / found.replicas), 3)}, as all of {found.replicas} patches are such (95 %)"
+        return f"  at least {quantities.number(found.interval[0], 3)}, as all of {found.replicas} patches are such (95 %)"
     low, high = (quantities.number(end, 2) for end in found.interval)
     return (
         f"  {quantities.number(found.value, 3)} ± {100.0 * found.relative_error:.0f} %, 95 % interval {low} to {high}\n"
         f"  from {found.replicas} patches, {found.hits} of them such; plain sampling needs "
         f"{quantities.number((1.0 - found.value) / found.value / found.relative_error**2, 2)} for this error\n"
-        f"  mean weight {found.total:.3f} ± {found.total_error:.3f}, which has to be 1"
+        f"  they weigh as {found.effective:.0f} alike {'runs' if below else 'patches'} would, the largest weight is "
+        f"{100.0 * found.largest:.1f} % of all; mean weight {found.total:.3f} ± {found.total_error:.3f}, which has to be 1"
     )
 
 

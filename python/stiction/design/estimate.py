@@ -5,8 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
 
-__all__ = ["LEAST", "NEVER", "Probability"]
+from ..errors import StictionError
+
+__all__ = ["LEAST", "NEVER", "Probability", "checked", "shared"]
+
+# Share of the largest weight at most.
+_LARGEST = 0.2
 
 #: Events that are rarer count as those that never are.
 LEAST = 1e-18
@@ -28,6 +35,10 @@ class Probability:
         Mean weight of all patches that are drawn, which is 1 but for chance.
     total_error : float
         Its standard error.
+    effective : float
+        As how many alike patches (below a threshold: runs) those in the event weigh, (Σw)²/Σw².
+    largest : float
+        Share of the largest weight in the sum of them.
     """
 
     value: float
@@ -36,6 +47,8 @@ class Probability:
     hits: int
     total: float
     total_error: float
+    effective: float
+    largest: float
 
     @property
     def relative_error(self) -> float:
@@ -44,10 +57,40 @@ class Probability:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """What holds the probability in 95 of 100 cases: normal in the logarithm, never below 0."""
-        spread = float(np.exp(1.96 * self.relative_error))
+        """What holds the probability in 95 of 100 cases.
+
+        It is that of Student in the logarithm, by how many patches decide. Where all patches are in the event, the
+        lower end is that probability with which one in 40 ensembles would be so.
+        """
+        if self.hits == self.replicas:
+            return (0.025 ** (1.0 / self.replicas), 1.0) if self.replicas else (0.0, LEAST)
+        spread = float(np.exp(stats.t.ppf(0.975, self.effective - 1.0) * self.relative_error))
         return self.value / spread, min(self.value * spread, 1.0)
 
 
 #: No patch is in the event, or they are rarer than `LEAST`.
-NEVER = Probability(0.0, 0.0, 0, 0, 1.0, 0.0)
+NEVER = Probability(0.0, 0.0, 0, 0, 1.0, 0.0, 0.0, 0.0)
+
+
+def shared(weights: NDArray[np.float64]) -> tuple[float, float]:
+    """As how many alike ones weights are, and the share of the largest."""
+    if not weights.any():
+        return 0.0, 1.0
+    return float(weights.sum() ** 2 / (weights**2).sum()), float(weights.max() / weights.sum())
+
+
+def checked(found: Probability, what: str, least: float, units: str) -> Probability:
+    """A probability that rests on enough patches or runs.
+
+    Raises
+    ------
+    StictionError
+        It rests on few of them, so that neither value nor error is known.
+    """
+    if found.effective >= least and found.largest <= _LARGEST:
+        return found
+    raise StictionError(
+        f"{what} rests on few {units}: all weigh as {found.effective:.1f} alike ones would, and the largest has "
+        f"{100.0 * found.largest:.0f} % of the weight, where {least:.0f} and {100.0 * _LARGEST:.0f} % are the limits: a "
+        "smaller `error` draws more"
+    )

@@ -43,15 +43,6 @@ class Quadrature:
         """log E exp(exponent)."""
         return float(special.logsumexp(exponent + self.log_weights))
 
-    def drawn(self, exponent: Array, uniform: Array) -> Array:
-        """Heights of the tilted law, one in each of equally probable parts."""
-        log = exponent + self.log_weights
-        cumulated = np.cumsum(np.exp(log - log.max()))
-        edges = np.concatenate([[self.z[0]], 0.5 * (self.z[1:] + self.z[:-1]), [self.z[-1]]])
-        shares = (np.arange(uniform.size) + uniform) / uniform.size
-        heights: Array = np.interp(shares, np.concatenate([[0.0], cumulated / cumulated[-1]]), edges)
-        return heights
-
 
 def law(given: Any, sigma: float) -> Any:
     """The law of heights of a scene, of mean 0 and the standard deviation σ_s, as the program has it."""

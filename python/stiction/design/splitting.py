@@ -5,8 +5,9 @@ A patch pulls less than x where *no* separation pulls more. So it is reached in 
 .. math:: P(F < x) = P(F < x_1) \prod_l P(F < x_{l+1} \mid F < x_l).
 
 Patches below a level are copied and moved by a Markov chain that keeps their law: each asperity is drawn anew with a probability q, and the patch that
-results is taken if it is below the level. Levels and q are found by a first run that is not in the estimate. Runs of fixed levels are unbiased, and the
-scatter between them tells the error.
+results is taken if it is below the level. Levels and q are found by a first run that is not in the estimate. Runs of
+fixed levels are unbiased, and their scatter is the error. How many there are is by the scatter of 16 others: to stop
+where an error looks small favours runs that have missed the rarest patches.
 
 A patch pulls little for one of two reasons: it has few tall asperities, or **one that is so tall that it holds the others apart**. Chains do not
 go from one kind to the other. So patches are of a law in which the highest asperity is *raised*: the probability density of a patch is times
@@ -36,7 +37,7 @@ from scipy import sparse
 
 from .. import quantities
 from ..errors import StictionError
-from .estimate import LEAST, NEVER, Probability
+from .estimate import LEAST, NEVER, Probability, checked, shared
 from .heights import Array
 
 __all__ = ["Curves", "Splitting"]
@@ -53,14 +54,16 @@ _WITHIN = 16
 _JUMPS, _MARGIN = 32, 2.0
 # The highest asperity is made more probable down to this probability.
 _RAREST = 1e-12
+# Probability beyond a height from which on no tilt makes it probable.
+_NOTHING = 1e-40
 # Tall heights of a patch at most.
 _TALL = 20_000
 # Terms that are looked up at once: what a cache holds.
 _BLOCK = 2**18
 # Patches of a run, their share below the next level, moves at each level, and how many of these are to be taken.
 _PATCHES, _SHARE, _MOVES, _TAKEN = 250, 0.3, 6, 0.3
-# Runs at least.
-_RUNS = 16
+# Runs at least, more runs than the scatter of the first ones says, and as how many alike ones all weigh at least.
+_RUNS, _MARGIN, _EFFECTIVE = 16, 1.5, 8.0
 
 
 @dataclass
@@ -74,6 +77,15 @@ class _Some:
 
     def of(self, at: Whole) -> _Some:
         return _Some(self.tall[at], self.low[at], self.sums[at], self.force[at])
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """Heights tilted by θ (1/N) at a column, and the log-moment ψ of that."""
+
+    column: int
+    theta: float
+    psi: float
 
 
 class Curves:
@@ -107,8 +119,8 @@ class Curves:
         Height above which asperities are tall, and the step of their heights, m.
     nothing : int
         Stands in tall heights where there is none.
-    edges : Array
-        Of the bins of low heights, falling, m.
+    edges, separations : Array
+        Of the bins of low heights, falling, and of the tops at the columns, m.
     """
 
     def __init__(
@@ -142,11 +154,11 @@ class Curves:
                 break
             cut -= 0.1 * sigma
 
-        self.cut, self.step, self.edges = cut, step, edges[::16]
+        self.cut, self.step, self.edges, self.separations = cut, step, edges[::16], d
 
         if count * float(heights.sf(cut)) > _TALL:
             raise StictionError(
-                f"{count * float(heights.sf(cut)):.0f} asperities of a patch are near enough to pull one by one, and below a threshold at most "
+                f"{count * float(heights.sf(cut)):.0f} asperities of a patch are near enough to pull one by one, and at most "
                 f"{_TALL} are followed: a smaller surface.nominal_area is needed"
             )
 
@@ -162,6 +174,7 @@ class Curves:
         self.ratio: Array = 0.5 + 0.5 * rarity / (own @ rarity[:-1] + 1.0 - above[0])
         self._highest = _cumulated(own * self.ratio[:-1])
         self._any = _cumulated(self.beyond[:-1] - self.beyond[1:])
+        self._cells = (self.beyond[:-1] - self.beyond[1:])[: int((self.beyond > _NOTHING).sum())]
         self._raised = _cumulated((self.beyond[:-1] - self.beyond[1:]) * self.ratio[:-1])
 
         # Attraction of a height in steps, counted from `cut` and with `span` added, less a column.
@@ -193,6 +206,33 @@ class Curves:
         there = tall < self.nothing
         sums = self._sums(tall[there], there.sum(axis=1))
         return _Some(tall, low, sums, self._pull_off(tall, low, sums))
+
+    def tilt(self, column: int, theta: float) -> Tilt:
+        """The law that is tilted at a column."""
+        return Tilt(column, theta, float(np.log(sum(masses.sum() for masses in self._masses(column, theta)))))
+
+    def _masses(self, column: int, theta: float) -> tuple[Array, Array]:
+        """Masses of the cells of tall heights and of the bins of low ones, tilted."""
+        first = int(self.columns[-1] - self.columns[column])
+        a = self._table[first : first + self._cells.size]
+        return self._cells * np.exp(theta * a), self.low * np.exp(theta * self.of_low[:, column])
+
+    def tilted(self, law: Tilt, n: int, rng: np.random.Generator) -> _Some:
+        """Patches of a tilted law."""
+        cells, bins = self._masses(law.column, law.theta)
+        cumulated = _cumulated(cells)
+        total = rng.poisson(self.count, n) if self.poisson else np.full(n, int(self.count))
+        number = rng.binomial(total, cumulated[-1] / (cumulated[-1] + bins.sum()))
+        low = rng.multinomial(total - number, bins / bins.sum()) if bins.any() else np.zeros((n, bins.size), int)
+        fresh = _cell(cumulated, cumulated[-1] * rng.random(int(number.sum()))) + self.columns[-1]
+        tall = np.full((n, int(number.max()) + 1), self.nothing)
+        tall[np.arange(tall.shape[1]) < number[:, None]] = fresh
+        sums = self._sums(fresh, number)
+        return _Some(tall, low, sums, self._pull_off(tall, low, sums))
+
+    def number(self, some: _Some) -> Whole:
+        """Asperities of patches."""
+        return np.asarray((some.tall < self.nothing).sum(axis=1) + some.low.sum(axis=1))
 
     def weights(self, some: _Some) -> Array:
         """Likelihood of patches under the scene's law over that with the highest asperity raised."""
@@ -380,7 +420,7 @@ class Splitting:
             raise StictionError(f"no force was found below which a patch pulls with the probability {probability:g}")
         levels, spent = reached
         found, runs = self._sampled(levels, spent, force, error, most)
-        low, high = (force(runs, probability * float(np.exp(sign * 1.96 * found.relative_error))) for sign in (-1.0, 1.0))
+        low, high = (force(runs, probability * end / found.value) for end in found.interval)
         return force(runs), (low, high)
 
     def _levels(self, enough: Callable[[float, float], bool]) -> tuple[list[tuple[float, float]], int] | None:
@@ -406,9 +446,34 @@ class Splitting:
     def _sampled(
         self, levels: list[tuple[float, float]], spent: int, threshold: Callable[[_Runs], float], error: float, most: int
     ) -> tuple[Probability, _Runs]:
-        """Runs of fixed levels, until the error is reached at a threshold that they may tell."""
+        """Runs of fixed levels, as many as the error takes by the scatter of the first ones, which are thrown away."""
+        patches = _PATCHES * (1 + _MOVES * len(levels))
+        first = self._runs(levels, _RUNS)
+        x = threshold(first)
+        each = first.below(x)
+        what = f"the probability of a pull-off below {quantities.si(x, 'N')}"
+        if not each.any():
+            raise StictionError(f"{what} is not known: no patch of {_RUNS} runs is below it")
+        number = max(int(np.ceil(_MARGIN * each.var(ddof=1) / (error * each.mean()) ** 2)), _RUNS)
+        spent += patches * (_RUNS + number)
+        if spent > most:
+            raise StictionError(
+                f"{what} takes {spent} patches for an error of {100 * error:.0f} %, and {most} are allowed: a larger "
+                "`error`, or `most` of more patches"
+            )
+        runs = self._runs(levels, number)
+        x = threshold(runs)
+        each, totals = runs.below(x), np.array(runs.totals)
+        value, standard_error, total, total_error = (
+            float(one) for of in (each, totals) for one in (of.mean(), of.std(ddof=1) / number**0.5)
+        )
+        hits = sum(int((forces <= x).sum()) for forces in runs.forces)
+        found = Probability(value, standard_error, spent, hits, total, total_error, *shared(each))
+        return checked(found, what, _EFFECTIVE, "runs"), runs
+
+    def _runs(self, levels: list[tuple[float, float]], number: int) -> _Runs:
         runs = _Runs()
-        while True:
+        for _ in range(number):
             some, reached = self.curves.drawn(_PATCHES, self.rng), 1.0
             runs.totals.append(float(self.curves.weights(some).mean()))
             for level, q in levels:
@@ -421,23 +486,7 @@ class Splitting:
                     self.curves.moved(some, level, q, self.rng)
             runs.forces.append(some.force)
             runs.weights.append(reached * self.curves.weights(some) / _PATCHES)
-            n = len(runs.forces)
-            spent += _PATCHES * (1 + _MOVES * len(levels))
-            if n < _RUNS:
-                continue
-            x = threshold(runs)
-            each, totals = runs.below(x), np.array(runs.totals)
-            value, standard_error, total, total_error = (
-                float(number) for of in (each, totals) for number in (of.mean(), of.std(ddof=1) / n**0.5)
-            )
-            found = Probability(value, standard_error, spent, sum(int((forces <= x).sum()) for forces in runs.forces), total, total_error)
-            if found.relative_error <= error:
-                return found, runs
-            if spent >= most:
-                raise StictionError(
-                    f"the probability of a pull-off below {quantities.si(x, 'N')} is known to {100 * found.relative_error:.0f} % only "
-                    f"after {spent} patches: a larger error, or more of them are needed"
-                )
+        return runs
 
     def _copies(self, at: Whole) -> Whole:
         """As many patches as in a run, each of some of them as often as the others or once more."""

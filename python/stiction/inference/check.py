@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import ABOVE, BELOW, MISSING, Group
+from .data import ABOVE, BELOW, EXACT, MISSING, Group
+from .density import log_sum_exp
 from .emulator import Emulator
 
-__all__ = ["anderson_darling", "check_p_values"]
+__all__ = ["anderson_darling", "check_p_values", "farthest"]
 
 Array = NDArray[np.float64]
 # Draws of the posterior that are looked at.
@@ -49,6 +50,35 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
         drawn = np.sum([anderson_darling(random.random(of.shape)) for of in each], axis=0)
         result.append(float((drawn >= np.sum([anderson_darling(of) for of in each], axis=0)).mean()))
     return np.array(result)
+
+
+def farthest(
+    emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator
+) -> list[tuple[int, float]]:
+    """The datum of each outcome that is farthest off what the other data say, and how probable one so far off is.
+
+    A datum is compared with the prediction from all data but its own: draws of the posterior weigh 1/p(patch | draw), at
+    most √n times their mean of n draws (E. L. Ionides, *J. Comput. Graph. Stat.* 17 (2008) 295). The p-value is that of
+    the farthest of all data of the outcome, 1 − (1 − p)ⁿ.
+
+    Returns
+    -------
+    list of (int, float)
+        Of each outcome the patch, counted over all groups, and the p-value.
+    """
+    chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
+    pieces = np.array_split(chosen, max(len(chosen) // 50, 1))
+    cumulative = np.concatenate([emulator.cumulative(groups, piece) for piece in pieces])
+    logs = np.concatenate([log_sum_exp(emulator.log_densities(groups, piece), axis=0) for piece in pieces])
+    weights = np.exp(logs.min(axis=0) - logs)
+    weights = np.minimum(weights, weights.mean(axis=0) * len(chosen) ** 0.5)
+    predicted = np.einsum("dp,dpo->po", weights / weights.sum(axis=0), cumulative)
+    kinds = np.concatenate([group.kinds for group in groups])
+    sides = {BELOW: predicted, ABOVE: 1.0 - predicted, EXACT: 2.0 * np.minimum(predicted, 1.0 - predicted)}
+    p = np.select([kinds == kind for kind in sides], list(sides.values()), 1.0)
+    place = p.argmin(axis=0)
+    each = zip(place.tolist(), p.min(axis=0), (kinds != MISSING).sum(axis=0), strict=True)
+    return [(patch, float(-np.expm1(number * np.log1p(-min(least, 1.0 - 1e-15))))) for patch, least, number in each]
 
 
 def anderson_darling(uniform: Array) -> Array:

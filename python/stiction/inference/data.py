@@ -37,12 +37,15 @@ class Group:
         Standard deviations of the measurement, in SI units; 0 where none is told.
     kinds : array (patches, outcomes) of int
         `EXACT`, `BELOW`, `ABOVE` or `MISSING`.
+    lines : tuple of int
+        Lines of the file, if they are from one.
     """
 
     conditions: dict[str, Any]
     values: Array
     errors: Array
     kinds: NDArray[np.int64]
+    lines: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,7 @@ def read(path: str | Path) -> Measurements:
         if name.endswith(_ERROR) and units.get(name.removesuffix(_ERROR)) != units[name]:
             raise FileError(f"{path}: the column {name} needs one {name.removesuffix(_ERROR)}, and both a unit of the same kind")
     gathered: dict[tuple[tuple[str, Any], ...], list[list[tuple[float, float, int]]]] = {}
+    places: dict[tuple[tuple[str, Any], ...], list[int]] = {}
     for (line, _), row in zip(numbered[1:], rows[1:], strict=True):
         where = f"{path}, line {line}"
         if len(row) != len(heads):
@@ -139,13 +143,14 @@ def read(path: str | Path) -> Measurements:
         if all(kind == MISSING for _, _, kind in patch):
             raise FileError(f"{where}: no outcome")
         gathered.setdefault(tuple(sorted(conditions.items())), []).append(patch)
+        places.setdefault(tuple(sorted(conditions.items())), []).append(line)
     for place, name in enumerate(outcomes):
         if all(patch[place][2] == MISSING for patches in gathered.values() for patch in patches):
             raise FileError(f"{path}: the column {name} is empty; leave it out")
     groups = []
     for conditions_of, patches in gathered.items():
         table = np.array(patches)
-        groups.append(Group(dict(conditions_of), table[:, :, 0], table[:, :, 1], table[:, :, 2].astype(np.int64)))
+        groups.append(Group(dict(conditions_of), table[:, :, 0], table[:, :, 1], table[:, :, 2].astype(np.int64), tuple(places[conditions_of])))
     return Measurements(tuple(outcomes), tuple(units[name] for name in outcomes), tuple(groups))
 
 

@@ -6,7 +6,7 @@ import copy
 import math
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from ..errors import FileError, SceneError
 from ..priors import Priors
 from ..scenes import Scene, named_files, toml
 from . import data as measurements
-from .check import check_p_values
+from .check import check_p_values, farthest
 from .data import EXACT, Group, Measurements
 from .density import log_sum_exp
 from .emulator import Emulator, Patches, design, simulate
@@ -122,6 +122,7 @@ class Inference:
         for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
+        rows += [("datum", said) for said in str(self.attrs.get("farthest", "")).splitlines()]
         worst = self.summary()
         rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
         rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's scatter (is in it)"))
@@ -303,8 +304,19 @@ def _result(
         format=_FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
         patches=measured.size, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
         emulator_share=share, simulated_patches=simulated, batches=batches,
+        farthest="\n".join(_farthest(measured, farthest(emulator, groups, values, random))),
     )  # fmt: skip
     return Inference(data)
+
+
+def _farthest(measured: Measurements, found: list[tuple[int, float]]) -> Iterator[str]:
+    """What is said of the datum of each outcome that is farthest off the others."""
+    table = np.concatenate([group.values for group in measured.groups])
+    lines = [line for group in measured.groups for line in group.lines]
+    for name, unit, j, (patch, p) in zip(measured.outcomes, measured.units, range(len(found)), found, strict=True):
+        where = f"line {lines[patch]}" if lines else f"patch {patch}"
+        verdict = "far off what the others say: look at it" if p < 0.01 else "as far off as the farthest may be"
+        yield f"{name} of {where}, {quantities.si(table[patch, j], unit)}: p = {p:.2g}, {verdict}"
 
 
 def _identifiability(

@@ -254,8 +254,9 @@ def _run(run: Run) -> Facts:
     if quoted.mean > 0.0:
         level, single = f"{100 * quoted.interval_level:g} %", quoted.replicas == 1
         note = "of one patch: it has no standard error" if single else f"mean over {quoted.replicas} patches and its standard error"
+        note = quoted.agreement or note
         numbers = [Number("pull-off force", str(quoted), note, quoted.mean, quoted.standard_error)]
-        if not single:
+        if not single and not quoted.agreement:
             numbers += [
                 Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
                 Number("scatter from patch to patch", _percent(quoted.scatter, 4),

@@ -60,7 +60,7 @@ class Estimated:
     scatter, scatter_interval : float, array (2,)
         Share of the scatter between patches in that variance.
     first_order, total : array (k,)
-        Indices of the mean over patches, S and T.
+        Indices of the mean over patches, S and T; NaN where the mean does not vary with the parameters, and there are none.
     first_order_interval, total_interval : array (k, 2)
         Their bootstrap intervals.
     """
@@ -116,7 +116,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     Raises
     ------
     ValueError
-        There is one patch or one block, outcomes are not finite, or do not vary.
+        There is one patch or one block, or outcomes are not finite.
 
     Examples
     --------
@@ -132,8 +132,6 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
         raise ValueError(f"outcomes of the shape {y.shape}: (blocks, rows, k + 2, patches) with at least 2 blocks and patches is needed")
     if not np.isfinite(y).all():
         raise ValueError("outcomes: all of them have to be finite")
-    if not np.ptp(y) > 0.0:
-        raise ValueError("outcomes: they are the same everywhere, so nothing matters")
     centre = float(y.mean())
     # Sums over blocks of what is large would lose digits that differences need.
     y = y - centre
@@ -156,9 +154,10 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
             of: Array = _indices(parts[chosen].mean(axis=-2))[..., place]
             return of
 
-        if np.ptp(statistic(np.arange(len(parts))[:, None])) == 0.0:
-            # The same in all blocks, such as no scatter at all.
-            intervals[place] = found[place]
+        of_blocks = statistic(np.arange(len(parts))[:, None])
+        if not np.isfinite(of_blocks).all() or np.ptp(of_blocks) == 0.0:
+            # The same in all blocks, such as no scatter at all. Where some blocks have no variance, nothing is known.
+            intervals[place] = found[place] if np.ptp(of_blocks) == 0.0 else np.nan
             continue
         interval = stats.bootstrap(
             (np.arange(len(parts)),), statistic, confidence_level=level, n_resamples=resamples, vectorized=True,
@@ -189,4 +188,10 @@ def _indices(means: Array) -> Array:
     """S, T, share of the scatter and Var Y from the means of the parts of blocks, the last axis."""
     of_mean, scatter = means[..., -2], means[..., -1]
     whole = of_mean + scatter
-    return np.concatenate([means[..., :-2] / of_mean[..., None], np.stack([scatter / whole, whole], axis=-1)], axis=-1)
+
+    def share(part: Array, of: Array) -> Array:
+        nothing = np.full(np.broadcast_shapes(part.shape, of.shape), np.nan)
+        return np.asarray(np.divide(part, of, out=nothing, where=of > 0.0))
+
+    shares = share(means[..., :-2], of_mean[..., None])
+    return np.concatenate([shares, np.stack([share(scatter, whole), whole], axis=-1)], axis=-1)

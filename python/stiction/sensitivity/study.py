@@ -216,7 +216,7 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     )  # fmt: skip
     variables["mean"] = ("quantity", [one.mean for one in all_of], {"long_name": "mean over parameters and patches, in `unit`"})
     variables["standard_deviation"] = (
-        "quantity", [one.variance**0.5 for one in all_of],
+        "quantity", [max(one.variance, 0.0) ** 0.5 for one in all_of],
         {"long_name": "standard deviation of one patch whose parameters are not known, in `unit`"},
     )  # fmt: skip
     coordinates = {

@@ -290,6 +290,12 @@ const OF_SCALARS: &[Row] = &[
     ("scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
     ("scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
     ("scalar_interval", AE, "scalar_units", "scalar, confidence interval of the mean"),
+    (
+        "scalar_most_differing",
+        A,
+        "1",
+        "where a scalar is the same in all replicas: share of patches that differ at most, with 95 % confidence",
+    ),
     ("scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
     (
         "scalar_controlled_standard_error",

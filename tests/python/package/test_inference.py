@@ -198,6 +198,32 @@ def test_the_check_knows_limits_and_catches_another_scatter():
     assert check.check_p_values(twice, tuple(groups), np.full((100, 1), 0.8), random)[0] < 0.01
 
 
+def test_a_datum_far_off_is_named():
+    """Of 30 normal outcomes one is eight standard deviations off: it is named, with p below 1e-6. Of data that the model has
+    made the farthest has p below 0.05 in at most 5 of 100 sets, over 100 sets with three standard errors of 0.022 (1e-3);
+    an upper limit is far off only below the others.
+    """
+    _, made = normal_experiment(points=256)
+    random = np.random.default_rng(4)
+
+    def found(values, kinds=None):
+        kinds = np.zeros(values.shape, dtype=int) if kinds is None else kinds
+        group = data.Group({}, values, np.zeros_like(values), kinds)
+        draws = np.log(values).mean() + 0.3 / 30**0.5 * random.standard_normal((400, 1))
+        return check.farthest(made, (group,), draws, random)[0]
+
+    below = 0
+    for _ in range(100):
+        values = np.exp(0.8 + 0.3 * random.standard_normal((30, 1)))
+        below += found(values)[1] < 0.05
+    assert below / 100 <= 0.05 + 3.0 * 0.022
+    values[17] = np.exp(0.8 + 8 * 0.3)
+    patch, p = found(values)
+    assert patch == 17 and p < 1e-6
+    limits = np.where(np.arange(30)[:, None] == 17, data.BELOW, data.EXACT)
+    assert found(values, limits)[1] > 0.01
+
+
 @pytest.fixture(scope="module")
 def inferred(tmp_path_factory):
     """The folder of an inference from 30 patches of the small scene at 50 mJ/m² by the command, and of another model whose heights are exponential."""

@@ -91,8 +91,38 @@ def test_without_scatter_they_are_those_of_salib():
 def test_what_cannot_be_told_is_refused():
     with pytest.raises(ValueError, match="at least 2 blocks and patches"):
         indices.estimated(np.ones((4, 8, 4, 1)))
-    with pytest.raises(ValueError, match="nothing matters"):
-        indices.estimated(np.ones((4, 8, 4, 2)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_has_no_variance_has_no_indices():
+    """An outcome that is the same everywhere, and one that scatters alike at all parameters: no index, no warning."""
+    alike = indices.estimated(np.ones((4, 8, 4, 2)), resamples=50)
+    assert np.isnan(alike.first_order).all() and np.isnan(alike.total_interval).all()
+    assert alike.variance == 0.0 and np.isnan(alike.scatter)
+    patches = np.random.default_rng(1).standard_normal((4, 1, 1, 50))
+    scattered = indices.estimated(np.broadcast_to(patches, (4, 8, 4, 50)), resamples=50)
+    assert np.isnan(scattered.first_order).all() and scattered.scatter == 1.0
+    # The variance over all patches that the generator drew, of each block by itself.
+    assert scattered.variance == pytest.approx(patches.var(axis=-1, ddof=1).mean(), rel=1e-9)
+
+
+def test_a_total_below_its_first_order_asks_for_more_samples():
+    """Of the first number the total, 0.2, is less than the first order, 0.5, which it contains; of the second it is not."""
+    ends = {"range_end": ["low", "high"]}
+    of = {
+        "first_order": (("quantity", "key"), [[0.5, 0.1]]), "total": (("quantity", "key"), [[0.2, 0.2]]),
+        "first_order_interval": (("quantity", "key", "range_end"), np.full((1, 2, 2), 0.1)),
+        "total_interval": (("quantity", "key", "range_end"), np.full((1, 2, 2), 0.1)),
+        "scatter": ("quantity", [np.nan]), "scatter_interval": (("quantity", "range_end"), [[np.nan, np.nan]]),
+        "mean": ("quantity", [1e-6]), "standard_deviation": ("quantity", [1e-7]),
+    }  # fmt: skip
+    study = xarray.Dataset(
+        of, coords={"quantity": ["pull_off_force"], "key": ["a.one", "a.two"], "unit": ("quantity", ["N"]), **ends},
+        attrs={"interval_level": 0.95},
+    )  # fmt: skip
+    said = command.told(study)
+    assert "too few samples: the total of a.one is below its first order" in said
+    assert "scatter between patches" in said and "none" in said and "nan" not in said
 
 
 def of_counts(tmp_path):

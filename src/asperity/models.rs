@@ -20,6 +20,8 @@ enum Build {
     Wet(Wet),
     /// The liquid in its bridge.
     Content,
+    /// The solids in the liquid, which is under no tension.
+    Immersed,
 }
 
 /// A law by name.
@@ -64,6 +66,7 @@ impl Model {
             Build::Plain(build) => build(parameters),
             Build::Wet(build) => build(parameters, self.needed()?),
             Build::Content => capillary::content(parameters, self.needed()?),
+            Build::Immersed => capillary::immersed(parameters, self.needed()?),
         }
     }
 
@@ -77,9 +80,14 @@ impl Model {
         Self { build: Build::Content, ..self }
     }
 
+    /// The law of the solids in the liquid, which is under no tension.
+    pub(crate) fn immersed(self) -> Self {
+        Self { build: Build::Immersed, ..self }
+    }
+
     /// Whether it is for asperities around which a liquid condenses, and has to be told which.
     pub fn is_wet(&self) -> bool {
-        matches!(self.build, Build::Wet(_) | Build::Content)
+        !matches!(self.build, Build::Plain(_))
     }
 
     /// The liquid that it has been given.
@@ -99,7 +107,9 @@ impl Model {
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
         match self.build {
             Build::Plain(_) => Ok(()),
-            Build::Wet(_) | Build::Content => capillary::Parts::new(parameters, self.needed()?).map(drop),
+            Build::Wet(_) | Build::Content | Build::Immersed => {
+                capillary::Parts::new(parameters, self.needed()?).map(drop)
+            }
         }
     }
 

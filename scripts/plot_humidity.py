@@ -1,9 +1,10 @@
 """Faces in moist air: force and energy of their adhesion, and what of them is wet, over the relative humidity.
 
 Draws a result of `stiction run configs/humidity.toml`:
-(a) pull-off per nominal area, with every bridge by itself and with bridges that merge, and the energy to part the faces (the integral of the
-    external force over the separation where it pulls), with the upper limit that DelRio et al. state, Appl. Phys. Lett. 90 (2007) 163104;
-(b) shares of wet asperities and of the covered area at the pull-off of bridges that merge.
+(a) pull-off per nominal area, with every bridge by itself and with liquid that fills gaps where bridges merge, and the energy to part the faces
+    (the integral of the external force over the separation where it pulls), with the upper limit that DelRio et al. state, Appl. Phys. Lett. 90
+    (2007) 163104;
+(b) shares of wet asperities and of the covered area at pull-off.
 
 Usage:
     python scripts/plot_humidity.py humidity.h5 [-o OUT.png] [--dpi N]
@@ -42,19 +43,19 @@ def main() -> int:
             humidity = file["capillary_relative_humidity"][:]
             area = file["nominal_area"][0]
             separation = file["ensemble/separation"][:]
-            alone = -file["ensemble/external_force_mean"][:]
-            merged = -file["capillary/merged_external_force"][:]
+            pull = -file["ensemble/external_force_mean"][:]
+            alone = pull - file["capillary/spread_force"][:]
             wet, covered = file["capillary/wet_share"][:], file["capillary/covered_share"][:]
     except (OSError, KeyError) as error:
         print(f"{arguments.file}: {error}", file=sys.stderr)
         return 2
     separation = np.broadcast_to(separation, alone.shape)
-    energies = [[np.trapezoid(np.maximum(row, 0), h) / area for row, h in zip(forces, separation)] for forces in (alone, merged)]
-    places = merged.argmax(axis=1)
+    energies = [[np.trapezoid(np.maximum(row, 0), h) / area for row, h in zip(forces, separation)] for forces in (alone, pull)]
+    places = pull.argmax(axis=1)
     at = np.arange(len(humidity))
-    print("humidity, pull-off/A_n alone and merged (MPa), energy alone and merged (mJ/m^2), wet, covered")
+    print("humidity, pull-off/A_n of bridges and of all liquid (MPa), energy of both (mJ/m^2), wet, covered")
     for i in at:
-        print(f"{humidity[i]:.2f}  {alone[i].max() / area / 1e6:8.3f} {merged[i].max() / area / 1e6:8.3f}  {1e3 * energies[0][i]:8.2f} "
+        print(f"{humidity[i]:.2f}  {alone[i].max() / area / 1e6:8.3f} {pull[i].max() / area / 1e6:8.3f}  {1e3 * energies[0][i]:8.2f} "
               f"{1e3 * energies[1][i]:8.2f}  {wet[i, places[i]]:.4f}  {covered[i, places[i]]:.4f}")
     with context():
         figure = Figure(figsize=(6.7, 2.8))
@@ -62,7 +63,7 @@ def main() -> int:
         first, second = panel(figure, 0.6, 0.5, 2.35, 2.0), panel(figure, 4.1, 0.5, 2.35, 2.0)
         twin = first.twinx()
         first.semilogy(humidity, alone.max(axis=1) / area / 1e6, color=BLUE, linestyle=DASHED)
-        first.semilogy(humidity, merged.max(axis=1) / area / 1e6, "o-", color=BLUE, markersize=3)
+        first.semilogy(humidity, pull.max(axis=1) / area / 1e6, "o-", color=BLUE, markersize=3)
         twin.semilogy(humidity, 1e3 * np.array(energies[0]), color=VERMILION, linestyle=DASHED)
         twin.semilogy(humidity, 1e3 * np.array(energies[1]), "s-", color=VERMILION, markersize=3)
         twin.axhline(1e3 * LIMIT, color=VERMILION, linewidth=0.8, linestyle="dotted")

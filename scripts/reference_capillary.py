@@ -14,9 +14,15 @@ which is checked.
 Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of adhesion) = 1,
 Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
 
+Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the Young-Laplace equation, as a
+share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_K = `kelvin_radius` R and equal contact angles. The
+profile is integrated from the flat in its arc length, with the mean curvature -1/(2 r_K), up to where it meets the sphere under
+the contact angle; the circle on the flat follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta +
+pi x^2 gamma/r_K at the flat.
+
 Usage:
-    uv run scripts/reference_capillary.py               write the table
-    uv run scripts/reference_capillary.py -o OUT.csv    write it elsewhere
+    uv run scripts/reference_capillary.py               write the tables
+    uv run scripts/reference_capillary.py -o DIRECTORY  write them elsewhere
 """
 
 # /// script
@@ -26,15 +32,15 @@ Usage:
 
 import argparse
 import csv
-from math import acos, asin, cos, pi, sin, sqrt
+from math import acos, asin, cos, pi, radians, sin, sqrt
 from pathlib import Path
 
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
 E = 0.75
 STRESS = 1.03
-TABLE = Path(__file__).parent.parent / "tests" / "data" / "capillary.csv"
+DATA = Path(__file__).parent.parent / "tests" / "data"
 CASES = [
     (lam, share, reach)
     for lam in (0.03, 0.3, 1.0, 3.0)
@@ -116,15 +122,58 @@ def maugis(lam, delta):
     return at(angle)[1:]
 
 
+MENISCI = [
+    (angle, kelvin, distance)
+    for angle, kelvin in ((0, 1e-3), (0, 1e-2), (30, 1e-3), (60, 5e-3), (80, 1e-3))
+    for distance in (0.0, 0.3, 0.6)
+]
+
+
+def meniscus(circle, angle, kelvin):
+    """D and the share of 2 pi R gamma s, R = 1, of a meniscus that meets the flat at a circle, or none."""
+
+    def profile(_, at):
+        return [cos(at[2]), sin(at[2]), -1 / kelvin - sin(at[2]) / at[0]]
+
+    def down(_, at):
+        return at[2] + 1.4
+
+    down.terminal = True
+    found = solve_ivp(profile, [0, 12 * kelvin], [circle, 0, pi - angle], events=[down], rtol=1e-12, atol=1e-14 * kelvin,
+                      dense_output=True, max_step=kelvin / 3)
+
+    def excess(s):
+        x, _, slope = found.sol(s)
+        return slope - asin(min(1.0, x)) - angle
+
+    if excess(found.t[-1]) > 0:
+        return None
+    x, z, _ = found.sol(brentq(excess, 0, found.t[-1], xtol=1e-16, rtol=1e-14))
+    share = (2 * pi * circle * sin(angle) + pi * circle**2 / kelvin) / (4 * pi * cos(angle))
+    return z - (1 - sqrt(1 - x * x)), share
+
+
+def bridge(angle, kelvin, distance):
+    """The share of 2 pi R gamma s at D = distance h_0, on the stable branch."""
+    reach = 2 * cos(angle) * kelvin
+    largest = sqrt(2 * (1 - distance) * reach)
+    circles = [largest * (1.3 - i / 60) for i in range(60)]
+    states = [(circle, meniscus(circle, angle, kelvin)) for circle in circles]
+    outer = [circle for circle, state in states if state and state[0] < distance * reach]
+    inner = min(outer) - largest / 60
+    circle = brentq(lambda circle: meniscus(circle, angle, kelvin)[0] - distance * reach, inner, min(outer), xtol=1e-15, rtol=1e-12)
+    return meniscus(circle, angle, kelvin)[1]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", default=TABLE)
+    parser.add_argument("-o", default=DATA, type=Path)
     arguments = parser.parse_args()
     for lam, delta in ((0.3, 0.5), (2.0, 1.0)):
         adhesion, load, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
         expected = maugis(lam, delta)
         assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius, expected)
-    with open(arguments.o, "w", newline="") as file:
+    with open(arguments.o / "capillary.csv", "w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow("lambda,share,range,delta,adhesion_force,contact_force,contact_radius".split(","))
         for lam, share, reach in CASES:
@@ -137,6 +186,11 @@ def main():
                 delta = float(f"{delta:.12g}")
                 values = sphere.state(delta, begin * 1.0000001, 6.0)
                 rows.writerow([lam, share, reach, delta] + [f"{value:.10e}" for value in values])
+    with open(arguments.o / "menisci.csv", "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow("contact_angle_deg,kelvin_radius,distance,force".split(","))
+        for angle, kelvin, distance in MENISCI:
+            rows.writerow([angle, kelvin, distance, f"{bridge(radians(angle), kelvin, distance):.10f}"])
 
 
 if __name__ == "__main__":

@@ -24,6 +24,8 @@ enum Build {
     Content,
     /// Of an asperity with a plastic contact that is chosen.
     Flowing(Flowing),
+    /// The solids in the liquid, which is under no tension.
+    Immersed,
 }
 
 /// A law by name.
@@ -71,6 +73,7 @@ impl Model {
             Build::Wet(build) => build(parameters, self.needed()?),
             Build::Content => capillary::content(parameters, self.needed()?),
             Build::Flowing(build) => build(parameters, self.contact),
+            Build::Immersed => capillary::immersed(parameters, self.needed()?),
         }
     }
 
@@ -94,9 +97,14 @@ impl Model {
         Self { build: Build::Content, ..self }
     }
 
+    /// The law of the solids in the liquid, which is under no tension.
+    pub(crate) fn immersed(self) -> Self {
+        Self { build: Build::Immersed, ..self }
+    }
+
     /// Whether it is for asperities around which a liquid condenses, and has to be told which.
     pub fn is_wet(&self) -> bool {
-        matches!(self.build, Build::Wet(_) | Build::Content)
+        !matches!(self.build, Build::Plain(_) | Build::Flowing(_))
     }
 
     /// The liquid that it has been given.
@@ -116,7 +124,9 @@ impl Model {
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
         match self.build {
             Build::Plain(_) | Build::Flowing(_) => Ok(()),
-            Build::Wet(_) | Build::Content => capillary::Parts::new(parameters, self.needed()?).map(drop),
+            Build::Wet(_) | Build::Content | Build::Immersed => {
+                capillary::Parts::new(parameters, self.needed()?).map(drop)
+            }
         }
     }
 

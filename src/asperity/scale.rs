@@ -53,6 +53,11 @@ impl Asperity {
         pressure_factor(self.poisson_ratio)
     }
 
+    /// Range Z₀/1.03 of the attraction of dry solids with the stress of Dugdale, m.
+    pub fn attraction_range(&self) -> f64 {
+        self.equilibrium_spacing / STRESS_RATIO
+    }
+
     /// Critical interference ω_c = (πkH/2E_r)²R at which plastic flow begins, m.
     pub fn critical_interference(&self) -> f64 {
         let strain = 0.5 * PI * self.pressure_factor() * self.hardness / self.reduced_modulus;

@@ -51,18 +51,6 @@ impl Checked<'_> {
             let path = format!("{GROUP}/{way}covered_share");
             let found = self.values(&path)?;
             self.compare(&path, &found, &covered, |_| ROUNDING, "the forces of the regimes");
-            let path = format!("{GROUP}/{way}merged_external_force");
-            let found = self.values(&path)?;
-            let forces = self.values(&format!("/ensemble/{way}external_force_mean"))?;
-            let liquid = |k: usize| pressure * (wetted[k] - areas[k]);
-            let merged: Vec<f64> = (0..s)
-                .map(|k| {
-                    let share = if wetted[k] > 0.0 { covered[k] * nominal / wetted[k] } else { 1.0 };
-                    forces[k] + liquid(k) * (1.0 - share)
-                })
-                .collect();
-            let size = |k: usize| ROUNDING * (forces[k].abs() + liquid(k));
-            self.compare(&path, &found, &merged, size, "the forces of the regimes and what they cover");
             let path = format!("{GROUP}/{way}wet_share");
             let found = self.values(&path)?;
             let shares: Vec<f64> = wet.iter().map(|wet| wet / mean).collect();

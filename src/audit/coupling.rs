@@ -114,7 +114,7 @@ impl Checked<'_> {
         }
         let stiffness = self.values("/independence/substrate_stiffness")?[0];
         // What bends it is the force of the asperities.
-        let background = self.background(h.len())?;
+        let background = self.background(way, h.len())?;
         let own = |k: usize| h[k] + (force[k] + background[k]) / stiffness;
         let expected: Vec<f64> = (0..h.len()).map(own).collect();
         self.compare(&path, &found, &expected, |_| ROUNDING * largest(&h), "the force over k_s");

@@ -48,7 +48,7 @@ impl Checked<'_> {
         let mut parts: Vec<CentralMoments> =
             (0..PARTS).map(|_| CentralMoments::new(controls.len() + names.len())).collect();
         let span = self.number("/", "stiffness_span").ok();
-        let background = self.background(s)?;
+        let backgrounds = ways.iter().map(|way| self.background(way, s)).collect::<Result<Vec<_>, _>>()?;
         let mut wrong: Vec<(&str, usize)> = Vec::new();
         let rows = (ROWS / group).max(1) * group;
         // Those of a point are read at once.
@@ -71,7 +71,9 @@ impl Checked<'_> {
                     return Ok(());
                 }
             }
-            for (pair, forces) in paths.chunks_exact(2).zip(chunk.chunks_exact(2)) {
+            for ((pair, forces), background) in
+                paths.chunks_exact(2).zip(chunk.chunks_exact(2)).zip(&backgrounds)
+            {
                 let contact = |i: &usize| {
                     let (external, adhesion, background) = (forces[0][*i], forces[1][*i], background[*i % s]);
                     let size = external.abs() + adhesion.abs() + background.abs();

@@ -46,10 +46,15 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// The attraction between the mean planes, N, at so many separations; 0 where the file has none.
-    pub fn background(&self, count: usize) -> Result<Vec<f64>, OutputError> {
-        const PATH: &str = "/background/force";
-        if self.has(PATH) { self.values(PATH) } else { Ok(vec![0.0; count]) }
+    /// The attraction between the mean planes and that of liquid that spreads on a way, N, at a number of separations; 0 where the
+    /// file has none.
+    pub fn background(&self, way: &str, count: usize) -> Result<Vec<f64>, OutputError> {
+        let paths = ["/background/force".to_owned(), format!("/capillary/{way}spread_force")];
+        let mut sum = vec![0.0; count];
+        for path in paths.iter().filter(|path| self.has(path)) {
+            sum.iter_mut().zip(self.values(path)?).for_each(|(sum, own)| *sum += own);
+        }
+        Ok(sum)
     }
 
     /// F = P − F_s, less the attraction of the mean planes unless it is one asperity, and regimes add up to what
@@ -63,7 +68,7 @@ impl Checked<'_> {
         ];
         let background = match group {
             "asperity" => vec![0.0; adhesion.len()],
-            _ => self.background(adhesion.len())?,
+            _ => self.background(way, adhesion.len())?,
         };
         let tolerance = |i: usize| ROUNDING * (adhesion[i].abs() + contact[i].abs() + background[i].abs());
         let difference: Vec<f64> =
@@ -192,7 +197,7 @@ impl Checked<'_> {
         for (i, name) in ["std", "standard_error"].into_iter().enumerate() {
             let of = |quantity: Quantity| of_forces[quantity.index()].1[i].clone();
             let own = |quantity: Quantity| &of_forces[quantity.index()].0;
-            let background = self.background(own(Quantity::AdhesionForce).len())?;
+            let background = self.background(way, own(Quantity::AdhesionForce).len())?;
             let size: Vec<f64> = own(Quantity::AdhesionForce)
                 .iter()
                 .zip(own(Quantity::ContactForce))

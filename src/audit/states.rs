@@ -56,7 +56,7 @@ impl Checked<'_> {
             return Ok(());
         };
         let width = self.reader.length(Dimension::Asperity)?.max(1);
-        let background = self.background(curve.len())?;
+        let background = self.background(way, curve.len())?;
         for (forces, place) in external.chunks_exact(width).zip(at) {
             let (own, beside) = (|| forces.iter().filter(|force| !force.is_nan()), background[*place]);
             let sum = own().sum::<f64>() - beside;

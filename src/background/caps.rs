@@ -8,6 +8,13 @@
 //! here, as a mean over heights and radii. W = Δγ[(4/3)(Z₀/z)² − (1/3)(Z₀/z)⁸], the Lennard-Jones attraction of
 //! the laws, at z = D + Z₀ less the film between the faces; Δγ where that is below Z₀.
 //!
+//! The laws know no retardation. Where the mean planes are retarded, b > 0, what caps keep is so too, from the distance z_c on
+//! where the range of Dugdale's stress ends; up to there a law has all of its Δγ. In the place of W from there on is W − W_e,
+//!
+//! W_e = (4/3)ΔγZ₀²/z² [1 − (1 + bz_c)/(1 + bz)], z > z_c,
+//!
+//! and so 2πR[W_e(D) + (W − W_e)(D + ρ²/2R)] is taken off.
+//!
 //! # Validity
 //! The second term hardly depends on the height: replicas differ in it by far less than in the first.
 
@@ -68,6 +75,7 @@ impl PartialEq for Cap {
 ///     contact_distance: 0.2e-9,
 ///     mean_plane_offset: 0.0,
 ///     classes: vec![Cap { radius: 3.33e-6, weight: 1.0, heights }],
+///     retardation: None,
 /// };
 /// // ρ²/2R = 6.4674 nm, which with D = 2 nm is 8.6674 nm between the faces: 4/3 of (0.2/8.6674)² Δγ.
 /// let expected = 2.0 * std::f64::consts::PI * 7.39e12 * 3.33e-6 * 0.09 * 4.0 / 3.0 * (0.2_f64 / 8.6674).powi(2);
@@ -89,24 +97,70 @@ pub struct Caps {
     pub mean_plane_offset: f64,
     /// The asperities by their radii; their weights add up to 1.
     pub classes: Vec<Cap>,
+    /// How what they keep is retarded, if it is.
+    pub retardation: Option<CapRetardation>,
+}
+
+/// The retardation of caps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CapRetardation {
+    /// b, 1/m.
+    pub rate: f64,
+    /// z_c, m.
+    pub from: f64,
+}
+
+impl CapRetardation {
+    /// W_e over (4/3)ΔγZ₀², with its integral and derivative, at a distance, m: 1/m², 1/m, 1/m³.
+    fn excess(&self, distance: f64) -> Strength {
+        let Self { rate, from } = *self;
+        let z = distance.max(from);
+        let (inverse, delay, kept) = (1.0 / z, 1.0 + rate * z, 1.0 + rate * from);
+        let logarithm = libm::log1p(1.0 / (rate * z));
+        let slope = -2.0 + kept * (2.0 + 3.0 * rate * z) / (delay * delay);
+        Strength {
+            energy: inverse - kept * (inverse - rate * logarithm),
+            pressure: rate * (z - from) / delay * inverse * inverse,
+            slope: if distance < from { 0.0 } else { slope * inverse * inverse * inverse },
+        }
+    }
 }
 
 impl Caps {
-    /// The attraction of what is beyond the caps, per nominal area, at a separation h of the mean planes, m.
+    /// The attraction that is taken off the asperities, of what is beyond the caps and of what retardation leaves out, per
+    /// nominal area, at a separation h of the mean planes, m.
     pub fn beyond(&self, separation: f64) -> Strength {
-        let mut sum = Strength::default();
         let of = |Strength { energy, pressure, slope }| [energy, pressure, slope];
-        for (factor, cap) in self.weighted() {
-            let [energy, pressure, slope] = self.mean(cap, separation, |distance| of(self.work(distance)));
-            sum = sum.plus(Strength { energy, pressure, slope }.times(factor));
-        }
-        sum
+        let [energy, pressure, slope] = self.taken_off(separation, of);
+        Strength { energy, pressure, slope }
     }
 
     /// The pressure of it, Pa.
     pub fn pressure_beyond(&self, separation: f64) -> f64 {
-        let of = |cap| self.mean(cap, separation, |distance| [self.work(distance).pressure])[0];
-        self.weighted().map(|(factor, cap)| factor * of(cap)).sum()
+        self.taken_off(separation, |strength| [strength.pressure])[0]
+    }
+
+    fn taken_off<const N: usize>(&self, separation: f64, of: impl Fn(Strength) -> [f64; N]) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for (factor, cap) in self.weighted() {
+            // The distance of an asperity is this less its height.
+            let largest = self.contact_distance + separation - self.mean_plane_offset;
+            let depth = self.share / (2.0 * PI * self.density * cap.radius);
+            let beyond =
+                self.mean(cap, largest + depth, |z| of(self.work(z).plus(self.excess(z).times(-1.0))));
+            sums.iter_mut().zip(beyond).for_each(|(sum, own)| *sum += factor * own);
+            if self.retardation.is_some() {
+                let excess = self.mean(cap, largest, |z| of(self.excess(z)));
+                sums.iter_mut().zip(excess).for_each(|(sum, own)| *sum += factor * own);
+            }
+        }
+        sums
+    }
+
+    /// W_e as a pressure, with its integral and derivative.
+    fn excess(&self, distance: f64) -> Strength {
+        let unit = 4.0 / 3.0 * self.work_of_adhesion * self.equilibrium_spacing * self.equilibrium_spacing;
+        self.retardation.map_or(Strength::default(), |own| own.excess(distance).times(unit))
     }
 
     /// The asperities of each radius, and their share of 2πηR, 1/m.
@@ -114,11 +168,8 @@ impl Caps {
         self.classes.iter().map(|cap| (cap.weight * 2.0 * PI * self.density * cap.radius, cap))
     }
 
-    /// The mean of a function of the distance beyond caps, m, over the heights of asperities of a radius.
-    fn mean<const N: usize>(&self, cap: &Cap, separation: f64, of: impl Fn(f64) -> [f64; N]) -> [f64; N] {
-        // The distance is this less the height.
-        let depth = self.share / (2.0 * PI * self.density * cap.radius);
-        let largest = self.contact_distance + separation - self.mean_plane_offset + depth;
+    /// The mean of a function of a distance, m, which is `largest`, m, less the height of an asperity, over the asperities of a radius.
+    fn mean<const N: usize>(&self, cap: &Cap, largest: f64, of: impl Fn(f64) -> [f64; N]) -> [f64; N] {
         if let Some((mean, deviations)) = cap.heights.given() {
             let mut sums = [0.0; N];
             for deviation in deviations {
@@ -127,13 +178,16 @@ impl Caps {
             }
             return sums;
         }
-        // W is constant from Z₀ on, and rises steeply towards that.
-        let kink = largest - self.equilibrium_spacing;
+        // W is constant from Z₀ on, and rises steeply towards that; W_e ends at z_c.
+        let kinks = [Some(self.equilibrium_spacing), self.retardation.map(|own| own.from)];
         let mut ends = cap.heights.ends();
         ends.dedup();
-        if ends.first().is_some_and(|first| *first < kink) && ends.last().is_some_and(|last| kink < *last) {
-            ends.push(kink);
-            ends.sort_by(f64::total_cmp);
+        for kink in kinks.into_iter().flatten().map(|distance| largest - distance) {
+            if ends.first().is_some_and(|first| *first < kink) && ends.last().is_some_and(|last| kink < *last)
+            {
+                ends.push(kink);
+                ends.sort_by(f64::total_cmp);
+            }
         }
         let weighted = |heights: &[f64; NODES], values: &mut [[f64; N]; NODES]| {
             for (value, height) in values.iter_mut().zip(heights) {

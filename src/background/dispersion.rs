@@ -52,9 +52,9 @@ impl VanDerWaals {
         self.hamaker_constant
     }
 
-    /// Whether they are retarded.
-    pub fn is_retarded(&self) -> bool {
-        self.retardation > 0.0
+    /// b, 1/m, of planes that are retarded.
+    pub fn retardation(&self) -> Option<f64> {
+        (self.retardation > 0.0).then_some(self.retardation)
     }
 
     /// The strength at a distance z, m, above 0.

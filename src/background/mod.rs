@@ -16,6 +16,8 @@ mod dispersion;
 mod electrostatic;
 mod roughness;
 
+#[doc(hidden)]
+pub use caps::CapRetardation;
 pub use caps::{Cap, CapHeights, Caps};
 pub use dispersion::{Dispersion, VanDerWaals};
 pub use electrostatic::{Electrostatic, VACUUM_PERMITTIVITY};

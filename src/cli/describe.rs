@@ -87,7 +87,7 @@ fn background(surface: &Surface) -> String {
     let Terms { dispersion, electrostatic } = background.terms();
     let mut text = String::new();
     if let Some(Dispersion { planes, smallest_gap, caps, .. }) = dispersion {
-        let retarded = if planes.is_retarded() { ", retarded" } else { "" };
+        let retarded = if planes.retardation().is_some() { ", retarded" } else { "" };
         let owned = match caps {
             Some(caps) => format!("asperities own caps of {} of the area", percent(caps.share)),
             None => format!("asperities own gaps below {}", si(*smallest_gap, "m")),
@@ -158,7 +158,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
 
 /// The liquid that condenses around the asperities.
 fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
-    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion);
+    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion, scene.asperity.attraction_range());
     let within = match solid > 0.0 {
         true => format!("{} between the solids in it", si(solid, "J/m^2")),
         false => "none between the solids in it".to_owned(),

@@ -7,10 +7,11 @@ use super::instability::instability;
 use super::rows::row;
 use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
-use crate::experiment::capillary::{self, COVERS};
+use crate::experiment::capillary;
 use crate::experiment::results::{Results, Stopped};
 use crate::format::{bound, duration, factor, percent, si};
 use crate::integral::IndependenceVerdict;
+use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};
@@ -316,7 +317,7 @@ fn at_pull_off(results: &Results) -> String {
     text += &background(&results.scene, separation, adhesion);
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row("", &format!("in contact: {} of the nominal area", percent(area)));
-    text += &wet(results);
+    text += &wet(results, separation);
     text + &independence(&results.independence, &results.scene)
 }
 
@@ -339,12 +340,12 @@ fn background(scene: &Scene, separation: f64, adhesion: f64) -> String {
 }
 
 /// Bridges of liquid at the pull-off of the integral, and how many break behind it.
-fn wet(results: &Results) -> String {
+fn wet(results: &Results, separation: f64) -> String {
     let scene = &results.scene;
     let Some(meniscus) = scene.model.meniscus() else { return String::new() };
     let (surface, wet) = (&scene.surface, capillary::at_pull_off(results));
     let all = surface.asperity_count as f64;
-    let covered = wet.covered(meniscus, surface.asperity_radius, surface.nominal_area);
+    let covered = wet.covered(meniscus, surface);
     let mut text = row(
         "wet",
         &format!(
@@ -362,22 +363,25 @@ fn wet(results: &Results) -> String {
         text += &row("", &format!("films drained at each separation: {} of the integral", si(pull, "N")));
     }
     if covered > COVERS.0 {
-        text += &row(
-            "",
-            "each is computed as if it were alone: where they merge the liquid pulls with less than their sum",
-        );
-        if let Some((pull, place)) = capillary::merged_pull_off(results) {
-            let h_star = h_star(results, place);
-            text += &row(
-                "",
-                &format!(
-                    "merged, by what they cover: {} of the mean curve, at h* = {h_star:.3}",
-                    si(pull, "N")
-                ),
-            );
-        }
+        text += &row("", &spread(results, separation));
     }
     text
+}
+
+/// The liquid between bridges that merge, at the pull-off of the integral.
+fn spread(results: &Results, separation: f64) -> String {
+    let scene = &results.scene;
+    let surface = &scene.surface;
+    match (scene.filling(), surface.spread.last()) {
+        (Some(filling), Some(spread)) => {
+            let [all, more] = [filling.tension(separation), spread.pressure(separation)]
+                .map(|pressure| si(surface.nominal_area * pressure, "N"));
+            format!(
+                "where they merge the liquid fills gaps: {all} if it does everywhere, {more} more than bridges"
+            )
+        }
+        _ => "each is computed as if it were alone, and keeps its liquid".to_owned(),
+    }
 }
 
 /// The verdict of the cross-check.

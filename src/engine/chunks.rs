@@ -283,7 +283,7 @@ impl<'a> Chunks<'a> {
         let regimes = self.job.laws.regimes().len();
         let (sums, surface) = (self.states(states), self.job.surface);
         let forces = sums.chunks_exact(regimes).map(RegimeSums::external_force);
-        forces.zip(states).map(|(force, state)| surface.external_force(state.separation(), force)).collect()
+        forces.zip(states).map(|(force, state)| state.external_force(surface, force)).collect()
     }
 
     /// Sums the surface by moments.

@@ -70,7 +70,7 @@ impl Summed for HeldSurface<'_> {
             let (surface, stats) = (self.job.surface, &mut self.sums.stats);
             let force = |to: &f64| {
                 let d = surface.asperity_separation(*to);
-                surface.external_force(*to, pulled.external_force(cycle, None, d, lane_sums, stats))
+                surface.external_force_back(*to, pulled.external_force(cycle, None, d, lane_sums, stats))
             };
             return separations.iter().map(force).collect();
         }

@@ -6,6 +6,7 @@ use super::kinks::{KINKS, Kink, Kinks, beside, rounding};
 use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
 use super::search::{Curve, Passing, Stray};
 use crate::asperity::{Loop, SolverStats};
+use crate::surface::Surface;
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
@@ -169,7 +170,13 @@ impl Curve for PolydisperseCurve<'_> {
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
         let surface = self.job.surface;
-        separations.iter().map(|h| surface.external_force(*h, self.external_force(None, *h))).collect()
+        let all = |force: fn(&Surface, f64, f64) -> f64, curve: &mut Self| {
+            separations.iter().map(|h| force(surface, *h, curve.external_force(None, *h))).collect()
+        };
+        match self.way {
+            Way::Approach => all(Surface::external_force, self),
+            Way::Retraction(..) => all(Surface::external_force_back, self),
+        }
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {

@@ -297,9 +297,8 @@ fn coupled(
 /// The record of a surface of `count` asperities whose curves are known; its snaps are left in these, and the
 /// attraction of the mean planes in the external force.
 fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
-    let separations = job.separations.iter().cycle();
-    for (force, &h) in curves.total[Quantity::ExternalForce.index()].iter_mut().zip(separations) {
-        *force = job.surface.external_force(h, *force);
+    for (force, state) in curves.total[Quantity::ExternalForce.index()].iter_mut().zip(State::all(job)) {
+        *force = state.external_force(job.surface, *force);
     }
     let external = &curves.total[Quantity::ExternalForce.index()];
     let (external, retraction) = external.split_at(job.separations.len());

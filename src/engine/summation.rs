@@ -49,6 +49,7 @@ impl Summation {
             asperity_count: job.surface.asperity_count.min(CHUNK_ASPERITIES),
             // It is the same in both ways.
             background: None,
+            spread: Default::default(),
             ..job.surface.clone()
         };
         let tried = Job { surface: &surface, ..*job };

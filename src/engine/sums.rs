@@ -6,6 +6,7 @@ use super::polydisperse::{LaneSums, PulledBack};
 use crate::asperity::{Law, Loop, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
+use crate::surface::Surface;
 
 /// A state that a surface is summed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +31,12 @@ impl State {
         approach.chain(retraction.filter(|_| job.protocol.cycle.is_some())).collect()
     }
 
-    /// The separation h, m.
-    pub fn separation(self) -> f64 {
-        let (Self::Approach(h) | Self::Retraction { to: h, .. }) = self;
-        h
+    /// The external force, N, of a surface whose asperities have another in this state, N.
+    pub fn external_force(self, surface: &Surface, of_asperities: f64) -> f64 {
+        match self {
+            Self::Approach(h) => surface.external_force(h, of_asperities),
+            Self::Retraction { to, .. } => surface.external_force_back(to, of_asperities),
+        }
     }
 }
 
@@ -169,7 +172,7 @@ impl Sums {
     /// The external force, N, of a surface in a state, likewise.
     pub fn external_force(&mut self, job: &Job<'_>, heights: &[f64], state: State) -> f64 {
         self.surface(job, heights, state);
-        job.surface.external_force(state.separation(), RegimeSums::external_force(&self.regimes))
+        state.external_force(job.surface, RegimeSums::external_force(&self.regimes))
     }
 
     /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among

@@ -81,7 +81,8 @@ impl<'a> Model<'a> {
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
     /// rounding of heights allows.
     pub fn answer(&self, separations: &[f64], tolerance: f64) -> Expectations {
-        self.of_asperities(separations, tolerance).beside(self.surface, separations)
+        self.of_asperities(separations, tolerance)
+            .beside(|h, force| self.surface.external_force(h, force), separations)
     }
 
     /// The same of the asperities alone, without the attraction of the mean planes.
@@ -228,10 +229,10 @@ impl Mixture {
 }
 
 impl Expectations {
-    /// The same with the attraction of the mean planes of a surface in the external force, at separations h, m.
-    pub(super) fn beside(mut self, surface: &Surface, separations: &[f64]) -> Self {
+    /// Expectations with the external force that a surface has at separations h, m, in the place of that of its asperities.
+    pub(super) fn beside(mut self, external_force: impl Fn(f64, f64) -> f64, separations: &[f64]) -> Self {
         for (force, &h) in self.expected[Quantity::ExternalForce.index()].iter_mut().zip(separations) {
-            *force = surface.external_force(h, *force);
+            *force = external_force(h, *force);
         }
         self
     }

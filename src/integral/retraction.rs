@@ -140,12 +140,13 @@ impl<'a> RetractionModel<'a> {
 
     /// The answer at separations h, m; regimes are those of the law on approach.
     pub fn answer(&self, separations: &[f64]) -> Expectations {
-        self.of_asperities(separations).beside(self.surface, separations)
+        self.of_asperities(separations)
+            .beside(|h, force| self.surface.external_force_back(h, force), separations)
     }
 
     /// Expected external force, N, at one separation h, m. Where radii have a density it is interpolated, to about 1e-6.
     pub fn external_force(&self, separation: f64) -> f64 {
-        self.surface.external_force(separation, self.external_force_of_asperities(separation))
+        self.surface.external_force_back(separation, self.external_force_of_asperities(separation))
     }
 
     /// The same of the asperities alone, without the attraction of the mean planes.

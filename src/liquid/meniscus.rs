@@ -228,10 +228,23 @@ impl Meniscus {
         (open * open - gap * gap).max(0.0)
     }
 
-    /// W_dry − γs, J/m²: the energy between the solids within the liquid when they have W_dry, J/m², without (Young,
-    /// Dupré). Not above 0 where the liquid comes between them.
-    pub fn solid_energy(&self, work_of_adhesion: f64) -> f64 {
-        work_of_adhesion - self.surface_tension * self.wetting()
+    /// κ/(c h₀), κ = J r_K²: the share by which the curvature around its circle, c = √(2Rh₀), shortens the reach of the liquid
+    /// around a sphere of a radius R, m, on a flat.
+    pub fn shortening(&self, radius: f64) -> f64 {
+        let range = self.range();
+        self.turn() * self.kelvin_radius * self.kelvin_radius / ((2.0 * radius * range).sqrt() * range)
+    }
+
+    /// The share of γs and p_c that there is between solids whose dry attraction has a range, m: a gap that is no wider holds
+    /// no liquid, so none up to h₀ of that range, all from twice that on, and linear in h₀ between.
+    pub fn share_beyond(&self, dry_range: f64) -> f64 {
+        (self.range() / dry_range - 1.0).clamp(0.0, 1.0)
+    }
+
+    /// W_dry − γs, J/m²: the energy between the solids within the liquid when they have W_dry, J/m², of a range, m, without
+    /// (Young, Dupré). Not above 0 where the liquid comes between them.
+    pub fn solid_energy(&self, work_of_adhesion: f64, dry_range: f64) -> f64 {
+        work_of_adhesion - self.share_beyond(dry_range) * self.surface_tension * self.wetting()
     }
 }
 

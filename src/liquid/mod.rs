@@ -4,11 +4,16 @@
 //! is its surface between two solids at a relative humidity.
 
 mod error;
+mod filling;
 mod meniscus;
+mod spread;
 mod water;
 
 pub use error::LiquidError;
+pub use filling::Filling;
 pub use meniscus::{Bridges, Film, GAS_CONSTANT, Meniscus, Volume};
+#[doc(hidden)]
+pub use spread::{COVERS, Spread, weight};
 
 /// A liquid at a temperature.
 ///

@@ -4,8 +4,10 @@ use super::choices::{CAP_SHARE, CAP_SHARES, RETARDATION_WAVELENGTH};
 use super::error::{SceneError, Together, all};
 use super::reader::{Entry, Section};
 use crate::asperity::models::Model;
-use crate::asperity::scale::{Asperity, STRESS_RATIO};
-use crate::background::{Background, Cap, Caps, Dispersion, Electrostatic, Terms, VanDerWaals};
+use crate::asperity::scale::Asperity;
+use crate::background::{
+    Background, Cap, CapRetardation, Caps, Dispersion, Electrostatic, Terms, VanDerWaals,
+};
 use crate::surface::{RadiusClass, Surface};
 use std::ops::RangeBounds;
 use std::sync::Arc;
@@ -223,6 +225,12 @@ impl VanDerWaalsTable {
         let lennard_jones = VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing);
         let film = film(model, asperity);
         let contact_distance = equilibrium_spacing - film;
+        let (range, planes) = (
+            asperity.attraction_range(),
+            VanDerWaals::new(self.hamaker_constant.unwrap_or(lennard_jones), self.wavelength),
+        );
+        let retardation =
+            planes.retardation().map(|rate| CapRetardation { rate, from: equilibrium_spacing + range });
         let class =
             |RadiusClass { weight, radius, heights, .. }| Cap { radius, weight, heights: Arc::new(heights) };
         let caps = || Caps {
@@ -233,10 +241,11 @@ impl VanDerWaalsTable {
             contact_distance,
             mean_plane_offset: surface.mean_plane_offset,
             classes: surface.parts().into_iter().map(class).collect(),
+            retardation,
         };
         Dispersion {
-            planes: VanDerWaals::new(self.hamaker_constant.unwrap_or(lennard_jones), self.wavelength),
-            smallest_gap: self.smallest_gap.unwrap_or(film + equilibrium_spacing / STRESS_RATIO),
+            planes,
+            smallest_gap: self.smallest_gap.unwrap_or(film + range),
             contact_distance,
             caps: model.has_endless_attraction().then(caps),
         }

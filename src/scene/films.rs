@@ -109,22 +109,14 @@ impl Scene {
 
     /// What is expected of the scene as it is on its ways.
     fn expected(&self) -> Result<Vec<Expected>, LawError> {
-        let of = |of: &dyn Fn(&Self) -> Result<Expectations, LawError>| {
-            let content = of(&Self { model: self.model.content(), ..self.clone() })?;
+        let contents = self.expectations_on_ways(self.model.content(), &self.separations)?;
+        let forces = self.expectations_on_ways(self.model, &self.separations)?;
+        let of = |(content, force): (Expectations, Expectations)| {
             let [volume, external_force] =
-                [(content, Quantity::AdhesionForce), (of(self)?, Quantity::ExternalForce)]
+                [(content, Quantity::AdhesionForce), (force, Quantity::ExternalForce)]
                     .map(|(mut all, quantity)| std::mem::take(&mut all.expected[quantity.index()]));
-            Ok(Expected { volume, external_force })
+            Expected { volume, external_force }
         };
-        let (surface, separations) = (&self.surface, self.separations.as_slice());
-        let mut ways = vec![of(&|scene| Ok(Expectations::new(scene.law()?.view(), surface, separations)))?];
-        if self.cycle {
-            let back = |scene: &Self| {
-                let cycle = scene.loop_law_of(scene.unloading)?;
-                Ok(Expectations::retraction(&cycle, surface, separations))
-            };
-            ways.push(of(&back)?);
-        }
-        Ok(ways)
+        Ok(contents.into_iter().zip(forces).map(of).collect())
     }
 }

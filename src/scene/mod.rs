@@ -28,6 +28,7 @@ mod reader;
 mod separation;
 #[doc(hidden)]
 pub mod settings;
+mod spreading;
 mod stopping;
 mod substrate;
 #[doc(hidden)]
@@ -60,6 +61,8 @@ pub use keys::{Absent, Key, Sign, Value};
 pub use lookup::nearest;
 #[doc(hidden)]
 pub use reader::takes_heights;
+#[doc(hidden)]
+pub use spreading::Wet;
 pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]

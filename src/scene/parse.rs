@@ -130,7 +130,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
         None => SceneError::general(problem),
     })?;
     let law = scene.model;
-    scene.with_background_of(&law).with_films().map_err(|error| {
+    scene.with_background_of(&law).with_films().and_then(Scene::with_spread).map_err(|error| {
         SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
     })
 }

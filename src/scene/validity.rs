@@ -38,12 +38,12 @@ const LARGEST_SHIFT: f64 = 0.05;
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Smallest Kelvin radius of a meniscus that is a continuum, m.
 const SMALLEST_MENISCUS: f64 = 0.5e-9;
-/// Largest Kelvin radius over the radius of an asperity.
-const LARGEST_MENISCUS: f64 = 0.01;
 /// Largest share of contacts that have flowed of which the adhesion does not matter.
 const LARGEST_FLOWED: f64 = 0.01;
 /// Interference over that where flow begins, from which contacts are called fully plastic.
 const FULLY_PLASTIC: f64 = 30.0;
+/// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
+const LARGEST_SHORTENING: f64 = 0.1;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 
@@ -149,20 +149,19 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
             &keys[..1],
         ));
     }
-    let ratio = kelvin / scene.surface.asperity_radius;
-    if ratio > LARGEST_MENISCUS {
-        let share = meniscus.turn() * kelvin
-            / ((2.0 * scene.surface.asperity_radius * meniscus.range()).sqrt() * meniscus.wetting());
+    let share = meniscus.shortening(scene.surface.asperity_radius);
+    if share > LARGEST_SHORTENING {
         warnings.push(Warning::new(
             format!(
-                "the Kelvin radius is {ratio:.3} of the radius of the asperities, more than {LARGEST_MENISCUS}: forces of bridges are {:.0} % too large",
-                100.0 * share
+                "the curvature around bridges takes {:.0} % of the reach of the liquid, more than {:.0} %",
+                100.0 * share,
+                100.0 * LARGEST_SHORTENING
             ),
-            "the curvature around the bridge is left out of forces (to first order in the root of that ratio)",
-            keys,
+            "forces of bridges have it to first order, and are off by some four times its square from Young and Laplace",
+            if scene.draining_film.is_some() { keys } else { &["relative_humidity", "contact_angles", "asperity_radius"] },
         ));
     }
-    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion);
+    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion, scene.asperity.attraction_range());
     if !(solid > 0.0) {
         warnings.push(Warning::new(
             format!(

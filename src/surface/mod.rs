@@ -19,6 +19,7 @@ pub use scheme::SamplingScheme;
 pub use scheme::{CHUNK_ASPERITIES, STRATA};
 
 use crate::background::Background;
+use crate::liquid::Spread;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -130,6 +131,8 @@ pub struct Surface {
     pub nominal_area: f64,
     /// The attraction between its mean plane and that of the other surface, if there is one.
     pub background: Option<Arc<Background>>,
+    /// What liquid pulls harder than its bridges do, on each of the ways of the surface; nothing where bridges are apart.
+    pub spread: Arc<[Spread]>,
 }
 
 /// Why no surface follows from a roughness.
@@ -231,6 +234,7 @@ impl Surface {
             whole: false,
             nominal_area: roughness.nominal_area,
             background: None,
+            spread: Arc::default(),
         })
     }
 
@@ -248,6 +252,7 @@ impl Surface {
             whole: false,
             nominal_area,
             background: None,
+            spread: Arc::default(),
         }
     }
 
@@ -274,13 +279,27 @@ impl Surface {
         self.background.as_ref().map_or(0.0, |background| self.nominal_area * background.pressure(separation))
     }
 
+    /// What liquid pulls harder than its bridges on the way there or back, N, at a separation h of the mean planes, m.
+    fn spread_force(&self, way: Option<&Spread>, separation: f64) -> f64 {
+        way.map_or(0.0, |spread| self.nominal_area * spread.pressure(separation))
+    }
+
     /// The external force, N, at a separation h of the mean planes, m: that of the asperities, N, less the
-    /// attraction of the mean planes.
+    /// attraction of the mean planes and of liquid that spreads between bridges.
     pub fn external_force(&self, separation: f64, of_asperities: f64) -> f64 {
-        match self.background {
-            None => of_asperities,
-            Some(_) => of_asperities - self.background_force(separation),
+        self.less(self.spread.first(), separation, of_asperities)
+    }
+
+    /// The external force on retraction of a loop, N, likewise; of surfaces that have one way only, on that.
+    pub fn external_force_back(&self, separation: f64, of_asperities: f64) -> f64 {
+        self.less(self.spread.last(), separation, of_asperities)
+    }
+
+    fn less(&self, way: Option<&Spread>, separation: f64, of_asperities: f64) -> f64 {
+        if self.background.is_none() && way.is_none() {
+            return of_asperities;
         }
+        of_asperities - self.background_force(separation) - self.spread_force(way, separation)
     }
 
     /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.

@@ -279,10 +279,6 @@ fn scenes_are_warned_of_what_matters_only(folders: &[&str], fewest: u32) {
         ),
         ("sweep_surface_energy.toml", AT_PULL_OFF),
         ("humidity.toml", "20.00 mJ/m^2, is not above the energy of the liquid, 143.3 mJ/m^2"),
-        (
-            "humidity.toml",
-            "of the radius of the asperities, more than 0.01: forces of bridges are 4 % too large",
-        ),
         ("sweep_lubricant.toml", "is thicker than sigma"),
         ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
         ("sweep_flattened.toml", "of the nominal area is in contact at pull-off"),

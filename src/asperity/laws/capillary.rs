@@ -2,9 +2,9 @@
 //!
 //! # Formula
 //! The liquid pulls with the tension p_c = γ/r_K wherever the gap is below h₀ = s r_K. That is Dugdale's zone, with σ₀ = p_c
-//! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress ([`super::md`]), and before
-//! contact a bridge under constant tension (`asperity::bridge`). The bridge bends the faces towards each other:
-//! within it they are as near as an asperity without bridge at the interference
+//! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress, in contact and before it
+//! (`asperity::bridge`, which has the curvature of the meniscus around the circle too). The bridge bends the faces towards
+//! each other: within it they are as near as an asperity without bridge at the interference
 //!
 //! δ₁ = a₀²/R in contact, a₀ the radius of contact under the bridge alone, and δ₁ = −g before it, g the gap in the middle.
 //!
@@ -13,15 +13,19 @@
 //! the area are those at δ₁. γs is thus not counted twice: a stiff asperity has 2πR(γs + W_SLS) = 2πRΔγ. Where W_SLS is not
 //! above 0 the liquid comes between the solids, which are then without adhesion of their own.
 //!
+//! A liquid is one only in gaps that are wider than the range of the attraction of dry solids, Z₀/1.03. Up to there nothing
+//! is left of γs and p_c, from twice that range on all, and between them a share that is linear in h₀; so the limit of dry
+//! air is the dry asperity, whichever of Δγ and γs is larger.
+//!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
 //! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
 //! | bridge | solids apart | bridge, and solids across it | 0 |
 //! | elastic | up to ω_c | bridge, and solids in it | K a³/R at δ₁ |
-//! | elastoplastic1, elastoplastic2, plastic | above ω_c | 2πRγs, and Kogut-Etsion with W_SLS | Kogut-Etsion |
+//! | elastoplastic1, elastoplastic2, plastic | above ω_c | bridge, and Kogut-Etsion with W_SLS | Kogut-Etsion |
 //!
-//! 2πRγs is the force of a bridge around the truncated sphere, beside which the gap is (r² − a²)/2R. At ω_c the force jumps
-//! to it.
+//! That bridge is around the truncated sphere, outside of which the gap is (r² − a²)/2R: 2πR(γs − p_cκ/c). At ω_c the force
+//! jumps to it.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
 //! unstable; reversible ones form and break where their energy is that of none. A bridge breaks with the contact where that
@@ -31,7 +35,7 @@
 //! there (`asperity::bridge`).
 //!
 //! # Validity
-//! Elastic-plastic spheres of all λ, r_K ≪ R: the force is off by r_K/R terms, κ/(c h₀) of the bridge's. With both γs and
+//! Elastic-plastic spheres of all λ, r_K ≪ R: the force of the bridge is off by the order of (κ/ch₀)². With both γs and
 //! W_SLS the superposition is exact where either vanishes, and for stiff spheres; against two nested Dugdale zones it is
 //! measured in `tests/suite/capillary.rs`. Sources: Maugis and Gauthier-Manuel, J. Adhes. Sci. Technol. 8 (1994) 1311;
 //! mapping derived from Maugis (1992) with the Kelvin and Young-Dupré equations.
@@ -39,7 +43,7 @@
 use super::idmt::across;
 use super::kogut_etsion::{Critical, plastic_rows};
 use super::md::MaugisContact;
-use crate::asperity::bridge::{Bridge, Closed, Edge};
+use crate::asperity::bridge::{Bridge, Closed, Last};
 use crate::asperity::elastic::{self, Elastic};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant, Formula, Zero};
@@ -51,6 +55,7 @@ use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
 use crate::liquid::{Bridges, Meniscus, Volume};
+use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
 
 /// The law `capillary`.
@@ -59,9 +64,23 @@ use std::f64::consts::PI;
 /// [`LawError`] for a λ that is not solved.
 pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
     let parts = Parts::new(parameters, meniscus)?;
+    of_parts(parts, parameters)
+}
+
+/// The law of the solids in the liquid, which is under no tension.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn immersed(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
+    let parts = Parts::new(parameters, meniscus)?;
+    let bridge = Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge };
+    of_parts(Parts { bridge, ..parts }, parameters)
+}
+
+fn of_parts(parts: Parts, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let dry = across(&parameters.scale);
     let attraction = ClosedForm::attraction((move |delta: f64| dry(-delta)).following(OF_SPHERE));
-    let typical = Lane::new(1.0, Some(parts.liquid.lambda));
+    let typical = Lane::new(1.0, parts.lambda());
     let [begin, touch] = [0, 1].map(|end| {
         let of = move |lane: &Lane| parts.ends(lane)[end];
         Place::following(of(&typical), of)
@@ -70,8 +89,8 @@ pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<
         Some(scale) => plastic_rows(&LawParameters { scale, ..*parameters }),
         None => Critical::new(parameters).plastic(Zero, Zero, Zero),
     };
-    let around = 2.0 * parts.liquid.force;
-    let plastic = plastic.map(|row| row.within(|contact| Box::new(Surrounded { contact, around })));
+    let bridge = parts.bridge;
+    let plastic = plastic.map(|row| row.within(|contact| Box::new(Surrounded { contact, bridge })));
     let rows = [
         Row::below(Regime::Noncontact, begin, attraction),
         Row::below(Regime::Bridge, touch, Spanned { parts, typical }),
@@ -90,7 +109,7 @@ pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<
 /// [`LawError`] for a λ that is not solved.
 pub fn content(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
     let parts = Parts::new(parameters, meniscus)?;
-    let typical = Lane::new(1.0, Some(parts.liquid.lambda));
+    let typical = Lane::new(1.0, parts.lambda());
     let films = -meniscus.film_height();
     let begin = move |lane: &Lane| parts.ends(lane)[0];
     let full = move |lane: &Lane| begin(lane).max(films);
@@ -104,6 +123,9 @@ pub fn content(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dy
     ])))
 }
 
+/// Relative accuracy of the angles from which solves of contacts start.
+const STARTS: f64 = 1e-8;
+
 /// A force at δ that is proportional to the radius.
 const OF_SPHERE: Similarity = Similarity::new(0.0, 1.0);
 
@@ -111,8 +133,8 @@ const OF_SPHERE: Similarity = Similarity::new(0.0, 1.0);
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     bridge: Bridge,
-    /// Of the energy γs and the stress p_c.
-    liquid: Scale,
+    /// K, Pa.
+    stiffness: f64,
     /// Of the energy W_SLS; none where it is not above 0.
     solid: Option<Scale>,
     path: Path,
@@ -132,19 +154,21 @@ impl Parts {
     pub fn new(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Self, LawError> {
         let dry = parameters.scale;
         let work = dry.work_of_adhesion();
-        let share = meniscus.solid_energy(work) / work;
+        let range = dry.equilibrium_spacing() / STRESS_RATIO;
+        let share = meniscus.solid_energy(work, range) / work;
         // W_SLS of so small a λ is nothing beside γs.
         let is_some = share > 0.0 && dry.lambda * libm::pow(share, 2.0 / 3.0) >= LAMBDA_RANGE.0;
-        let solid = is_some.then(|| dry.with_energy(share, dry.equilibrium_spacing() / STRESS_RATIO));
+        let solid = is_some.then(|| dry.with_energy(share, range));
+        let stress = meniscus.pressure() * meniscus.share_beyond(range);
         Ok(Self {
             bridge: Bridge {
                 radius: dry.asperity_radius(),
                 range: meniscus.range(),
-                stress: meniscus.pressure(),
-                compliance: 16.0 * meniscus.pressure() / (3.0 * PI * dry.stiffness()),
+                stress,
+                compliance: 16.0 * stress / (3.0 * PI * dry.stiffness()),
                 curvature: meniscus.turn() * meniscus.kelvin_radius * meniscus.kelvin_radius,
             },
-            liquid: dry.with_energy(meniscus.energy() / work, meniscus.range())?,
+            stiffness: dry.stiffness(),
             solid: solid.transpose()?,
             path: parameters.path,
             bridges: meniscus.bridges,
@@ -154,20 +178,23 @@ impl Parts {
         })
     }
 
-    /// The solids of an asperity in the liquid.
-    fn elastic(&self, lane: &Lane) -> Option<(Elastic, f64)> {
-        let scale = self.solid?;
-        let lambda = (scale.lambda * lane.cube_root).max(LAMBDA_RANGE.0);
-        Some((Elastic::new(lambda), scale.length * lane.cube_root))
+    /// λ of the solids in the liquid, which the lanes solve.
+    fn lambda(&self) -> Option<f64> {
+        self.solid.map(|scale| scale.lambda)
+    }
+
+    /// The solids of an asperity in the liquid, and s_δ, m.
+    fn elastic<'a>(&self, lane: &'a Lane) -> Option<(&'a Elastic, f64)> {
+        self.solid.map(|scale| (&lane.elastic, scale.length * lane.cube_root))
     }
 
     /// δ, m, from which there is a bridge, and from which the solids touch.
     fn ends(&self, lane: &Lane) -> [f64; 2] {
         let bridge = self.bridge.of_ratio(lane.ratio);
         // Under the bridge alone.
-        let [touch, fold] = [lane.elastic.end(Path::Approach), lane.elastic.contact_fold()]
-            .map(|end| end * self.length(lane));
-        let touches = self.elastic(lane).map(|(solid, length)| bridge.at_gap(-solid.end(self.path) * length));
+        let [touch, fold] = [-bridge.at_gap(0.0).distance, bridge.last_contact().interference];
+        let solids = self.elastic(lane).map(|(solid, length)| solid.end(self.path) * length);
+        let touches = solids.map(|end| bridge.at_gap(-end));
         match (self.path, self.bridges) {
             (Path::Approach, Bridges::Metastable) if self.films == 0.0 => [0.0; 2],
             (Path::Approach, bridges) => {
@@ -187,9 +214,12 @@ impl Parts {
             }
             (Path::Retraction, bridges) => {
                 let rupture = bridge.rupture();
-                let contact = match touches {
-                    Some(end) if end.circle > rupture.circle => -end.distance,
-                    Some(_) if bridge.at_gap(0.0).circle > rupture.circle => -rupture.distance,
+                let contact = match (solids, touches) {
+                    (_, Some(end)) if end.circle > rupture.circle => -end.distance,
+                    // Solids that hold on for longer than a bridge keep it.
+                    (Some(solids), _) if bridge.at_gap(0.0).circle > rupture.circle => {
+                        solids.min(-rupture.distance)
+                    }
                     _ => touch,
                 };
                 let breaks = match bridges {
@@ -206,9 +236,9 @@ impl Parts {
     fn closed(&self, lane: &Lane) -> (Closed, f64) {
         let bridge = self.bridge.of_ratio(lane.ratio);
         let solid = self.elastic(lane).map_or(0.0, |(solid, length)| -solid.end(Path::Retraction) * length);
-        let (edge, half) = (bridge.at_gap(solid), bridge.compliance * bridge.radius);
+        let edge = bridge.at_gap(solid);
         // Beyond the fold there is no state in equilibrium whose liquid could be kept.
-        let edge = if edge.circle > half { edge } else { Edge { circle: half, distance: bridge.fold() } };
+        let edge = if edge.circle > bridge.spinodal().circle { edge } else { bridge.spinodal() };
         (Closed::new(bridge, edge), edge.distance)
     }
 
@@ -223,17 +253,16 @@ impl Parts {
         self.path == Path::Retraction && self.volume == Volume::Constant
     }
 
-    /// s_δ under the bridge alone, m.
-    fn length(&self, lane: &Lane) -> f64 {
-        self.liquid.length * lane.cube_root
-    }
-
-    /// The smoothness of a bridge before contact, which folds beyond its end.
+    /// The smoothness of a bridge before contact, which folds at its end or beyond.
     fn spanned(&self, ratio: f64) -> Smoothness {
         if self.is_closed() {
             return Smoothness::Smooth;
         }
-        Smoothness::Root { end: End::Lower, place: -self.bridge.of_ratio(ratio).fold(), order: 2 }
+        Smoothness::Root {
+            end: End::Lower,
+            place: -self.bridge.of_ratio(ratio).spinodal().distance,
+            order: 2,
+        }
     }
 }
 
@@ -299,7 +328,7 @@ impl Interaction for Spanned {
 
 impl PartOfRadii for Spanned {
     fn lambda(&self) -> Option<f64> {
-        Some(self.parts.liquid.lambda)
+        self.parts.lambda()
     }
 
     fn capture_of(&self, lane: &Lane) -> Option<f64> {
@@ -324,11 +353,12 @@ impl PartOfRadii for Spanned {
 /// Elastic contact of solids in the liquid, within a bridge.
 struct WetContact {
     parts: Parts,
-    /// The contact under the bridge alone, and that of the solids in the liquid.
-    liquid: MaugisContact,
+    /// The end of contact under the bridge alone of the asperity of ρ = 1.
+    last: Last,
+    /// Its angles over the root of δ beyond that, m, from which solves start.
+    starts: Piecewise,
+    /// The contact of the solids in the liquid.
     solid: Option<MaugisContact>,
-    /// δ at which the contact under the bridge alone ends, m.
-    end: f64,
 }
 
 impl WetContact {
@@ -337,8 +367,12 @@ impl WetContact {
             let parameters = LawParameters { scale, path: Path::Retraction, ..*parameters };
             MaugisContact::new(&parameters, parameters.critical_interference)
         };
-        let liquid = contact(parts.liquid)?;
-        Ok(Self { end: liquid.begin(), solid: parts.solid.map(contact).transpose()?, liquid, parts })
+        let (bridge, last) = (parts.bridge, parts.bridge.last_contact());
+        let deepest = parameters.deepest(parameters.critical_interference).unwrap_or(f64::NEG_INFINITY);
+        let deepest = deepest * parameters.scale.length - last.interference;
+        let angle = |root: f64| bridge.contact(last.interference + root * root, &last, None).angle;
+        let starts = Piecewise::new(angle, |_, angle| STARTS * angle, 0.0, deepest.max(0.0).sqrt());
+        Ok(Self { last, starts, solid: parts.solid.map(contact).transpose()?, parts })
     }
 
     /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
@@ -353,24 +387,31 @@ impl WetContact {
         }
     }
 
-    /// F_s of bridges and δ₁, where the contacts under them alone are in `out`.
+    /// What there is under bridges alone, and δ₁, of asperities by their ρ, with the ends
+    /// of their contacts.
     fn bridges(
         &self,
-        of: impl Fn(usize) -> (f64, f64),
+        of: impl Fn(usize) -> (f64, Last),
+        start: impl Fn(usize) -> Option<f64>,
         interference: &[f64],
         out: &mut Responses,
     ) -> [f64; BLOCK] {
         let mut inner = [0.0; BLOCK];
         for (i, &delta) in interference.iter().enumerate() {
-            let (ratio, end) = of(i);
+            let (ratio, last) = of(i);
             let bridge = self.parts.bridge.of_ratio(ratio);
-            inner[i] = if delta >= end {
-                out.area[i] / (PI * bridge.radius)
+            if delta >= last.interference {
+                let state = bridge.contact(delta, &last, start(i));
+                let square = state.contact * state.contact;
+                inner[i] = square / bridge.radius;
+                out.adhesion[i] = bridge.pull_around(&state);
+                out.contact[i] = self.parts.stiffness * inner[i] * state.contact;
+                out.area[i] = PI * square;
             } else {
                 let (pull, gap) = bridge.pull(-delta);
-                out.adhesion[i] = pull;
-                -gap
-            };
+                (out.adhesion[i], out.contact[i], out.area[i]) = (pull, 0.0, 0.0);
+                inner[i] = -gap;
+            }
         }
         inner
     }
@@ -387,7 +428,7 @@ impl WetContact {
 
 impl Interaction for WetContact {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        Self::smoothness_in(self.end, lower, upper)
+        Self::smoothness_in(self.last.interference, lower, upper)
     }
 
     fn method(&self) -> Method {
@@ -399,9 +440,15 @@ impl Interaction for WetContact {
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        self.liquid.evaluate(interference, out, stats);
+        let mut starts = [f64::NAN; BLOCK];
+        let mut roots = [0.0; BLOCK];
+        for (root, delta) in roots.iter_mut().zip(interference) {
+            *root = (delta - self.last.interference).max(0.0).sqrt();
+        }
+        self.starts.values(&roots[..interference.len()], &mut starts[..interference.len()]);
+        let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
+        let inner = self.bridges(|_| (1.0, self.last), start, interference, out);
         let Some(contact) = &self.solid else { return };
-        let inner = self.bridges(|_| (1.0, self.end), interference, out);
         let mut solid = Responses::default();
         contact.evaluate(&inner[..interference.len()], &mut solid, stats);
         Self::add(out, &solid, interference.len());
@@ -410,11 +457,12 @@ impl Interaction for WetContact {
 
 impl PartOfRadii for WetContact {
     fn lambda(&self) -> Option<f64> {
-        Some(self.parts.liquid.lambda)
+        self.parts.lambda()
     }
 
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        Self::smoothness_in(lane.elastic.contact_fold() * self.parts.length(lane), lower, upper)
+        let last = self.parts.bridge.of_ratio(lane.ratio).last_contact();
+        Self::smoothness_in(last.interference, lower, upper)
     }
 
     fn evaluate_lanes(
@@ -424,33 +472,29 @@ impl PartOfRadii for WetContact {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        PartOfRadii::evaluate_lanes(&self.liquid, lanes, interference, out, stats);
-        let Some(scale) = self.parts.solid else { return };
-        let end = |i: usize| {
-            let lane = lanes.at(i);
-            (lane.ratio, lane.elastic.contact_fold() * self.parts.length(lane))
+        let of = |i: usize| {
+            let ratio = lanes.at(i).ratio;
+            (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
         };
+        let mut inner = self.bridges(of, |_| None, interference, out);
+        let Some(scale) = self.parts.solid else { return };
         let count = interference.len();
-        let mut inner = self.bridges(end, interference, out);
-        let mut own = [Elastic::default(); BLOCK];
-        for (i, own) in own[..count].iter_mut().enumerate() {
-            let (solid, length) = self.parts.elastic(lanes.at(i)).expect("there are solids in the liquid");
-            *own = solid;
-            inner[i] /= length;
+        for (i, inner) in inner[..count].iter_mut().enumerate() {
+            *inner /= scale.length * lanes.at(i).cube_root;
         }
         let mut solid = Responses::default();
         let Responses { adhesion, area: radius, .. } = &mut solid;
-        elastic::contact(|i| &own[i], &inner[..count], adhesion, radius, stats);
+        elastic::contact(|i| &lanes.at(i).elastic, &inner[..count], adhesion, radius, stats);
         lanes.scale_contacts(&scale, count, &mut solid);
         Self::add(out, &solid, count);
     }
 }
 
-/// A contact within a bridge of constant force, which is proportional to the radius.
+/// A plastic contact within a bridge.
 struct Surrounded {
     contact: Box<dyn Interaction>,
-    /// F_s of the bridge, N.
-    around: f64,
+    /// The bridge of the asperity of ρ = 1.
+    bridge: Bridge,
 }
 
 impl Interaction for Surrounded {
@@ -468,11 +512,19 @@ impl Interaction for Surrounded {
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         self.contact.evaluate(interference, out, stats);
-        out.adhesion[..interference.len()].iter_mut().for_each(|adhesion| *adhesion += self.around);
+        self.surround(|_| 1.0, interference.len(), out);
     }
 }
 
 impl Surrounded {
+    /// Adds F_s of bridges around contacts of asperities by their ρ.
+    fn surround(&self, ratio: impl Fn(usize) -> f64, count: usize, out: &mut Responses) {
+        let Responses { adhesion, area, .. } = out;
+        for (i, (adhesion, area)) in adhesion[..count].iter_mut().zip(area).enumerate() {
+            *adhesion += self.bridge.of_ratio(ratio(i)).around(*area);
+        }
+    }
+
     fn part(&self) -> &dyn PartOfRadii {
         self.contact.of_radii().expect("a contact that follows the radius is surrounded")
     }
@@ -491,8 +543,6 @@ impl PartOfRadii for Surrounded {
         stats: &mut SolverStats,
     ) {
         self.part().evaluate_lanes(lanes, interference, out, stats);
-        for (i, adhesion) in out.adhesion[..interference.len()].iter_mut().enumerate() {
-            *adhesion += self.around * lanes.at(i).ratio;
-        }
+        self.surround(|i| lanes.at(i).ratio, interference.len(), out);
     }
 }

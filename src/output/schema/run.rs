@@ -192,9 +192,16 @@ fn capillary() -> Vec<Variable> {
         ] {
             all.push(variable(format!("{GROUP}/{prefix}{name}"), dimensions, "1", words.replace("{}", on)));
         }
-        let words = "mean external force{} where bridges that overlap merge, by the covered share, compressive positive";
-        let path = format!("{GROUP}/{prefix}merged_external_force");
+        let words = "force of liquid that spreads between merging bridges{}, beyond that of the bridges, attraction \
+                     positive: in the external force, not in the adhesion force";
+        let path = format!("{GROUP}/{prefix}spread_force");
         all.push(variable(path, S, "N", words.replace("{}", on)));
+    }
+    for (name, words) in [
+        ("area_force", "tension of a liquid that fills all gaps below range, attraction positive"),
+        ("contour_force", "force of the contour around these gaps, attraction positive"),
+    ] {
+        all.push(variable(format!("{GROUP}/{name}"), S, "N", words));
     }
     all
 }

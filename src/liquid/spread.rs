@@ -1,0 +1,60 @@
+//! Liquid that spreads between bridges which merge.
+//!
+//! # Formula
+//! A surface is summed bridge by bridge. Where liquid covers the share f of the nominal area, the expected sum of what bridges
+//! do gives way to [`super::Filling`] with a weight from 0 to 1 over ln f, 6x⁵ − 15x⁴ + 10x³ between the ends of [`COVERS`].
+//! What that adds is a pressure between the mean planes, of all replicas alike; how replicas differ is left to bridges.
+
+use crate::math::interpolation::lagrange;
+
+/// Covered shares up to which bridges are by themselves, and from which the liquid fills the gaps.
+pub const COVERS: (f64, f64) = (0.03, 0.1);
+
+/// The weight of the liquid that fills gaps where a share of the nominal area is covered.
+pub fn weight(covered: f64) -> f64 {
+    let (low, high) = COVERS;
+    let x = if covered > low { (libm::log(covered / low) / libm::log(high / low)).min(1.0) } else { 0.0 };
+    x * x * x * (10.0 + x * (6.0 * x - 15.0))
+}
+
+/// The pressure by which liquid that spreads pulls harder than its bridges, over separations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    /// h, m, rising.
+    pub separations: Vec<f64>,
+    /// At these, Pa, attraction counted positive; 0 beyond the last.
+    pub pressures: Vec<f64>,
+}
+
+impl Spread {
+    /// The pressure at a separation h, m, Pa; below the first that at the first.
+    pub fn pressure(&self, separation: f64) -> f64 {
+        let [first, .., last] = self.separations[..] else { return self.pressures[0] };
+        if separation > last {
+            return 0.0;
+        }
+        lagrange::<6>(&self.separations, &self.pressures, separation.max(first))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bridges_apart_are_left_alone() {
+        assert_eq!([0.0, 0.01, 0.03, 0.1, 0.5, 1.0].map(weight), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        let rising: Vec<f64> = (0..100).map(|i| weight(0.03 + 0.0007 * f64::from(i))).collect();
+        assert!(rising.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+
+    #[test]
+    fn a_table_ends_where_nothing_is_covered() {
+        let separations: Vec<f64> = (0..20).map(f64::from).collect();
+        let pressures = separations.iter().map(|h| (19.0 - h) * h * h).collect();
+        let spread = Spread { separations, pressures };
+        assert!((spread.pressure(3.5) - 15.5 * 3.5 * 3.5).abs() < 1e-12);
+        assert_eq!((spread.pressure(-1.0), spread.pressure(19.1)), (0.0, 0.0));
+        assert_eq!(Spread { separations: vec![1.0], pressures: vec![2.0] }.pressure(1.0), 2.0);
+    }
+}

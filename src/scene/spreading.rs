@@ -1,0 +1,166 @@
+//! Liquid that spreads between the bridges of a scene's asperities.
+//!
+//! # Formula
+//! On each way over the separations, with the expected pull E of the asperities, that of them without the tension of the
+//! liquid, E₀, and the share f of the nominal area that is covered, A_n p is added to the pull of every replica,
+//!
+//! p = w(f) [p_f − (E − E₀)/A_n],
+//!
+//! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the faces have touched
+//! or bridges are reversible there is liquid in all gaps that hold some, and f is the larger of that share and the share Φ(−v)
+//! of these gaps: liquid that fills the gaps lasts where single bridges break. m₂ is that of the Gaussian surface with the asperities of the scene,
+//! m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
+
+use super::Scene;
+use crate::asperity::models::Model;
+use crate::asperity::{LawError, Path, Quantity, Regime};
+use crate::integral::Expectations;
+use crate::liquid::{Bridges, Filling, Meniscus, Spread, Volume, weight};
+use crate::surface::{Radii, Spectrum, Surface};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Steps of the table over standard deviations of the heights, and by how much of the distance from where it varies on their
+/// scale they grow.
+const STEP: f64 = 0.1;
+const GROWTH: f64 = 0.5;
+/// Standard deviations of the heights within which asperities are wet.
+const REACH: f64 = 10.0;
+
+/// Asperities of a surface in one state, by their bridges.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wet {
+    /// Asperities that touch.
+    pub contacts: f64,
+    /// Asperities that only a bridge joins to the other face.
+    pub bridges: f64,
+    /// F_s of these, N.
+    pub pull: f64,
+    /// Contact area, m².
+    pub area: f64,
+}
+
+impl Wet {
+    /// Sums the regimes of a surface, by their names, of which `of` says number and F_s, N.
+    pub fn new(regimes: &[&str], area: f64, of: impl Fn(usize) -> (f64, f64)) -> Self {
+        let mut wet = Self { area, ..Self::default() };
+        for (i, name) in regimes.iter().enumerate() {
+            let (count, pull) = of(i);
+            match Regime::named(name) {
+                Some(Regime::Bridge) => (wet.bridges, wet.pull) = (count, pull),
+                Some(regime) if regime.is_contact() => wet.contacts += count,
+                _ => {}
+            }
+        }
+        wet
+    }
+
+    /// Asperities with liquid around them.
+    pub fn count(&self) -> f64 {
+        self.contacts + self.bridges
+    }
+
+    /// Σπx² of the wetted circles, m²: around a contact of radius a the liquid reaches to x² = a² + 2Rh₀, and a bridge has the
+    /// force p_c πx².
+    fn wetted_area(&self, meniscus: &Meniscus, radius: f64) -> f64 {
+        self.area + self.contacts * 2.0 * PI * radius * meniscus.range() + self.pull / meniscus.pressure()
+    }
+
+    /// The share of the nominal area that circles of this area cover at random places.
+    pub fn covered(&self, meniscus: &Meniscus, surface: &Surface) -> f64 {
+        -libm::expm1(-self.wetted_area(meniscus, surface.asperity_radius) / surface.nominal_area)
+    }
+}
+
+impl Scene {
+    /// The liquid that fills gaps between the faces of the scene, if its law has one.
+    pub fn filling(&self) -> Option<Filling> {
+        let meniscus = self.model.meniscus()?;
+        let surface = &self.surface;
+        let density = surface.asperity_count as f64 / surface.nominal_area;
+        let (std, radius) = (surface.surface_height_std, surface.asperity_radius);
+        let spectrum = match surface.radii {
+            Radii::Nayak(spectrum) => spectrum,
+            _ => Spectrum::of_asperities(std, radius, density),
+        };
+        let share = meniscus.share_beyond(self.asperity.attraction_range());
+        Some(Filling::new(meniscus, share, std, spectrum.m2))
+    }
+
+    /// The expectations of the asperities of the scene under a law on its ways over separations, m, beginning with its own.
+    pub(super) fn expectations_on_ways(
+        &self,
+        model: Model,
+        separations: &[f64],
+    ) -> Result<Vec<Expectations>, LawError> {
+        let scene = Self { model, ..self.clone() };
+        let law = scene.law()?;
+        let mut ways = vec![Expectations::new(law.view(), &scene.surface, separations)];
+        if let Some(cycle) = scene.loop_law()? {
+            ways.push(Expectations::retraction(&cycle, &scene.surface, separations));
+        }
+        Ok(ways)
+    }
+
+    /// The scene with liquid that spreads where bridges merge. Bridges that keep their liquid are left as they are.
+    ///
+    /// # Errors
+    /// [`LawError`] where a law cannot be made.
+    pub(super) fn with_spread(mut self) -> Result<Self, LawError> {
+        self.surface.spread = Arc::default();
+        let Some((filling, meniscus)) = self.filling().zip(self.model.meniscus().copied()) else {
+            return Ok(self);
+        };
+        if meniscus.volume == Volume::Constant {
+            return Ok(self);
+        }
+        let separations = self.spread_separations(&meniscus);
+        let alone = Self { surface: Surface { background: None, ..self.surface.clone() }, ..self.clone() };
+        let wet = alone.expectations_on_ways(self.model, &separations)?;
+        let immersed = alone.expectations_on_ways(self.model.immersed(), &separations)?;
+        let law = self.law()?;
+        let regimes: Vec<&str> = law.view().regimes().iter().map(|regime| regime.name()).collect();
+        let (area, force) = (Quantity::ContactArea.index(), Quantity::ExternalForce.index());
+        let spread = wet.iter().zip(&immersed).enumerate().map(|(way, (wet, immersed))| {
+            let is_held =
+                way > 0 || self.history == Path::Retraction || meniscus.bridges == Bridges::Reversible;
+            let pressure = |(k, h): (usize, &f64)| {
+                let state = Wet::new(&regimes, wet.expected[area][k], |regime| {
+                    (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k])
+                });
+                let of_bridges = immersed.expected[force][k] - wet.expected[force][k];
+                let filled = if is_held { filling.share(*h) } else { 0.0 };
+                weight(state.covered(&meniscus, &self.surface).max(filled))
+                    * (filling.tension(*h).max(0.0) - of_bridges / self.surface.nominal_area)
+            };
+            let pressures = separations.iter().enumerate().map(pressure).collect();
+            Spread { separations: separations.clone(), pressures }
+        });
+        let spread: Arc<[Spread]> = spread.collect();
+        if spread.iter().any(|way| way.pressures.iter().any(|pressure| *pressure != 0.0)) {
+            self.surface.spread = spread;
+        }
+        Ok(self)
+    }
+
+    /// Separations h, m, from the first of the scene to its last or to where no asperity is wet: by [`STEP`] standard
+    /// deviations of the heights where asperities begin to touch or bridges to break, and further apart away from there.
+    fn spread_separations(&self, meniscus: &Meniscus) -> Vec<f64> {
+        let (mean, std) = self.surface.heights.moments();
+        let touch = self.surface.mean_plane_offset + mean;
+        let (width, wet) = (REACH * std, touch + meniscus.range());
+        let (first, last) =
+            (self.separations[0], self.separations[self.separations.len() - 1].min(wet + width));
+        let (mut all, mut next) = (vec![first], first);
+        loop {
+            let away = ((next - touch).abs().min((next - wet).abs()) - width).max(0.0);
+            next += STEP * (std + GROWTH * away);
+            if !(next < last) {
+                break;
+            }
+            all.push(next);
+        }
+        all.extend((last > first).then_some(last));
+        all
+    }
+}

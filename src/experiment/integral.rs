@@ -125,23 +125,23 @@ impl PathIntegral {
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.
-    fn readings(&self, scene: &Scene) -> Vec<Reading> {
+    fn readings(&self, scene: &Scene, law: Laws<'_>) -> Vec<Reading> {
         let force = &self.expectations.expected[Quantity::ExternalForce.index()];
         let deepest = force.iter().copied().fold(f64::INFINITY, f64::min);
         let slopes = force.windows(2).zip(scene.separations.windows(2));
         let stiffest = slopes.map(|(f, h)| (f[1] - f[0]) / (h[1] - h[0])).fold(f64::NEG_INFINITY, f64::max);
         let Features { minimum, steepest } = &self.features;
         if !(minimum.value < 0.0) {
-            return vec![reading(scene, WhatIsRead::Nearest, scene.separations[0], &self.at_pull_off)];
+            return vec![reading(scene, law, (WhatIsRead::Nearest, scene.separations[0]), &self.at_pull_off)];
         }
         let missed = |extremum: &Extremum, sampled| match extremum.at_edge || !is_smooth(scene) {
             true => 0.0,
             false => 1.0 - sampled / extremum.value,
         };
-        let pull_off = reading(scene, WhatIsRead::PullOff, minimum.place, &self.at_pull_off);
+        let pull_off = reading(scene, law, (WhatIsRead::PullOff, minimum.place), &self.at_pull_off);
         let mut readings = vec![Reading { missed: missed(minimum, deepest), ..pull_off }];
         if steepest.value > 0.0 {
-            let point = reading(scene, WhatIsRead::StiffestPoint, steepest.place, &self.at_stiffest);
+            let point = reading(scene, law, (WhatIsRead::StiffestPoint, steepest.place), &self.at_stiffest);
             readings.push(Reading { missed: missed(steepest, stiffest), ..point });
         }
         readings
@@ -180,10 +180,19 @@ fn largest_slope(scene: &Scene, features: &Features, force: &[f64], at: impl Fn(
     }
 }
 
-/// A reading at a separation h, m, at which the integral is given.
-fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Expectations) -> Reading {
+/// A reading at a separation h, m, at which the integral of a law is given.
+fn reading(
+    scene: &Scene,
+    law: Laws<'_>,
+    (what, separation): (WhatIsRead, f64),
+    at: &Expectations,
+) -> Reading {
     let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
-    Reading { what, separation, share_in_contact, missed: 0.0 }
+    let regimes = law.regimes().iter().zip(&at.regime_adhesion_force);
+    let flowed: f64 = regimes.filter(|(regime, _)| regime.is_plastic()).map(|(_, force)| force[0]).sum();
+    let adhesion = at.expected[Quantity::AdhesionForce.index()][0];
+    let flowed_adhesion = if adhesion > 0.0 { flowed / adhesion } else { 0.0 };
+    Reading { what, separation, share_in_contact, flowed_adhesion, missed: 0.0 }
 }
 
 impl Integral {
@@ -207,11 +216,11 @@ impl Integral {
 
     /// The readings off the integral with their places, and how good it is.
     pub(crate) fn expected(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Expected {
-        let mut readings = self.pulled().readings(scene);
+        let mut readings = self.pulled().readings(scene, law);
         if self.retraction.is_some() {
             let place = self.main.turn(scene);
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
-            readings.push(reading(scene, WhatIsRead::Turn, place, &at));
+            readings.push(reading(scene, law, (WhatIsRead::Turn, place), &at));
         }
         let error = |way: &PathIntegral| way.expectations.quadrature_error;
         let held = self.held(scene, model, law);

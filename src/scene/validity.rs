@@ -38,8 +38,8 @@ const LARGEST_SHIFT: f64 = 0.05;
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Smallest Kelvin radius of a meniscus that is a continuum, m.
 const SMALLEST_MENISCUS: f64 = 0.5e-9;
-/// Largest share of contacts that have flowed of which the adhesion does not matter.
-const LARGEST_FLOWED: f64 = 0.01;
+/// Largest share of the adhesion that contacts which have flowed may carry by fits for low λ.
+const LARGEST_FLOWED: f64 = 0.1;
 /// Interference over that where flow begins, from which contacts are called fully plastic.
 const FULLY_PLASTIC: f64 = 30.0;
 /// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
@@ -62,7 +62,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
     warnings.extend(shallow(scene, law));
-    warnings.extend(joined(scene, model, law, &expected.readings));
+    warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
     warnings.extend(unresolved(scene, &expected.readings));
@@ -244,31 +244,26 @@ fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     })
 }
 
-/// Whether contacts that have flowed carry what is read off under a law that joins Maugis and Dugdale's adhesion to that of
-/// Kogut and Etsion's fits.
-fn joined(scene: &Scene, model: &Model, law: &dyn Law, readings: &[Reading]) -> Option<Warning> {
+/// Whether contacts that have flowed carry adhesion under a law that joins Maugis and Dugdale's to Kogut and Etsion's fits.
+fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning> {
     let lambda = scene.scale().lambda;
-    let is_joined = model.validity.plasticity == Plasticity::KogutEtsion
-        && model.validity.adhesion == Adhesion::Any
-        && lambda > LARGEST_DMT_LAMBDA;
-    let flows = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|_| is_joined)?;
-    let touches = law.regimes().iter().position(|regime| regime.is_contact())?;
-    let share = |regime: usize, d: f64| {
-        let lower = law.boundaries()[regime - 1].interference;
-        scene.surface.heights.probability(lower + d, f64::INFINITY)
-    };
-    let flowed = |reading: &Reading| {
-        let d = scene.surface.asperity_separation(reading.separation);
-        share(flows, d) / share(touches, d).max(f64::MIN_POSITIVE)
-    };
+    let is_joined =
+        model.validity.plasticity == Plasticity::KogutEtsion && model.validity.adhesion == Adhesion::Any;
+    if !is_joined || !(lambda > LARGEST_DMT_LAMBDA) {
+        return None;
+    }
     let words = |what: WhatIsRead, share: f64, h_star: &str| {
-        format!("{:.0} % of contacts have flowed {}, {h_star}", 100.0 * share, what.place())
+        format!(
+            "contacts that have flowed carry {:.0} % of the adhesion {}, {h_star}",
+            100.0 * share,
+            what.place()
+        )
     };
-    let shares = told_of(scene, readings, LARGEST_FLOWED, flowed, words)?;
+    let shares = told_of(scene, readings, LARGEST_FLOWED, |reading| reading.flowed_adhesion, words)?;
     Some(Warning::new(
         format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
-        "the adhesion of those is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow; \
-         law = \"md_plastic\" is continuous there",
+        "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow; law = \
+         \"md_plastic\" is continuous there",
         &[],
     ))
 }
@@ -308,7 +303,7 @@ fn told_of(
     scene: &Scene,
     readings: &[Reading],
     largest: f64,
-    of: impl Fn(&Reading) -> f64,
+    of: fn(&Reading) -> f64,
     told: fn(WhatIsRead, f64, &str) -> String,
 ) -> Option<String> {
     let told = |reading: &Reading| {

@@ -58,7 +58,7 @@ fn every_row_of_the_reference_is_met() {
         let fields: Vec<&str> = line.split(',').collect();
         let number = |name: &str| fields[column(name)].parse::<f64>().unwrap();
         let setting = &fields[..column("largest")];
-        if !known.as_ref().is_some_and(|(own, _)| own == setting) {
+        if known.as_ref().is_none_or(|(own, _)| own != setting) {
             let parameters = LawParameters {
                 critical_interference: number("critical_interference"),
                 pressure_factor: pressure_factor(number("poisson_ratio")),

@@ -72,13 +72,8 @@ impl Springback {
         }
     }
 
-    /// The top of the contact of a lane of responses at ω_max; but for the recovery along powers.
-    pub fn top(&self, scale: &Scale, out: &Responses, lane: usize) -> Top {
-        self.top_of(scale, [out.adhesion[lane], out.contact[lane], out.area[lane]])
-    }
-
     /// The top of a contact of F_s, N, P, N, and the area, m², at ω_max; but for the recovery along powers.
-    pub fn top_of(&self, scale: &Scale, [adhesion, load, area]: [f64; 3]) -> Top {
+    pub fn top(&self, scale: &Scale, [adhesion, load, area]: [f64; 3]) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
         let ratio = scale.force * radius * radius * radius / load;
         let recovery = scale.length * radius * radius / ratio;
@@ -147,7 +142,7 @@ impl Springback {
         if let Self::Powers(plastic) = self {
             return plastic.unload(largest, |_| distance, out);
         }
-        let top = |i: usize| self.top(scale, out, i);
+        let top = |i: usize| self.top(scale, [out.adhesion[i], out.contact[i], out.area[i]]);
         let tops: Vec<Top> = (0..largest.len()).map(top).collect();
         let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
         self.unload_tops((law, &tops, &lanes), distance, out, stats);

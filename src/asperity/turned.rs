@@ -131,7 +131,7 @@ impl Turned {
                     let own = &self.lanes[i];
                     let scale = cycle.scale.of_ratio(own.ratio);
                     self.borne[i] = [adhesion, load, area];
-                    self.tops[i] = cycle.springback.top_of(&scale, self.borne[i]);
+                    self.tops[i] = cycle.springback.top(&scale, self.borne[i]);
                     if let Springback::Powers(plastic) = &cycle.springback {
                         self.tops[i].recovery = own.ratio * plastic.recovery(largest[lane] / own.ratio);
                     }

@@ -508,7 +508,8 @@ impl Loop {
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
-                tops[place] = self.springback.top(&self.scale, out, i);
+                let forces = [out.adhesion[i], out.contact[i], out.area[i]];
+                tops[place] = self.springback.top(&self.scale, forces);
             }
             begin = end;
         }

@@ -645,3 +645,27 @@ fn a_sweep_is_no_scene() {
     let error = stiction::Scene::from_toml_file(folder.path("none.toml")).unwrap_err().to_string();
     assert!(error.contains("none.toml: cannot be read"), "{error}");
 }
+
+/// A loop of case II, dry, turned where few asperities have flowed: by the secant it gives out energy, which is said to be no
+/// result; `md_plastic`, which loops have that name no law, dissipates.
+#[test]
+fn a_loop_that_gives_out_energy_is_no_result() {
+    let scene = QUICK
+        .replace("lubricant_thickness = \"0.5 nm\"      # inferred\n", "")
+        .replace("from = -1.0, to = 8.0, count = 91", "from = 1.5, to = 6.0, count = 91");
+    let words = "no result: a loop cannot give out energy";
+    let joined = scene.replace("history = \"approach\"", "history = \"loop\"\nunloading = \"secant\"");
+    let summary = Folder::new(&joined).stiction(&["run", "scene.toml"]);
+    assert_exit(&summary, 0);
+    let summary = text(&summary.stdout);
+    assert!(summary.contains(words) && summary.contains("dissipated        -"), "{summary}");
+    let own = scene.replace("law = \"hybrid\"\nhistory = \"approach\"", "history = \"loop\"");
+    let folder = Folder::new(&own);
+    let summary = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&summary, 0);
+    let summary = text(&summary.stdout);
+    assert!(summary.contains("model             md_plastic on loop"), "{summary}");
+    assert!(!summary.contains(words) && !summary.contains("dissipated        -"), "{summary}");
+    let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
+    assert!(info.contains("plastic_contact") && info.contains("flattened_top"), "{info}");
+}

@@ -297,11 +297,16 @@ mod tests {
                     .replace("critical_approach =", "# critical_approach =")
                     .replace("fit:paper", "hybrid")
                     .replace("history = \"approach\"", "history = \"loop\""),
+                "model.plastic_contact" => scene
+                    .replace("critical_approach =", "# critical_approach =")
+                    .replace("fit:paper", "md_plastic"),
                 _ => scene,
             };
             let base = Scene::parse(&scene).unwrap();
             // Such as would do for most of them.
             let number = match key.dimension {
+                // Neither the law nor the choices of the scene.
+                None if key.name == "model.law" => 2.0,
                 None if !key.names.is_empty() => 1.0,
                 None if key.name == "surface.heights.shape" => 1.5,
                 None if !of_law.is_empty() => 0.25,
@@ -326,7 +331,7 @@ mod tests {
                 .unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?}",
+                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?}",
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
@@ -334,7 +339,8 @@ mod tests {
                     scene.substrate,
                     scene.model.name,
                     scene.unloading,
-                    scene.model.meniscus()
+                    scene.model.meniscus(),
+                    scene.model.contact()
                 )
             };
             assert_ne!(numbers(&swept), numbers(&base), "{}", key.name);

@@ -56,8 +56,8 @@ class PullOff:
         Depth of the mean curve, and of the statistical integral, N: smaller, as each patch has its own separation.
     replicas : int
         How many replicas it is the mean of.
-    most_differing : float
-        Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise NaN.
+    most_differing : float or None
+        Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
     """
 
     mean: float
@@ -70,7 +70,7 @@ class PullOff:
     of_mean_curve: float
     of_integral: float
     replicas: int
-    most_differing: float = float("nan")
+    most_differing: float | None = None
 
     def __str__(self) -> str:
         return quantities.with_error(self.mean, self.standard_error, "N")
@@ -78,7 +78,7 @@ class PullOff:
     @property
     def agreement(self) -> str:
         """What is known where all replicas agree; empty where they do not."""
-        if not self.most_differing > 0.0:
+        if self.most_differing is None:
             return ""
         share = quantities.number(100.0 * self.most_differing)
         return f"all {self.replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
@@ -303,6 +303,7 @@ class Run(_Curves):
         values = replicas["pull_off_force"].values
         low, high = (float(value) for value in force["scalar_controlled_interval"].values)
         std = float(values.std(ddof=1)) if values.size > 1 else float("nan")
+        differing = float(force["scalar_most_differing"])
         return PullOff(
             mean=float(force["scalar_controlled_mean"]),
             standard_error=float(force["scalar_controlled_standard_error"]),
@@ -314,7 +315,7 @@ class Run(_Curves):
             of_mean_curve=float(ensemble.attrs["pull_off_force"]),
             of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
             replicas=int(values.size),
-            most_differing=float(force.get("scalar_most_differing", np.nan)),
+            most_differing=differing if differing > 0.0 else None,
         )
 
     @cached_property

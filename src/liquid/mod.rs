@@ -13,7 +13,7 @@ pub use error::LiquidError;
 pub use filling::Filling;
 pub use meniscus::{Bridges, Film, GAS_CONSTANT, Meniscus, Volume};
 #[doc(hidden)]
-pub use spread::{COVERS, Spread, weight};
+pub use spread::{COVERS, Spread, Spreads, weight};
 
 /// A liquid at a temperature.
 ///

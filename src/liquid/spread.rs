@@ -6,6 +6,9 @@
 //! What that adds is a pressure between the mean planes, of all replicas alike; how replicas differ is left to bridges.
 
 use crate::math::interpolation::lagrange;
+use std::fmt;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock};
 
 /// Covered shares up to which bridges are by themselves, and from which the liquid fills the gaps.
 pub const COVERS: (f64, f64) = (0.03, 0.1);
@@ -34,6 +37,40 @@ impl Spread {
             return 0.0;
         }
         lagrange::<6>(&self.separations, &self.pressures, separation.max(first))
+    }
+}
+
+/// Makes the pressures on all ways of a surface.
+type Make = dyn Fn() -> Vec<Spread> + Send + Sync;
+
+/// The pressures on all ways of a surface, which are computed when they are first asked for: to read a scene takes no integral.
+#[derive(Clone, Default)]
+pub struct Spreads(Option<Arc<(OnceLock<Vec<Spread>>, Box<Make>)>>);
+
+impl Spreads {
+    /// Pressures that are made by `make`.
+    pub fn new(make: impl Fn() -> Vec<Spread> + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new((OnceLock::new(), Box::new(make)))))
+    }
+}
+
+impl Deref for Spreads {
+    type Target = [Spread];
+
+    fn deref(&self) -> &[Spread] {
+        self.0.as_ref().map_or(&[], |own| own.0.get_or_init(&own.1))
+    }
+}
+
+impl PartialEq for Spreads {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl fmt::Debug for Spreads {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(if self.0.is_some() { "liquid that spreads" } else { "none" })
     }
 }
 

@@ -159,6 +159,8 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
+        // Sums in parallel would wait for each other if one of them had to make these.
+        let _ = self.surface.spread.len();
         let model = model.with_contact(self.model.contact);
         let model = self.model.meniscus().map_or(model, |meniscus| model.with_liquid(*meniscus));
         let typical = model.law(&self.parameters()?)?;

@@ -13,12 +13,11 @@
 
 use super::Scene;
 use crate::asperity::models::Model;
-use crate::asperity::{LawError, Path, Quantity, Regime};
+use crate::asperity::{LawError, LawParameters, Path, Quantity, Regime};
 use crate::integral::Expectations;
-use crate::liquid::{Bridges, Filling, Meniscus, Spread, Volume, weight};
+use crate::liquid::{Bridges, Filling, Meniscus, Spread, Spreads, Volume, weight};
 use crate::surface::{Radii, Spectrum, Surface};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Steps of the table over standard deviations of the heights, and by how much of the distance from where it varies on their
 /// scale they grow.
@@ -107,14 +106,22 @@ impl Scene {
     /// # Errors
     /// [`LawError`] where a law cannot be made.
     pub(super) fn with_spread(mut self) -> Result<Self, LawError> {
-        self.surface.spread = Arc::default();
+        self.surface.spread = Spreads::default();
         let Some((filling, meniscus)) = self.filling().zip(self.model.meniscus().copied()) else {
             return Ok(self);
         };
         if meniscus.volume == Volume::Constant {
             return Ok(self);
         }
-        let separations = self.spread_separations(&meniscus);
+        self.model.immersed().admits(&LawParameters::new(&self.asperity, Path::Approach, (0.0, 0.0))?)?;
+        let scene = self.clone();
+        self.surface.spread = Spreads::new(move || scene.spreads(&filling, &meniscus).unwrap_or_default());
+        Ok(self)
+    }
+
+    /// The liquid that spreads on the ways of the scene; nothing where it does on none.
+    fn spreads(&self, filling: &Filling, meniscus: &Meniscus) -> Result<Vec<Spread>, LawError> {
+        let separations = self.spread_separations(meniscus);
         let alone = Self { surface: Surface { background: None, ..self.surface.clone() }, ..self.clone() };
         let wet = alone.expectations_on_ways(self.model, &separations)?;
         let immersed = alone.expectations_on_ways(self.model.immersed(), &separations)?;
@@ -130,17 +137,15 @@ impl Scene {
                 });
                 let of_bridges = immersed.expected[force][k] - wet.expected[force][k];
                 let filled = if is_held { filling.share(*h) } else { 0.0 };
-                weight(state.covered(&meniscus, &self.surface).max(filled))
+                weight(state.covered(meniscus, &self.surface).max(filled))
                     * (filling.tension(*h).max(0.0) - of_bridges / self.surface.nominal_area)
             };
             let pressures = separations.iter().enumerate().map(pressure).collect();
             Spread { separations: separations.clone(), pressures }
         });
-        let spread: Arc<[Spread]> = spread.collect();
-        if spread.iter().any(|way| way.pressures.iter().any(|pressure| *pressure != 0.0)) {
-            self.surface.spread = spread;
-        }
-        Ok(self)
+        let spread: Vec<Spread> = spread.collect();
+        let is_none = spread.iter().all(|way| way.pressures.iter().all(|pressure| *pressure == 0.0));
+        Ok(if is_none { Vec::new() } else { spread })
     }
 
     /// Separations h, m, from the first of the scene to its last or to where no asperity is wet: by [`STEP`] standard

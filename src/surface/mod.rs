@@ -19,7 +19,7 @@ pub use scheme::SamplingScheme;
 pub use scheme::{CHUNK_ASPERITIES, STRATA};
 
 use crate::background::Background;
-use crate::liquid::Spread;
+use crate::liquid::{Spread, Spreads};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -132,7 +132,7 @@ pub struct Surface {
     /// The attraction between its mean plane and that of the other surface, if there is one.
     pub background: Option<Arc<Background>>,
     /// What liquid pulls harder than its bridges do, on each of the ways of the surface; nothing where bridges are apart.
-    pub spread: Arc<[Spread]>,
+    pub spread: Spreads,
 }
 
 /// Why no surface follows from a roughness.
@@ -234,7 +234,7 @@ impl Surface {
             whole: false,
             nominal_area: roughness.nominal_area,
             background: None,
-            spread: Arc::default(),
+            spread: Spreads::default(),
         })
     }
 
@@ -252,7 +252,7 @@ impl Surface {
             whole: false,
             nominal_area,
             background: None,
-            spread: Arc::default(),
+            spread: Spreads::default(),
         }
     }
 

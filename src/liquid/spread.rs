@@ -8,7 +8,7 @@
 use crate::math::interpolation::lagrange;
 use std::fmt;
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock};
 
 /// Covered shares up to which bridges are by themselves, and from which the liquid fills the gaps.
 pub const COVERS: (f64, f64) = (0.03, 0.1);
@@ -40,17 +40,17 @@ impl Spread {
     }
 }
 
-/// Makes the pressures on all ways of a surface.
-type Make = dyn Fn() -> Vec<Spread> + Send + Sync;
+/// The pressures on all ways of a surface, from the moment on when they are asked for.
+type Ways = LazyLock<Vec<Spread>, Box<dyn FnOnce() -> Vec<Spread> + Send + Sync>>;
 
 /// The pressures on all ways of a surface, which are computed when they are first asked for: to read a scene takes no integral.
 #[derive(Clone, Default)]
-pub struct Spreads(Option<Arc<(OnceLock<Vec<Spread>>, Box<Make>)>>);
+pub struct Spreads(Option<Arc<Ways>>);
 
 impl Spreads {
     /// Pressures that are made by `make`.
-    pub fn new(make: impl Fn() -> Vec<Spread> + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new((OnceLock::new(), Box::new(make)))))
+    pub fn new(make: impl FnOnce() -> Vec<Spread> + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(LazyLock::new(Box::new(make)))))
     }
 }
 
@@ -58,7 +58,7 @@ impl Deref for Spreads {
     type Target = [Spread];
 
     fn deref(&self) -> &[Spread] {
-        self.0.as_ref().map_or(&[], |own| own.0.get_or_init(&own.1))
+        self.0.as_ref().map_or(&[], |ways| ways.as_slice())
     }
 }
 

@@ -88,6 +88,7 @@ DATASETS = {
     "ensemble/scalar_controlled_interval": (("scalar", "range_end"), None),
     "ensemble/scalar_controlled_standard_error": (("scalar",), None),
     "ensemble/scalar_variance_reduction": (("scalar",), "1"),
+    "ensemble/scalar_most_differing": (("scalar",), "1"),
     "ensemble/regime_count_mean": (RS, "1"),
     "ensemble/regime_adhesion_force_mean": (RS, "N"),
     "ensemble/regime_external_force_mean": (RS, "N"),

@@ -16,9 +16,9 @@ from .heights import Array
 
 __all__ = ["Patches"]
 
-# Replicas of the scene's own law, and of a mixture at first, of which so many at least are to be in the event.
+# Replicas of the scene's own law at first, then of a mixture, and the fewest of these that have to be in the event.
 _PILOT, _FIRST, _HITS = 256, 1024, 128
-# As how many alike patches those in the event weigh at least.
+# The smallest effective number of patches in the event.
 _EFFECTIVE = 25.0
 # Patches at most, by default.
 _MOST_ABOVE, _MOST_BELOW = 200_000, 20_000_000

@@ -81,7 +81,7 @@ def _draw_all(given: argparse.Namespace) -> None:
             files.check(output, force=given.force, inputs=given.files)
     for path, output in zip(given.files, outputs, strict=True):
         stored.try_first(path)
-        # A file that is damaged is told of in one line.
+        # A damaged file ends the command with one line.
         with stored.reading(path), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             picture = _drawn(path, output.suffix.lower(), given)

@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _write(files: Sequence[Path], output: Path, force: bool) -> None:
-    # A file that is damaged is told of in one line.
+    # A damaged file ends the command with one line.
     for file in files:
         stored.try_first(file)
     with warnings.catch_warnings():

@@ -179,7 +179,7 @@ check_program() {
 check_scene() {
     local trial message
     trial=$(mktemp -d)
-    message=$("$program" run "$scene" --shard 1/1000000000 -o "$trial/shard.h5" --quiet "${for_run[@]}" 2>&1 >/dev/null) || {
+    message=$("$program" run "$scene" --shard 1/1000000 -o "$trial/shard.h5" --quiet "${for_run[@]}" 2>&1 >/dev/null) || {
         rm -rf -- "$trial"
         printf '%s\n' "$message" >&2
         exit 2

@@ -39,7 +39,7 @@ info) echo "  replicas   $(wc -c <"$2.replicas") of 40 are done"; exit 0 ;;
 run)
     [[ $2 != --help ]] || { echo "--shard I/N"; exit 0; }
     ! grep -q bad "$2" || { echo "stiction: bad scene" >&2; exit 2; }
-    [[ $4 != 1/1000000000 ]] || exit 0
+    [[ $4 != 1/1000000 ]] || exit 0
     ;;
 *) exit 0 ;;
 esac

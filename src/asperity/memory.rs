@@ -167,7 +167,7 @@ impl Memory<'_> {
         let ratio = cycle.radius_ratio(largest);
         let kinks = cycle.flattened_kinks(largest);
         let [release, capture, lost] = match kinks {
-            Some([.., release, _]) => [release; 3],
+            Some([.., release, _]) => [release, cycle.capture_of_top(largest).max(release), release],
             None => [cycle.release(), cycle.capture, cycle.lost()],
         };
         let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {

@@ -277,7 +277,7 @@ impl<'a> Retraction<'a> {
     /// The ω_max, m, within limits at which the attraction of lowered tops of radii of their own jumps.
     fn kink(&self, (lower, upper): (f64, f64)) -> Option<f64> {
         let cycle = self.cycle;
-        if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper) {
+        if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper.abs()) {
             return None;
         }
         let beyond = |largest: f64| {

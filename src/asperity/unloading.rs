@@ -32,7 +32,9 @@
 //! before contact, the lubricant's force and δ_A are those of R′: λ′ = λ(R′/R)^(1/3), as in `radius`.
 //!
 //! # Validity
-//! One cycle from a fresh surface. The unloading of Etsion, Kligerman and Kadin was computed for loads up to the limits of
+//! Cycles from a fresh surface to one depth. On the second approach ([`Loop::repeated`]) what has flowed is a lowered top that
+//! comes into contact as on approach, at δ − ω_res, and is loaded along its unloading up to ω_max: the second retraction, and
+//! every further cycle, repeat. The unloading of Etsion, Kligerman and Kadin was computed for loads up to the limits of
 //! the elastic-plastic fits of Kogut and Etsion, and is for those alone; in the fully plastic regime it is used beyond them,
 //! without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. The others are for any loading.
 //! Where a loading law jumps up as it begins to flow (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy),
@@ -213,6 +215,8 @@ pub struct Loop {
     pub(super) springback: Springback,
     /// Whether tops that have flowed have radii of their own.
     pub(super) own_radii: bool,
+    /// The loop of a second approach, if there is one.
+    again: Option<Box<Loop>>,
     /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
     ratio: f64,
     lambda: Option<f64>,
@@ -231,15 +235,40 @@ impl Loop {
         parameters: &LawParameters,
         unloading: impl Into<Unloading>,
     ) -> Result<Self, LawError> {
+        Self::back_along(Path::Retraction, model, parameters, unloading.into())
+    }
+
+    /// The loop with the second approach of surfaces that were parted until no contact was left: what has flowed is a lowered top
+    /// there, and contact begins as on approach.
+    ///
+    /// # Errors
+    /// As [`Loop::new`].
+    pub fn repeated(
+        model: &Model,
+        parameters: &LawParameters,
+        unloading: impl Into<Unloading>,
+    ) -> Result<Self, LawError> {
         let unloading = unloading.into();
+        let again = Self::back_along(Path::Approach, model, parameters, unloading)?;
+        Ok(Self { again: Some(Box::new(again)), ..Self::new(model, parameters, unloading)? })
+    }
+
+    /// The loop whose asperities obey the law of a path once they have turned.
+    fn back_along(
+        path: Path,
+        model: &Model,
+        parameters: &LawParameters,
+        unloading: Unloading,
+    ) -> Result<Self, LawError> {
         if !unloading.suits(model) {
             return Err(LawError::NoUnloading { law: model.name, unloading: unloading.name() });
         }
         let back = match parameters.inner_state {
             InnerState::Ignored => InnerState::Ignored,
+            _ if path == Path::Approach => parameters.inner_state,
             _ => InnerState::Held,
         };
-        let [approach, retraction] = [(Path::Approach, parameters.inner_state), (Path::Retraction, back)]
+        let [approach, retraction] = [(Path::Approach, parameters.inner_state), (path, back)]
             .map(|(path, inner_state)| model.law(&LawParameters { path, inner_state, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
@@ -254,8 +283,9 @@ impl Loop {
             first_contact,
             first_plastic,
             onset: f64::INFINITY,
-            springback: springback(unloading, parameters)?,
+            springback: springback(unloading, &LawParameters { path, ..*parameters })?,
             own_radii,
+            again: None,
             ratio: 1.0,
             lambda: retraction.of_radii().and_then(|law| law.lambda()),
             scale: parameters.scale,
@@ -309,6 +339,7 @@ impl Loop {
             onset: self.onset * lane.ratio,
             springback: self.springback.of(lane),
             own_radii: self.own_radii,
+            again: self.again.as_ref().map(|again| Box::new(again.of(lane))),
             ratio: lane.ratio,
             lambda: self.lambda,
             scale: self.scale.of_ratio(lane.ratio),
@@ -362,6 +393,11 @@ impl Loop {
         }
     }
 
+    /// The loop of the second approach, whose laws are those of asperities that are brought close again, if there is one.
+    pub fn again(&self) -> Option<&Self> {
+        self.again.as_deref()
+    }
+
     /// Whether an asperity of the interference ω_max, m, has flowed.
     pub fn has_flowed(&self, largest: f64) -> bool {
         self.fate(largest) == 2
@@ -408,6 +444,23 @@ impl Loop {
         let film = film.map_or(f64::NAN, |film| release - (self.release() - film.interference));
         let attraction = self.attraction_kink(&lane).unwrap_or(f64::NAN);
         Some([attraction, film, release, self.springback.kink(&top)])
+    }
+
+    /// Interference, m, counted from its top, at which an asperity that has flowed to ω_max, m, and has a radius of its own
+    /// comes into contact again.
+    pub(super) fn capture_of_top(&self, largest: f64) -> f64 {
+        let top = self.top_of(largest);
+        let lane = self.lane(top.ratio);
+        let law = of_radii(self.approach());
+        match self.springback {
+            Springback::Punch(_) => f64::NEG_INFINITY,
+            // JKR's contact begins where the surfaces meet.
+            Springback::Elastic(Some(_)) => 0.0,
+            _ => {
+                let touch = law.end(self.first_contact - 1, &lane).unwrap_or(f64::NEG_INFINITY);
+                law.capture_of(&lane).map_or(touch, |capture| capture.min(touch))
+            }
+        }
     }
 
     /// The law of which the end of contact is that of contacts that have flowed.
@@ -538,11 +591,11 @@ impl Loop {
     }
 }
 
-/// How contacts of a setting spring back.
+/// How contacts of a setting spring back, whose path is the one back.
 fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Springback, LawError> {
-    let jkr = || {
+    let jkr = |path| {
         let jkr = model("jkr").expect("it is a law");
-        jkr.law(&LawParameters { path: Path::Retraction, ..*parameters })
+        jkr.law(&LawParameters { path, ..*parameters })
     };
     Ok(match unloading {
         Unloading::EtsionKligermanKadin(_) => {
@@ -551,8 +604,9 @@ fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Spring
         }
         Unloading::Secant => Springback::Elastic(None),
         Unloading::FlattenedTop => Springback::Flattened,
-        Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?.into())),
-        Unloading::MesarovicJohnson => Springback::Punch(jkr()?.into()),
+        Unloading::ThorntonNing => Springback::Elastic(Some(jkr(parameters.path)?.into())),
+        // It closes as it has opened.
+        Unloading::MesarovicJohnson => Springback::Punch(jkr(Path::Retraction)?.into()),
     })
 }
 

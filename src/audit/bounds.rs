@@ -297,7 +297,7 @@ const BOUNDS: &[Bound] = &[
 pub(super) fn bound_of(variable: &Variable) -> Option<&'static Bound> {
     let path =
         if variable.is_coordinate() { &variable.path[variable.group().len()..] } else { &variable.path };
-    let of_way = path.replacen("/retraction_", "/", 1);
+    let of_way = path.replacen("/retraction_", "/", 1).replacen("/reapproach_", "/", 1);
     BOUNDS.iter().find(|bound| stands_for(bound.path, &of_way))
 }
 

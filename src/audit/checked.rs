@@ -2,7 +2,7 @@
 
 use super::bounds::{Bound, Kind, Nan, bound_of};
 use crate::asperity::Regime;
-use crate::engine::scalars;
+use crate::engine::{Ways, scalars};
 use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, Variable};
@@ -175,9 +175,18 @@ impl<'a> Checked<'a> {
         Ok(self.reader.optional_text("/", "history")?.is_some_and(|path| path == "loop"))
     }
 
-    /// The beginnings of the names of datasets, on approach and retraction.
-    pub fn ways(&self) -> Result<&'static [&'static str], OutputError> {
-        Ok(if self.is_loop()? { &["", "retraction_"] } else { &[""] })
+    /// The ways that the surfaces take.
+    pub fn course(&self) -> Result<Ways, OutputError> {
+        if !self.is_loop()? {
+            return Ok(Ways::One);
+        }
+        let is_repeated = self.reader.has_attribute("/", "cycles")? && self.number("/", "cycles")? > 1.0;
+        Ok(if is_repeated { Ways::Repeated } else { Ways::Loop })
+    }
+
+    /// The beginnings of the names of datasets on each of these.
+    pub fn ways(&self) -> Result<Vec<&'static str>, OutputError> {
+        Ok(self.course()?.prefixes().collect())
     }
 
     pub fn say(&mut self, path: &str, problem: &str) {
@@ -352,6 +361,7 @@ fn is_of_coupled(variable: &Variable) -> bool {
         "/coupling/",
         "/validation/mean_field_",
         "/validation/retraction_mean_field_",
+        "/validation/reapproach_mean_field_",
         "/asperities/",
         "/replicas/independent_",
         "/replicas/unsettled_count",
@@ -370,8 +380,8 @@ fn is_curve(variable: &Variable) -> bool {
 }
 
 /// The names of the scalars of `/replicas`.
-pub(super) fn names(cycle: bool) -> Vec<&'static str> {
-    scalars(cycle).map(|scalar| scalar.name).collect()
+pub(super) fn names(ways: Ways) -> Vec<&'static str> {
+    scalars(ways).map(|scalar| scalar.name).collect()
 }
 
 /// The largest magnitude of some numbers.

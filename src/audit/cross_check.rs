@@ -30,7 +30,7 @@ impl CrossCheck {
                 joined(checked, &|way| format!("/integral/{way}{name}_std"))?
             } else {
                 let mut errors: Vec<f64> = Vec::new();
-                for way in ways {
+                for way in &ways {
                     errors.extend(
                         checked.values(&format!("{}_standard_error", checked.independent(way, name)))?,
                     );

@@ -1,7 +1,7 @@
 //! Checks of what follows from the curves of the replicas.
 
 use super::checked::{Checked, Place, ROUNDING, names};
-use crate::engine::BATCH;
+use crate::engine::{BATCH, Ways};
 use crate::math::control_variates::controlled_means;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::{CentralMoments, Moments};
@@ -19,7 +19,7 @@ const PARTS: usize = 16;
 
 impl Checked<'_> {
     /// Checks what follows from the curves of the replicas, where the file has them.
-    pub fn curves(&mut self, cycle: bool) -> Result<(), OutputError> {
+    pub fn curves(&mut self, ways: Ways) -> Result<(), OutputError> {
         if !self.has("/replicas/external_force") {
             return Ok(());
         }
@@ -28,9 +28,8 @@ impl Checked<'_> {
         if self.place != Place::File && self.replicas as usize * s > MOST_AT_POINT {
             return Ok(());
         }
-        let ways = self.ways()?;
         let paths: Vec<String> = ways
-            .iter()
+            .prefixes()
             .flat_map(|way| ["external_force", "adhesion_force"].map(|name| format!("/replicas/{way}{name}")))
             .collect();
         let mut moments: Vec<[Moments; 2]> =
@@ -40,7 +39,7 @@ impl Checked<'_> {
             self.coordinate("control")?.into_iter().filter(|control| !control.is_nan()).collect();
         let controls: Vec<usize> =
             controls.iter().filter_map(|control| separations.iter().position(|h| h == control)).collect();
-        let names = names(cycle);
+        let names = names(ways);
         let columns = names
             .iter()
             .map(|name| self.values(&format!("/replicas/{name}")))
@@ -48,7 +47,8 @@ impl Checked<'_> {
         let mut parts: Vec<CentralMoments> =
             (0..PARTS).map(|_| CentralMoments::new(controls.len() + names.len())).collect();
         let span = self.number("/", "stiffness_span").ok();
-        let backgrounds = ways.iter().map(|way| self.background(way, s)).collect::<Result<Vec<_>, _>>()?;
+        let backgrounds =
+            ways.prefixes().map(|way| self.background(way, s)).collect::<Result<Vec<_>, _>>()?;
         let mut wrong: Vec<(&str, usize)> = Vec::new();
         let rows = (ROWS / group).max(1) * group;
         // Those of a point are read at once.
@@ -94,6 +94,7 @@ impl Checked<'_> {
                     of_groups.push(&(0..s).map(mean).collect::<Vec<f64>>());
                 }
             }
+            let cycle = ways != Ways::One;
             let pulled = if cycle { &chunk[2] } else { &chunk[0] };
             for replica in first..end {
                 let row =
@@ -122,14 +123,19 @@ impl Checked<'_> {
                         "approach_pull_off_force",
                         of("approach_pull_off_force") >= -lowest(&there) - ROUNDING * size,
                     );
-                    let difference = |k: usize| there[k] - curve[k];
-                    let strip = |k: usize| {
-                        0.5 * (separations[k + 1] - separations[k]) * (difference(k) + difference(k + 1))
-                    };
-                    // By the trapezoidal rule.
-                    let area: f64 = (0..s - 1).map(strip).sum();
-                    let tolerance = 1e-7 * size * (separations[s - 1] - separations[0]);
-                    check("dissipated_energy", (of("dissipated_energy") - area).abs() <= tolerance);
+                    let energies = ["dissipated_energy", "repeated_dissipated_energy"];
+                    let inward = [Some(there), (ways == Ways::Repeated).then(|| row(&chunk[4]))];
+                    for (name, inward) in energies.into_iter().zip(inward) {
+                        let Some(inward) = inward else { continue };
+                        let difference = |k: usize| inward[k] - curve[k];
+                        let strip = |k: usize| {
+                            0.5 * (separations[k + 1] - separations[k]) * (difference(k) + difference(k + 1))
+                        };
+                        // By the trapezoidal rule.
+                        let area: f64 = (0..s - 1).map(strip).sum();
+                        let tolerance = 1e-7 * size * (separations[s - 1] - separations[0]);
+                        check(name, (of(name) - area).abs() <= tolerance);
+                    }
                 }
             }
             for group_first in (first..end).step_by(group) {
@@ -167,7 +173,7 @@ impl Checked<'_> {
         // Of a part of a run the batches are not those of the parts. Controls of coupled surfaces are forces without
         // coupling, which are not kept.
         if !self.is_partial()? && !self.is_coupled() {
-            let way = if cycle { "retraction_" } else { "" };
+            let way = if ways == Ways::One { "" } else { "retraction_" };
             let expected = self.values(&format!("/integral/{way}external_force"))?;
             let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
             let means = controlled_means(&parts, &expected);

@@ -3,6 +3,7 @@
 use super::answer::{Audit, Content};
 use super::checked::{Checked, refused};
 use super::cross_check::{CrossCheck, scheme};
+use crate::engine::Ways;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
@@ -43,10 +44,10 @@ impl Checked<'_> {
     /// All datasets of a run, or of a point of a sweep, with the joint test computed anew.
     pub fn run(&mut self, joint: &JointTest) -> Result<(), OutputError> {
         self.bounds()?;
-        let cycle = self.is_loop()?;
+        let ways = self.course()?;
         self.separations()?;
         self.background_terms()?;
-        for way in self.ways()? {
+        for way in ways.prefixes() {
             self.sums("ensemble", way, "_mean")?;
             self.sums("integral", way, "")?;
             self.errors(way)?;
@@ -57,10 +58,10 @@ impl Checked<'_> {
             self.plausible(way)?;
         }
         self.avalanches()?;
-        self.counts(cycle)?;
-        self.scalars(cycle)?;
+        self.counts(ways != Ways::One)?;
+        self.scalars(ways)?;
         self.targets()?;
-        self.curves(cycle)?;
+        self.curves(ways)?;
         self.snaps()?;
         self.asperity_states()?;
         self.features()?;

@@ -1,6 +1,7 @@
 //! Means of what is read off the curve of a replica, and targets.
 
 use super::checked::{Checked, ROUNDING, names};
+use crate::engine::Ways;
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 
@@ -9,8 +10,8 @@ pub(super) const FARTHEST: f64 = 50.0;
 
 impl Checked<'_> {
     /// Means over replicas.
-    pub fn scalars(&mut self, cycle: bool) -> Result<(), OutputError> {
-        let names = names(cycle);
+    pub fn scalars(&mut self, ways: Ways) -> Result<(), OutputError> {
+        let names = names(ways);
         let of = |name: &str| format!("/ensemble/scalar_{name}");
         let [mean, error, controlled, controlled_error, reduction] =
             ["mean", "standard_error", "controlled_mean", "controlled_standard_error", "variance_reduction"]
@@ -96,7 +97,7 @@ impl Checked<'_> {
         }
         // Coupled asperities of one height touch at different separations.
         let is_coupled = self.is_coupled();
-        if cycle
+        if ways != Ways::One
             && !is_coupled
             && self.reader.optional_text("/", "radii")?.is_some_and(|radii| radii.contains("common"))
         {
@@ -107,7 +108,8 @@ impl Checked<'_> {
             let (low, high) = differences
                 .iter()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (d.min(low), d.max(high)));
-            if high - low > ROUNDING * largest.last().copied().unwrap_or_default().max(1e-9) {
+            let most = touchdown.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+            if high - low > ROUNDING * most.max(1e-9) {
                 self.say(
                     "/replicas/touchdown_separation",
                     "is not as far from /replicas/highest_asperity for all replicas",
@@ -122,7 +124,7 @@ impl Checked<'_> {
         if !self.has_coordinate("target") {
             return Ok(());
         }
-        let names = names(false);
+        let names = names(Ways::One);
         let (targets, estimates) = (
             self.reader.texts(self.reader.coordinate("target"))?,
             self.reader.texts("/ensemble/target_estimate")?,

@@ -3,7 +3,7 @@
 use super::rows::row;
 use super::summary::h_star;
 use crate::asperity::Quantity;
-use crate::engine::CoupledMoments;
+use crate::engine::{CoupledMoments, Ways};
 use crate::experiment::coupling::deviations;
 use crate::experiment::results::Results;
 use crate::format::{percent, si};
@@ -73,10 +73,7 @@ fn of_scalar(coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<S
 /// h* of a state, and on which way it is.
 fn place(results: &Results, state: usize) -> (String, &'static str) {
     let s = results.scene.separations.len();
-    (
-        format!("{:.3}", h_star(results, results.scene.separations[state % s])),
-        if state >= s { " on retraction" } else { "" },
-    )
+    (format!("{:.3}", h_star(results, results.scene.separations[state % s])), Ways::NAMES[state / s].1)
 }
 
 /// Where coupling changes the curve most, and how much of that is not by mean field.
@@ -95,7 +92,8 @@ fn of_curve(results: &Results, coupled: &CoupledMoments, coupling: Coupling) -> 
     let s = results.scene.separations.len();
     let field = &results.mean_fields[state / s];
     let integral = match &results.retraction {
-        Some(retraction) if state >= s => &retraction.expectations,
+        Some(retraction) if state / s == 1 => &retraction.expectations,
+        Some(_) if state / s == 2 => results.reapproach.as_ref().unwrap_or(&results.expectations),
         _ => &results.expectations,
     };
     let by_field = field.force[state % s] - integral.expected[EXTERNAL][state % s];

@@ -6,7 +6,7 @@ use super::independence::independence;
 use super::instability::instability;
 use super::rows::row;
 use crate::asperity::Quantity;
-use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
+use crate::engine::{Limit, Replica, Summation, dissipated, scalars};
 use crate::experiment::capillary;
 use crate::experiment::results::{Results, Stopped};
 use crate::format::{bound, duration, factor, percent, si};
@@ -224,20 +224,23 @@ fn stiffness(results: &Results) -> String {
     )
 }
 
+/// What a cycle dissipates, by the name of its scalar; nothing of a run without it.
+fn energy(results: &Results, (label, name): (&str, &str)) -> String {
+    let scalar = scalars(results.scene.ways()).find(|scalar| scalar.name == name);
+    let Some((mean, scalar)) = results.scalar(name).zip(scalar) else { return String::new() };
+    let (_, std) = moments(&results.ensemble.replicas, scalar.of);
+    if mean.mean == 0.0 && !(std > 0.0) {
+        return row(label, "nothing beyond rounding: both ways are one");
+    }
+    row(label, &scatter(mean, std, "J"))
+}
+
 /// The energy of a loop, and the separations where contact begins and ends.
 fn cycle(results: &Results) -> String {
     let Some(retraction) = &results.retraction else { return String::new() };
     let replicas = &results.ensemble.replicas;
-    let [energy, touchdown, detachment] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
-    let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
-    let nothing = energy.mean == 0.0 && !(std > 0.0);
-    let of_replicas = if nothing {
-        "nothing beyond rounding: both ways are one".to_owned()
-    } else {
-        scatter(energy, std, "J")
-    };
-    let mut text = row("dissipated", &of_replicas);
-    if energy.mean < 0.0 {
+    let mut text = energy(results, ("dissipated", "dissipated_energy"));
+    if results.scalar("dissipated_energy").is_some_and(|energy| energy.mean < 0.0) {
         text += &row(
             "",
             "no result: a loop cannot give out energy. Loading and unloading do not belong together:",
@@ -270,11 +273,13 @@ fn cycle(results: &Results) -> String {
     let of_integral =
         dissipated(&results.scene.separations, forces, error, results.scene.interference_range().1);
     text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));
-    let place = |mean: &ControlledMean| match mean.mean.is_nan() {
-        true => "not by all replicas".to_owned(),
-        false => format!("at h* = {:.3} on average", h_star(results, mean.mean)),
+    text += &energy(results, ("further cycles", "repeated_dissipated_energy"));
+    let place = |name: &str| match results.scalar(name).map_or(f64::NAN, |scalar| scalar.mean) {
+        mean if mean.is_nan() => "not by all replicas".to_owned(),
+        mean => format!("at h* = {:.3} on average", h_star(results, mean)),
     };
-    text += &row("contact", &format!("first {}, last {}", place(touchdown), place(detachment)));
+    let [touchdown, detachment] = ["touchdown_separation", "detachment_separation"].map(place);
+    text += &row("contact", &format!("first {touchdown}, last {detachment}"));
     let last = results.scene.separations[results.scene.separations.len() - 1];
     let open = replicas
         .iter()

@@ -7,6 +7,7 @@ use super::summary::verdict;
 use super::sweep::together;
 use super::terminal::print;
 use crate::audit::{Audit, Content, CrossCheck, audit};
+use crate::engine::Ways;
 use crate::scene::echo::one_line;
 use crate::validation::{JointTest, Verdict};
 use std::path::Path;
@@ -62,8 +63,8 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
     for k in (0..h_star.len()).step_by(step.max(1)) {
         let cells = [0, 1]
             .map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
-        let back = if k < h_star.len() / ways { "" } else { "  on retraction" };
-        text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
+        let (_, way) = Ways::NAMES[k / (h_star.len() / ways)];
+        text += &format!("{:>10.3} {}{way}\n", h_star[k], cells.join(" "));
     }
     let shown = if step > 1 {
         format!("every {step}th of {} separations is shown", h_star.len())

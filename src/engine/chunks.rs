@@ -159,18 +159,16 @@ fn sum_polydisperse(
     let mut pulled: Option<PulledBack> = None;
     let sum = |state: &State| {
         let d = |h: f64| job.surface.asperity_separation(h);
-        match (*state, job.protocol.cycle) {
-            (State::Retraction { from, to }, Some(cycle)) => {
-                if pulled.as_ref().is_none_or(|pulled| pulled.from != from) {
+        match state.turned(job) {
+            Some((cycle, from, to)) => {
+                if pulled.as_ref().is_none_or(|pulled| !pulled.is_of(cycle, from)) {
                     pulled = Some(asperities.turn(job, cycle, from, &mut sums.stats));
                 }
                 if let Some(pulled) = &pulled {
                     pulled.sum(cycle, None, d(to), &mut lane_sums, &mut sums.stats);
                 }
             }
-            (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
-                asperities.sum(None, d(h), &mut lane_sums, &mut sums.stats);
-            }
+            None => asperities.sum(None, d(state.separation()), &mut lane_sums, &mut sums.stats),
         }
         lane_sums.regimes.clone()
     };

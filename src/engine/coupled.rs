@@ -5,6 +5,7 @@ use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::chunks::Ends;
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
+use super::scalars::Ways;
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
@@ -137,7 +138,8 @@ pub(super) fn couple(
     if let Some(span) = job.protocol.stiffness_span {
         // Of lines between the separations like that with coupling: else they could not be compared.
         let external = &of_independent.total[Quantity::ExternalForce.index()];
-        let pulled = &external[external.len() - job.separations.len()..];
+        let s = job.separations.len();
+        let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
         replica.stiffest(&largest_secant(job.separations, pulled, span));
     }
     let mut curves = Curves::new(job.states(), r);
@@ -241,6 +243,9 @@ impl CoupledSurface<'_> {
         let outward = if is_loop || !begins_far { 0..s } else { 0..0 };
         self.pass(inward, 0, curves, coupled);
         self.pass(outward.collect(), if is_loop { s } else { 0 }, curves, coupled);
+        if self.job.ways() == Ways::Repeated {
+            self.pass((0..s).rev().collect(), 2 * s, curves, coupled);
+        }
     }
 
     /// Takes the surface through separations, by their numbers, as states from `first` on.
@@ -252,14 +257,14 @@ impl CoupledSurface<'_> {
         coupled: &mut CoupledCurves,
     ) {
         let keeps_all = first == 0 && !self.job.protocol.loading.preload.is_empty();
-        let mut smallest = f64::INFINITY;
+        let (mut smallest, s) = (f64::INFINITY, self.job.separations.len());
         for k in separations {
             let before = self.solver.snapshot();
             let force = self.go(self.job.separations[k]);
             self.record(first + k, curves, coupled);
-            if force < smallest {
+            if let Some(before_way) = self.before.get_mut(first / s).filter(|_| force < smallest) {
                 smallest = force;
-                self.before[usize::from(first > 0)] = Some(before);
+                *before_way = Some(before);
             }
             if keeps_all {
                 self.approach.push(self.solver.snapshot());

@@ -46,7 +46,7 @@ impl CoupledMoments {
     pub fn new(job: &Job<'_>) -> Self {
         let s = job.states();
         let all = || std::array::from_fn(|_| Moments::new(s));
-        let count = scalars(job.protocol.cycle.is_some()).count();
+        let count = scalars(job.ways()).count();
         Self {
             independent: all(),
             avalanche_count: Moments::new(s),
@@ -112,15 +112,15 @@ impl CoupledMoments {
 
 impl CoupledGroups {
     fn push(&mut self, job: &Job<'_>, replica: &Replica, curves: &Curves, coupled: &CoupledCurves) {
-        let (s, is_loop) = (job.states(), job.protocol.cycle.is_some());
+        let (s, ways) = (job.states(), job.ways());
         let independent = coupled.independent.iter().flatten().copied();
         let difference = curves.total.iter().flatten().zip(coupled.independent.iter().flatten());
         let without = &replica.coupled.as_ref().expect("it is coupled").independent;
-        let of_scalars = scalars(is_loop).map(|scalar| (scalar.of)(without));
-        let changes = scalars(is_loop).map(|scalar| (scalar.of)(replica) - (scalar.of)(without));
+        let of_scalars = scalars(ways).map(|scalar| (scalar.of)(without));
+        let changes = scalars(ways).map(|scalar| (scalar.of)(replica) - (scalar.of)(without));
         let values = independent.chain(difference.map(|(with, without)| with - without));
         let values = values.chain(of_scalars).chain(changes);
-        let count = scalars(is_loop).count();
+        let count = scalars(ways).count();
         let Some(means) = self.open.push(job, values) else { return };
         let (curves, scalars) = means.split_at(8 * s);
         let moments = self.independent.iter_mut().chain(&mut self.difference);

@@ -2,6 +2,7 @@
 
 use super::curves::Curves;
 use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
+use super::scalars::Ways;
 use super::summed::Summed;
 use super::{Job, Protocol};
 use crate::asperity::Quantity;
@@ -36,6 +37,8 @@ pub struct Cycle {
     /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the
     /// separations; 0 where it is below its rounding.
     pub dissipated_energy: f64,
+    /// That of each further cycle to the same depth, J; none where there is one cycle.
+    pub repeated_dissipated_energy: Option<f64>,
     /// Separation h at which the first asperity touches on approach, m, wherever the separations are;
     /// NaN of no asperities.
     pub touchdown_separation: f64,
@@ -53,13 +56,16 @@ impl Cycle {
         curves: &Curves,
         pull_off: &Extremum,
     ) -> Self {
-        let ways = [Quantity::AdhesionForce, Quantity::ContactForce]
-            .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
-        let [approach, retraction] = [ways.map(|way| way.0), ways.map(|way| way.1)];
+        let s = job.separations.len();
+        let quantities = [Quantity::AdhesionForce, Quantity::ContactForce];
+        let way =
+            |way: usize| quantities.map(|quantity| &curves.total[quantity.index()][way * s..(way + 1) * s]);
+        let lost = |inward| dissipated(job.separations, [way(inward), way(1)], SUM_ROUNDING, highest);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,
-            dissipated_energy: dissipated(job.separations, [approach, retraction], SUM_ROUNDING, highest),
+            dissipated_energy: lost(0),
+            repeated_dissipated_energy: (job.ways() == Ways::Repeated).then(|| lost(2)),
             touchdown_separation,
             detachment_separation,
         }

@@ -55,7 +55,7 @@ impl OpenGroup {
 impl Groups {
     /// No replicas yet.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, c) = (job.states(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
+        let (s, c) = (job.states(), job.controls.len() + scalars(job.ways()).count());
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scalars: std::array::from_fn(|_| CentralMoments::new(c)),
@@ -74,7 +74,7 @@ impl Groups {
             .flatten()
             .copied()
             .chain(job.controls.iter().map(|&place| external[place]))
-            .chain(scalars(job.protocol.cycle.is_some()).map(|scalar| (scalar.of)(replica)));
+            .chain(scalars(job.ways()).map(|scalar| (scalar.of)(replica)));
         let Some(means) = self.open.push(job, values) else { return };
         let (curves, scalars) = means.split_at(4 * job.states());
         for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.states())) {

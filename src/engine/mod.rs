@@ -87,9 +87,9 @@ pub use replica::Replica;
 pub use replica::Workspace;
 #[doc(hidden)]
 pub use sampling::draw;
-#[doc(hidden)]
-pub use scalars::scalars;
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar};
+#[doc(hidden)]
+pub use scalars::{REPEATED_SCALARS, Ways, scalars};
 #[doc(hidden)]
 pub use shard::Shard;
 pub use stopping::{Attained, Estimator, Limit, Rule, Stopping, Target};
@@ -225,10 +225,18 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// States that a surface is summed in: the separations, and of a loop behind these the separations again,
-    /// on retraction.
+    /// The ways that its surfaces take.
+    pub fn ways(&self) -> Ways {
+        match self.protocol.cycle.map(Loop::again) {
+            None => Ways::One,
+            Some(None) => Ways::Loop,
+            Some(Some(_)) => Ways::Repeated,
+        }
+    }
+
+    /// States that a surface is summed in: the separations once for each of its ways.
     pub fn states(&self) -> usize {
-        self.separations.len() * if self.protocol.cycle.is_some() { 2 } else { 1 }
+        self.separations.len() * self.ways().count()
     }
 
     /// The separations with the forces of a curve over them, N.

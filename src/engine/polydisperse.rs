@@ -31,6 +31,8 @@ pub(super) struct PulledBack {
     /// The separation h there, and d, m.
     pub from: f64,
     closest: f64,
+    /// Whether a second approach follows.
+    is_repeated: bool,
     turned: Turned,
 }
 
@@ -154,9 +156,7 @@ impl Asperities {
 
     /// The asperities when they are pulled back along a loop from a separation h, m.
     pub fn turn(&self, job: &Job<'_>, cycle: &Loop, from: f64, stats: &mut SolverStats) -> PulledBack {
-        let closest = job.surface.asperity_separation(from);
-        let largest = self.heights.iter().map(|height| height - closest).collect();
-        PulledBack { from, closest, turned: Turned::new(cycle, &self.lanes, largest, stats) }
+        PulledBack::new((job, cycle), (&self.lanes, &self.heights), from, stats)
     }
 
     /// The separation d, m, at which the first of them touches on approach; −∞ of none.
@@ -185,10 +185,25 @@ impl PulledBack {
         from: f64,
         stats: &mut SolverStats,
     ) -> Self {
-        let closest = job.surface.asperity_separation(from);
         let lanes: Arc<[Lane]> = vec![cycle.lane(1.0); heights.len()].into();
+        Self::new((job, cycle), (&lanes, heights), from, stats)
+    }
+
+    fn new(
+        (job, cycle): (&Job<'_>, &Loop),
+        (lanes, heights): (&Arc<[Lane]>, &[f64]),
+        from: f64,
+        stats: &mut SolverStats,
+    ) -> Self {
+        let closest = job.surface.asperity_separation(from);
         let largest = heights.iter().map(|height| height - closest).collect();
-        Self { from, closest, turned: Turned::new(cycle, &lanes, largest, stats) }
+        let turned = Turned::new(cycle, lanes, largest, stats);
+        Self { from, closest, is_repeated: cycle.again().is_some(), turned }
+    }
+
+    /// Whether it is of a loop, turned at a separation h, m.
+    pub fn is_of(&self, cycle: &Loop, from: f64) -> bool {
+        self.from == from && self.is_repeated == cycle.again().is_some()
     }
 
     /// Sums all at the separations of a job as states of its curves from `first` on.

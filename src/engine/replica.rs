@@ -234,7 +234,12 @@ impl Workspace {
             asperities.record(job, &mut self.lane_sums, stats, curves);
             self.pulled = job.protocol.cycle.map(|cycle| {
                 let pulled = asperities.turn(job, cycle, job.separations[0], stats);
-                pulled.record((job, cycle), job.separations.len(), &mut self.lane_sums, stats, curves);
+                let s = job.separations.len();
+                pulled.record((job, cycle), s, &mut self.lane_sums, stats, curves);
+                if let Some(again) = cycle.again() {
+                    let closer = asperities.turn(job, again, job.separations[0], stats);
+                    closer.record((job, again), 2 * s, &mut self.lane_sums, stats, curves);
+                }
                 pulled
             });
             self.asperities = Some(asperities);
@@ -301,7 +306,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
         *force = state.external_force(job.surface, *force);
     }
     let external = &curves.total[Quantity::ExternalForce.index()];
-    let (external, retraction) = external.split_at(job.separations.len());
+    let (external, back) = external.split_at(job.separations.len());
     let pull_off = surface.pull_off(external);
     let highest_asperity = surface.highest();
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
@@ -309,6 +314,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     if let Some(cycle) = job.protocol.cycle {
         let contacts = surface.contacts(cycle);
         kept.cycle = Some(Box::new(Cycle::new(job, highest_asperity, contacts, curves, &pull_off)));
+        let retraction = &back[..job.separations.len()];
         last = (retraction, surface.retraction_pull_off(job.separations[0], &job.samples(retraction)));
     }
     kept.pull_off(&last.1);

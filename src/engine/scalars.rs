@@ -3,6 +3,38 @@
 use super::cycle::Cycle;
 use super::replica::Replica;
 
+/// The ways that a surface takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ways {
+    /// One path of the law.
+    #[default]
+    One,
+    /// A loop: approach and retraction.
+    Loop,
+    /// A loop, and the second approach, which further cycles repeat.
+    Repeated,
+}
+
+impl Ways {
+    /// Beginnings of the names of datasets of each way, and what is said of values on it.
+    pub const NAMES: [(&str, &str); 3] =
+        [("", ""), ("retraction_", " on retraction"), ("reapproach_", " on the second approach")];
+
+    /// The number of times that the separations are passed.
+    pub fn count(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Loop => 2,
+            Self::Repeated => 3,
+        }
+    }
+
+    /// The beginnings of the names of datasets of each way.
+    pub fn prefixes(self) -> impl ExactSizeIterator<Item = &'static str> + Clone + use<> {
+        Self::NAMES[..self.count()].iter().map(|(prefix, _)| *prefix)
+    }
+}
+
 /// A number that is read off a replica's own curve.
 ///
 /// # Examples
@@ -94,12 +126,22 @@ pub const LOOP_SCALARS: [Scalar; 5] = [
     },
 ];
 
+/// The scalar of a replica that is brought close again.
+pub const REPEATED_SCALARS: [Scalar; 1] = [Scalar {
+    name: "repeated_dissipated_energy",
+    units: "J",
+    meaning: "energy that each further cycle to the same depth dissipates; 0 where it is below its rounding",
+    of: |replica| of_cycle(replica, |cycle| cycle.repeated_dissipated_energy.unwrap_or(f64::NAN)),
+}];
+
 /// A number of a replica that is a loop; NaN of any other.
 fn of_cycle(replica: &Replica, of: fn(&Cycle) -> f64) -> f64 {
     replica.cycle.as_deref().map_or(f64::NAN, of)
 }
 
-/// The scalars of a job: [`SCALARS`], and of loops behind these [`LOOP_SCALARS`].
-pub fn scalars(cycle: bool) -> impl Iterator<Item = Scalar> {
-    SCALARS.into_iter().chain(LOOP_SCALARS.into_iter().filter(move |_| cycle))
+/// The scalars of a job on its ways: [`SCALARS`], and of loops behind these [`LOOP_SCALARS`] and [`REPEATED_SCALARS`].
+pub fn scalars(ways: Ways) -> impl Iterator<Item = Scalar> {
+    let of_loops = LOOP_SCALARS.into_iter().filter(move |_| ways != Ways::One);
+    let of_repeated = REPEATED_SCALARS.into_iter().filter(move |_| ways == Ways::Repeated);
+    SCALARS.into_iter().chain(of_loops).chain(of_repeated)
 }

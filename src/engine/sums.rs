@@ -3,6 +3,7 @@
 use super::Job;
 use super::curves::Curves;
 use super::polydisperse::{LaneSums, PulledBack};
+use super::scalars::Ways;
 use crate::asperity::{Law, Loop, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
@@ -21,14 +22,24 @@ pub(super) enum State {
         /// h, m.
         to: f64,
     },
+    /// Likewise, on the second approach.
+    Again {
+        /// h, m.
+        from: f64,
+        /// h, m.
+        to: f64,
+    },
 }
 
 impl State {
     /// The states that the surfaces of a job are summed in, in the order of its curves.
     pub fn all(job: &Job<'_>) -> Vec<Self> {
         let approach = job.separations.iter().map(|&h| Self::Approach(h));
-        let retraction = job.separations.iter().map(|&to| Self::Retraction { from: job.separations[0], to });
-        approach.chain(retraction.filter(|_| job.protocol.cycle.is_some())).collect()
+        let (from, ways) = (job.separations[0], job.ways());
+        let back = |of: fn(f64, f64) -> Self| job.separations.iter().map(move |&to| of(from, to));
+        let retraction = back(|from, to| Self::Retraction { from, to }).filter(|_| ways != Ways::One);
+        let again = back(|from, to| Self::Again { from, to }).filter(|_| ways == Ways::Repeated);
+        approach.chain(retraction).chain(again).collect()
     }
 
     /// The external force, N, of a surface whose asperities have another in this state, N.
@@ -36,6 +47,24 @@ impl State {
         match self {
             Self::Approach(h) => surface.external_force(h, of_asperities),
             Self::Retraction { to, .. } => surface.external_force_back(to, of_asperities),
+            Self::Again { to, .. } => surface.external_force_again(to, of_asperities),
+        }
+    }
+
+    /// The loop whose law acts, and the separations h, m, where the surfaces have turned and where they are, once they have.
+    pub fn turned<'a>(self, job: &Job<'a>) -> Option<(&'a Loop, f64, f64)> {
+        let cycle = job.protocol.cycle?;
+        match self {
+            Self::Approach(_) => None,
+            Self::Retraction { from, to } => Some((cycle, from, to)),
+            Self::Again { from, to } => Some((cycle.again()?, from, to)),
+        }
+    }
+
+    /// The separation h, m.
+    pub fn separation(self) -> f64 {
+        match self {
+            Self::Approach(h) | Self::Retraction { to: h, .. } | Self::Again { to: h, .. } => h,
         }
     }
 }
@@ -131,17 +160,15 @@ impl Sums {
     /// Sums a surface of a job, `heights` (m) rising, in a state.
     pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
         let d = |h: f64| job.surface.asperity_separation(h);
-        match (state, job.protocol.cycle) {
-            (State::Retraction { from, to }, Some(cycle)) if cycle.own_radii() => {
+        match state.turned(job) {
+            Some((cycle, from, to)) if cycle.own_radii() => {
                 self.flattened((job, cycle), heights, (from, d(from)), d(to));
             }
-            (State::Retraction { from, to }, Some(cycle)) => {
+            Some((cycle, from, to)) => {
                 let law = cycle.at(d(to) - d(from));
                 self.over(&law, Some(law.base()), heights, d(from));
             }
-            (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
-                self.over(job.laws.typical, None, heights, d(h))
-            }
+            None => self.over(job.laws.typical, None, heights, d(state.separation())),
         }
     }
 
@@ -160,7 +187,7 @@ impl Sums {
         if first == heights.len() {
             return;
         }
-        if self.flowed.as_ref().is_none_or(|flowed| flowed.from != from) {
+        if self.flowed.as_ref().is_none_or(|flowed| !flowed.is_of(cycle, from)) {
             self.flowed = Some(PulledBack::alike((job, cycle), &heights[first..], from, &mut self.stats));
         }
         if let Some(flowed) = &self.flowed {

@@ -82,7 +82,7 @@ pub struct Estimate {
 impl Estimate {
     /// The estimate of a scene under its law, on so many threads.
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
-        let (separations, ways) = (scene.separations.len(), if scene.cycle { 2 } else { 1 });
+        let (separations, ways) = (scene.separations.len(), scene.ways().count());
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
         let step = step(scene);
         let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));

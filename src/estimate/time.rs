@@ -76,7 +76,7 @@ fn flattened(scene: &Scene) -> f64 {
     let deepest =
         scene.asperity.critical_interference() + scene.surface.asperity_separation(scene.separations[0]);
     let share = scene.surface.heights.probability(deepest, f64::INFINITY);
-    let retractions = 1 + scene.instability.preload.len();
+    let retractions = scene.ways().count() - 1 + scene.instability.preload.len();
     let flowed = share * scene.surface.asperity_count as f64;
     retractions as f64 * (FLATTENED.0 * flowed.min(1.0) + FLATTENED.1 * flowed)
 }
@@ -92,7 +92,7 @@ fn coupled(scene: &Scene) -> f64 {
         if substrate.kernel == Kernel::Contact { COUPLED_CONTACT * in_a_state } else { in_a_state };
     let in_a_state = if scene.surface.is_polydisperse() { in_a_state + COUPLED_RADII } else { in_a_state };
     let s = scene.separations.len() as f64;
-    let ways = if scene.cycle { 2.0 } else { 1.0 } + scene.instability.preload.len() as f64;
+    let ways = (scene.ways().count() + scene.instability.preload.len()) as f64;
     scene.surface.asperity_count as f64 * ways * (s + COUPLED.2) * in_a_state
 }
 

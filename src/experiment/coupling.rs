@@ -57,7 +57,12 @@ pub(crate) fn mean_fields(
         let force_at = |x: f64| model.external_force_of_asperities(x);
         MeanField::new(separations, stiffness, step, Some(turn), force_at)
     });
-    [approach].into_iter().chain(retraction).map(beside).collect()
+    let again = cycle.and_then(|cycle| RetractionModel::again(cycle, surface, approach.separations[0]));
+    let again = again.map(|model| {
+        let force_at = |x: f64| model.external_force_of_asperities(x);
+        MeanField::new(&inward, stiffness, step, None, force_at).reversed()
+    });
+    [approach].into_iter().chain(retraction).chain(again).map(beside).collect()
 }
 
 /// The mean external force with coupling less a mean field at some states, N, its standard error, N, and z.
@@ -176,14 +181,14 @@ fn write_scalars(
     results: &Results,
     coupled: &CoupledMoments,
 ) -> Result<(), OutputError> {
-    let is_loop = results.scene.cycle;
-    let units: Vec<&str> = scalars(is_loop).map(|scalar| scalar.units).collect();
+    let ways = results.scene.ways();
+    let units: Vec<&str> = scalars(ways).map(|scalar| scalar.units).collect();
     writer.texts("/coupling/scalar_units", &units)?;
     for (kind, moments) in ["independent", "difference"].into_iter().zip(&coupled.groups.scalars) {
         writer.dataset(&format!("/coupling/scalar_{kind}_mean"), moments.mean())?;
         writer.dataset(&format!("/coupling/scalar_{kind}_standard_error"), &moments.standard_error())?;
     }
-    for scalar in scalars(is_loop) {
+    for scalar in scalars(ways) {
         let of = |replica: &Replica| {
             replica.coupled.as_ref().map_or(f64::NAN, |own| (scalar.of)(&own.independent))
         };

@@ -49,7 +49,7 @@ pub struct PathIntegral {
 /// use stiction::Integral;
 ///
 /// let scene = stiction::Scene::from_toml_file("configs/loop.toml")?;
-/// let Integral { main, retraction } = stiction::integrate(&scene)?;
+/// let Integral { main, retraction, .. } = stiction::integrate(&scene)?;
 /// let retraction = retraction.expect("a loop has one");
 /// assert!(retraction.pull_off() > main.pull_off(), "contacts hold on");
 /// # Ok::<(), stiction::Error>(())
@@ -60,6 +60,8 @@ pub struct Integral {
     pub main: PathIntegral,
     /// The integral on the retraction of a loop.
     pub retraction: Option<PathIntegral>,
+    /// The integral on the second approach of a loop of several cycles.
+    pub reapproach: Option<PathIntegral>,
 }
 
 /// Steps, m, that resolve what is read off the integral of a scene. Over given heights it jumps, and no steps
@@ -108,7 +110,11 @@ impl PathIntegral {
 
     /// The integral of a loop on retraction.
     pub(crate) fn retraction(scene: &Scene, cycle: &Loop) -> Self {
-        let model = RetractionModel::new(cycle, &scene.surface, scene.separations[0]);
+        Self::turned(scene, RetractionModel::new(cycle, &scene.surface, scene.separations[0]))
+    }
+
+    /// The integral of surfaces that have turned.
+    fn turned(scene: &Scene, model: RetractionModel<'_>) -> Self {
         let at = |h: f64| model.answer(&[h]);
         let read = Self::new(scene, model.answer(&scene.separations), at, |h| model.external_force(h));
         Self { forces: model.forces(), ..read }
@@ -198,15 +204,18 @@ fn reading(
 impl Integral {
     /// The integral of a scene under a law, and along its loop if surfaces are pulled back.
     pub(crate) fn new(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Self {
+        let closest = scene.separations[0];
+        let again = cycle.and_then(|cycle| RetractionModel::again(cycle, &scene.surface, closest));
         Self {
             main: PathIntegral::of(scene, law),
             retraction: cycle.map(|cycle| PathIntegral::retraction(scene, cycle)),
+            reapproach: again.map(|model| PathIntegral::turned(scene, model)),
         }
     }
 
-    /// The main path, and the retraction of a loop.
+    /// The main path, the retraction of a loop, and its second approach.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathIntegral> {
-        [&self.main].into_iter().chain(&self.retraction)
+        [&self.main].into_iter().chain(&self.retraction).chain(&self.reapproach)
     }
 
     /// The path on which the surfaces are pulled off: of a loop the retraction.
@@ -222,9 +231,8 @@ impl Integral {
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
             readings.push(reading(scene, law, (WhatIsRead::Turn, place), &at));
         }
-        let error = |way: &PathIntegral| way.expectations.quadrature_error;
-        let held = self.held(scene, model, law);
-        Expected { readings, error: maximum(error(&self.main), error(self.pulled())), held }
+        let error = self.paths().map(|way| way.expectations.quadrature_error).fold(0.0, maximum);
+        Expected { readings, error, held: self.held(scene, model, law) }
     }
 
     /// The pull-off on approach and that of surfaces that have touched, N, where these have another law.

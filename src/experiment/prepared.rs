@@ -278,8 +278,8 @@ impl PreparedRun {
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
         let mean_fields = session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral));
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
-        let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
-            integral;
+        let Integral { main, retraction, reapproach } = integral;
+        let PathIntegral { expectations, features: of_integral, .. } = main;
         let (of_mean, retraction) = session.pool.install(|| {
             let of_mean = mean_features(&scene, law.view(), &ensemble, &expectations);
             (
@@ -302,6 +302,7 @@ impl PreparedRun {
             warnings,
             expectations,
             retraction,
+            reapproach: reapproach.map(|way| way.expectations),
             ensemble,
             stopped,
             summation,

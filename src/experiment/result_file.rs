@@ -41,7 +41,7 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     }
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components);
-    let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
+    let names: Vec<&str> = scalars(scene.ways()).map(|scalar| scalar.name).collect();
     writer.named_scale(Dimension::Scalar, &names);
     writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS);
     writer.scale(Dimension::Quantile, &QUANTILES);
@@ -136,6 +136,7 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     if scene.cycle {
         writer.text("/", "unloading", scene.unloading.name())?;
         writer.text("/", "unloaded_radius", scene.unloading.radius().name())?;
+        writer.number("/", "cycles", scene.cycles as f64)?;
     }
     write_parameters(writer, scene)?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
@@ -228,7 +229,7 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
     writer.dataset("/replicas/asperity_count", &count)?;
     let highest: Vec<f64> = replicas.iter().map(|replica| replica.highest_asperity).collect();
     writer.dataset("/replicas/highest_asperity", &highest)?;
-    for scalar in scalars(results.scene.cycle) {
+    for scalar in scalars(results.scene.ways()) {
         let values: Vec<f64> = replicas.iter().map(scalar.of).collect();
         writer.dataset(&format!("/replicas/{}", scalar.name), &values)?;
     }
@@ -293,7 +294,7 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
     let write = |name: &str, of: fn(&ControlledMean) -> f64| {
         writer.dataset(&format!("/ensemble/scalar_{name}"), &means.iter().map(of).collect::<Vec<f64>>())
     };
-    let units: Vec<&str> = scalars(results.scene.cycle).map(|scalar| scalar.units).collect();
+    let units: Vec<&str> = scalars(results.scene.ways()).map(|scalar| scalar.units).collect();
     writer.texts("/ensemble/scalar_units", &units)?;
     write("mean", |mean| mean.mean)?;
     write("standard_error", |mean| mean.standard_error)?;
@@ -310,10 +311,10 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
 }
 
 fn write_integral(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let retraction = results.retraction.as_ref().map(|retraction| ("retraction_", &retraction.expectations));
-    let paths = [("", &results.expectations)].into_iter().chain(retraction);
+    let retraction = results.retraction.as_ref().map(|retraction| &retraction.expectations);
+    let models = [&results.expectations].into_iter().chain(retraction).chain(&results.reapproach);
     let mut error = 0.0;
-    for (way, model) in paths {
+    for (way, model) in results.scene.ways().prefixes().zip(models) {
         for quantity in Quantity::ALL {
             let name = quantity.name();
             writer.dataset(&format!("/integral/{way}{name}"), &model.expected[quantity.index()])?;

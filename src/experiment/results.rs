@@ -2,7 +2,7 @@
 
 use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
-use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
+use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::estimate::Plan;
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
@@ -22,6 +22,8 @@ pub(crate) struct Results {
     pub expectations: Expectations,
     /// The retraction of a loop; everything else that belongs to one path is of the approach.
     pub retraction: Option<RetractionResults>,
+    /// The integral of the second approach of a loop of several cycles.
+    pub reapproach: Option<Expectations>,
     pub ensemble: Box<Ensemble>,
     /// Why there are so many replicas, if targets decided.
     pub stopped: Option<Stopped>,
@@ -88,7 +90,7 @@ impl RetractionResults {
         let PathIntegral { expectations, features: of_integral, forces, .. } = integral;
         let model = RetractionModel::new(cycle, &scene.surface, separations[0]).knowing(forces);
         let force = |h: f64| model.external_force(h);
-        let mean = &ensemble.curves[q].mean()[separations.len()..];
+        let mean = &ensemble.curves[q].mean()[separations.len()..2 * separations.len()];
         let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);
         Self { expectations, of_mean, of_integral, by_radius }
@@ -108,8 +110,14 @@ impl Results {
     /// The names that datasets of each path begin with, and its states.
     pub fn paths(&self) -> Vec<(&'static str, Range<usize>)> {
         let s = self.scene.separations.len();
-        let retraction = self.retraction.as_ref().map(|_| ("retraction_", s..2 * s));
-        [("", 0..s)].into_iter().chain(retraction).collect()
+        let prefixes = self.scene.ways().prefixes().enumerate();
+        prefixes.map(|(way, prefix)| (prefix, way * s..(way + 1) * s)).collect()
+    }
+
+    /// The mean of a scalar over the replicas, by its name in [`scalars`].
+    pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
+        let place = scalars(self.scene.ways()).position(|scalar| scalar.name == name)?;
+        self.scalars.get(place)
     }
 
     /// Features of the mean curve and of the integral on the path on which the surfaces are pulled off:

@@ -9,7 +9,7 @@ use super::observer::{Observer, Phases};
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, run_scene, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
-use crate::engine::{Batch, Ensemble, Records, scalars};
+use crate::engine::{Batch, Ensemble, Records};
 use crate::integral::Independence;
 use crate::math::control_variates::ControlledMean;
 use crate::output::OutputLock;
@@ -252,8 +252,7 @@ impl RunResult {
 
     /// The same of any number that is kept of every replica, by its name in [`scalars`].
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
-        let place = scalars(self.results.scene.cycle).position(|scalar| scalar.name == name)?;
-        self.results.scalars.get(place)
+        self.results.scalar(name)
     }
 
     /// The pull-off force of the integral, N.

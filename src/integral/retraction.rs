@@ -48,6 +48,8 @@ pub struct RetractionModel<'a> {
     /// d, m, where the surfaces turned.
     closest: f64,
     radii: Radii,
+    /// The external force, N, at a separation h, m, from that of the asperities, N.
+    external_force: fn(&Surface, f64, f64) -> f64,
     /// What is known of the external force.
     forces: Forces,
 }
@@ -75,7 +77,8 @@ impl<'a> RetractionModel<'a> {
     pub fn new(cycle: &'a Loop, surface: &'a Surface, closest: f64) -> Self {
         let closest = surface.asperity_separation(closest);
         let radii = Radii::Parts(Vec::new());
-        let mut model = Self { cycle, surface, closest, radii, forces: Forces::default() };
+        let (external_force, forces) = (Surface::external_force_back as fn(&_, _, _) -> _, Forces::default());
+        let mut model = Self { cycle, surface, closest, radii, external_force, forces };
         model.radii = match surface.radii.panels(surface.asperity_radius, &surface.heights) {
             None => Radii::Parts(model.parts(surface.parts())),
             Some(panels) => {
@@ -91,6 +94,12 @@ impl<'a> RetractionModel<'a> {
             }
         };
         model
+    }
+
+    /// The model of the second approach of a loop, if it has one.
+    pub fn again(cycle: &'a Loop, surface: &'a Surface, closest: f64) -> Option<Self> {
+        let external_force = Surface::external_force_again;
+        cycle.again().map(|again| Self { external_force, ..Self::new(again, surface, closest) })
     }
 
     /// The same with what is known of its external force.
@@ -141,12 +150,12 @@ impl<'a> RetractionModel<'a> {
     /// The answer at separations h, m; regimes are those of the law on approach.
     pub fn answer(&self, separations: &[f64]) -> Expectations {
         self.of_asperities(separations)
-            .beside(|h, force| self.surface.external_force_back(h, force), separations)
+            .beside(|h, force| (self.external_force)(self.surface, h, force), separations)
     }
 
     /// Expected external force, N, at one separation h, m. Where radii have a density it is interpolated, to about 1e-6.
     pub fn external_force(&self, separation: f64) -> f64 {
-        self.surface.external_force_back(separation, self.external_force_of_asperities(separation))
+        (self.external_force)(self.surface, separation, self.external_force_of_asperities(separation))
     }
 
     /// The same of the asperities alone, without the attraction of the mean planes.

@@ -80,6 +80,8 @@ pub(super) const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0
 
 /// Most separations of a scene; far more than a curve needs.
 pub(super) const MOST_SEPARATIONS: u64 = 10_000;
+/// Cycles of a loop at most: so many are as good as any number.
+pub(super) const MOST_CYCLES: u64 = 1_000_000_000;
 
 /// Numbers of replicas that can be asked for.
 pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;

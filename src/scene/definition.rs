@@ -11,7 +11,7 @@ use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
     Family, InnerState, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading,
 };
-use crate::engine::Stopping;
+use crate::engine::{Stopping, Ways};
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use std::sync::Arc;
@@ -51,6 +51,8 @@ pub struct Scene {
     pub history: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.
     pub cycle: bool,
+    /// How often a loop is passed, at least 1; every cycle after the first repeats the second.
+    pub cycles: u64,
     /// How contacts that have flowed are unloaded.
     pub unloading: Unloading,
     /// Springs and preloads that hold the surfaces.
@@ -105,9 +107,18 @@ impl Scene {
         if self.cycle { LOOP } else { self.history.name() }
     }
 
-    /// States that a surface is summed in: the separations, of a loop twice.
+    /// The ways that its surfaces take.
+    pub fn ways(&self) -> Ways {
+        match (self.cycle, self.cycles) {
+            (false, _) => Ways::One,
+            (true, 1) => Ways::Loop,
+            (true, _) => Ways::Repeated,
+        }
+    }
+
+    /// States that a surface is summed in: the separations once for each of its ways.
     pub fn states(&self) -> usize {
-        self.separations.len() * if self.cycle { 2 } else { 1 }
+        self.separations.len() * self.ways().count()
     }
 
     /// The loop of an asperity of the scene, if the surfaces are pulled back.
@@ -115,7 +126,11 @@ impl Scene {
     /// # Errors
     /// As [`Scene::law_of`].
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
-        self.cycle.then(|| self.loop_law_of(self.unloading)).transpose()
+        match self.ways() {
+            Ways::One => Ok(None),
+            Ways::Loop => self.loop_law_of(self.unloading).map(Some),
+            Ways::Repeated => Loop::repeated(&self.model, &self.parameters()?, self.unloading).map(Some),
+        }
     }
 
     /// The loop of an asperity of the scene that is unloaded in one way or another once it has flowed.

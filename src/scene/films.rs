@@ -94,7 +94,8 @@ impl Scene {
     /// [`LawError`] where a law cannot be made.
     pub(super) fn with_films(self) -> Result<Self, LawError> {
         let films = self.films_on_ways()?;
-        let Some(Films { thickness, external_force }) = films.last() else { return Ok(self) };
+        let pulled = films.get(1).or(films.first());
+        let Some(Films { thickness, external_force }) = pulled else { return Ok(self) };
         let deepest = smallest(external_force);
         let scene = self.with_film(thickness[deepest]);
         Ok(Self { films, ..scene })

@@ -72,6 +72,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let background = background.of(&law, &asperity, &surface, separations[0])?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
+    let cycles = separation::cycles(&separation, cycle)?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
     let most =
         UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
@@ -110,6 +111,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
         films: Vec::new(),
         history,
         cycle,
+        cycles,
         unloading,
         substrate,
         background,

@@ -14,7 +14,7 @@
 use super::Scene;
 use crate::asperity::models::Model;
 use crate::asperity::{LawError, LawParameters, Path, Quantity, Regime};
-use crate::integral::Expectations;
+use crate::integral::{Expectations, RetractionModel};
 use crate::liquid::{Bridges, Filling, Meniscus, Spread, Spreads, Volume, weight};
 use crate::surface::{Radii, Spectrum, Surface};
 use std::f64::consts::PI;
@@ -97,6 +97,8 @@ impl Scene {
         let mut ways = vec![Expectations::new(law.view(), &scene.surface, separations)];
         if let Some(cycle) = scene.loop_law()? {
             ways.push(Expectations::retraction(&cycle, &scene.surface, separations));
+            let again = RetractionModel::again(&cycle, &scene.surface, separations[0]);
+            ways.extend(again.map(|model| model.answer(separations)));
         }
         Ok(ways)
     }

@@ -3,7 +3,7 @@
 
 use super::capillary::LIQUIDS;
 use super::choices::{
-    CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS,
+    CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_CYCLES, MOST_POINTS,
     MOST_SEPARATIONS, Mode, PATCH, PERMITTIVITIES, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE,
     REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
@@ -453,6 +453,14 @@ pub static KEYS: &[Key] = &[
         .about("Greater than `from`."),
     key("separation.h_star.count", "91", Whole(2, MOST_SEPARATIONS)).what("how many, evenly spaced"),
     key("separation.h_star[]", "2.0", Number(Unbounded, Unbounded)),
+    key("separation.cycles", "2", Whole(1, MOST_CYCLES))
+        .what("how often the surfaces of a loop are brought close and pulled back")
+        .about(
+            "From 2 on the second approach is computed, on datasets that begin with `reapproach_`, and the energy that each \
+             cycle after the first dissipates. Between cycles the surfaces are parted until nothing touches. The second \
+             retraction is the first once more, and so is every further cycle the second.",
+        )
+        .defaults_to("1"),
     key("separation.stiffness_span", "\"0.2 nm\"", Quantity(Of::Length, Positive))
         .what("span of the secant stiffness")
         .about(

@@ -292,7 +292,12 @@ impl Surface {
 
     /// The external force on retraction of a loop, N, likewise; of surfaces that have one way only, on that.
     pub fn external_force_back(&self, separation: f64, of_asperities: f64) -> f64 {
-        self.less(self.spread.last(), separation, of_asperities)
+        self.less(self.spread.get(1).or(self.spread.first()), separation, of_asperities)
+    }
+
+    /// The external force on the second approach of a loop, N, likewise.
+    pub fn external_force_again(&self, separation: f64, of_asperities: f64) -> f64 {
+        self.less(self.spread.get(2), separation, of_asperities)
     }
 
     fn less(&self, way: Option<&Spread>, separation: f64, of_asperities: f64) -> f64 {

@@ -102,7 +102,7 @@ pub fn basis_to<'a>(
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
-/// The same for a loop: its functionals look at both ways, between which only what differs counts.
+/// The same for a loop: its functionals look at all its ways, between which only what differs counts.
 pub fn basis_of_loop<'a>(
     laws: impl Into<Laws<'a>>,
     cycle: &Loop,
@@ -116,7 +116,9 @@ pub fn basis_of_loop<'a>(
     let closest = d(&separations[0]);
     let inward = separations.iter().map(|h| StateAt::Way(laws, d(h)));
     let outward = separations.iter().map(|h| StateAt::Retraction(cycle, closest, d(h) - closest));
-    let states: Vec<StateAt<'_>> = inward.chain(outward).collect();
+    let again = separations.iter().map(|h| StateAt::Again(cycle, closest, d(h) - closest));
+    let again = again.filter(|_| cycle.again().is_some());
+    let states: Vec<StateAt<'_>> = inward.chain(outward).chain(again).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 

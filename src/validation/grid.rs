@@ -55,6 +55,8 @@ pub(super) enum StateAt<'a> {
     Way(Laws<'a>, f64),
     /// The retraction of a loop from the separation d, m, further by a distance, m.
     Retraction(&'a Loop, f64, f64),
+    /// Its second approach, likewise.
+    Again(&'a Loop, f64, f64),
 }
 
 impl StateAt<'_> {
@@ -65,6 +67,10 @@ impl StateAt<'_> {
             Self::Way(laws, separation) => visit(own.law.as_deref().unwrap_or(laws.typical), separation),
             Self::Retraction(cycle, from, distance) => {
                 visit(&own.cycle.as_ref().unwrap_or(cycle).at(distance), from)
+            }
+            Self::Again(cycle, from, distance) => {
+                let cycle = own.cycle.as_ref().unwrap_or(cycle);
+                visit(&cycle.again().unwrap_or(cycle).at(distance), from)
             }
         }
     }

@@ -12,6 +12,7 @@ mod compare;
 mod compressed;
 mod coupled;
 mod coupled_limits;
+mod cycles;
 mod ensemble;
 mod extremes;
 mod finite_size;

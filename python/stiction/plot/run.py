@@ -32,7 +32,11 @@ from .style import (
 __all__ = ["attraction", "deviation", "force", "histogram", "pull_off", "regimes"]
 
 # Way, what its datasets begin with, colour and line.
-WAYS = (("approach", "", BLUE, "-"), ("retraction", "retraction_", VERMILION, DASH_DOT))
+WAYS = (
+    ("approach", "", BLUE, "-"),
+    ("retraction", "retraction_", VERMILION, DASH_DOT),
+    ("second approach", "reapproach_", COLORS[2], (0, (1.2, 1.2))),
+)
 _REGIMES = {
     "total": ("black", "-"),
     "noncontact": (BLUE, DASHED),
@@ -52,7 +56,7 @@ def values(run: Any, path: str) -> Any:
 def ways(run: Run) -> list[tuple[str, str, str, Any]]:
     """The ways that a run has gone."""
     if run.attrs["history"] == "loop":
-        return list(WAYS)
+        return [way for way in WAYS if f"integral/{way[1]}external_force" in run]
     return [(plain(run.attrs["history"]), "", BLUE, "-")]
 
 
@@ -63,7 +67,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     Parameters
     ----------
     run : Run
-        The result; of a loop both ways are drawn.
+        The result; of a loop all its ways are drawn.
     ax : matplotlib.axes.Axes, optional
         Where it is drawn; axes of their own by default.
     band : bool

@@ -14,18 +14,20 @@ from ..results import Result, Sweep
 
 __all__ = ["tables"]
 
+_WAYS = ("", "retraction_", "reapproach_")
 _OVER_H = ("external_force_mean", "external_force_standard_error", "external_force_quantile")
 # Datasets of each figure; those that a file does not have are left out.
 _DATASETS: dict[str, list[str]] = {
-    "force": [f"ensemble/{way}{name}" for way in ("", "retraction_") for name in _OVER_H]
-    + ["integral/external_force", "integral/retraction_external_force", "replicas/snap_in_separation"],
+    "force": [f"ensemble/{way}{name}" for way in _WAYS for name in _OVER_H]
+    + [f"integral/{way}external_force" for way in _WAYS]
+    + ["replicas/snap_in_separation"],
     "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
-    "attraction": [f"ensemble/{way}adhesion_force_mean" for way in ("", "retraction_")]
+    "attraction": [f"ensemble/{way}adhesion_force_mean" for way in _WAYS]
     + [f"background/{name}" for name in ("force", "van_der_waals_force", "electrostatic_force")],
-    "coupling": [f"coupling/{way}independent_external_force_mean" for way in ("", "retraction_")]
-    + [f"ensemble/{way}external_force_mean" for way in ("", "retraction_")],
+    "coupling": [f"coupling/{way}independent_external_force_mean" for way in _WAYS]
+    + [f"ensemble/{way}external_force_mean" for way in _WAYS],
     "coupling_difference": [
-        f"coupling/{way}difference_external_force_{of}" for way in ("", "retraction_") for of in ("mean", "standard_error")
+        f"coupling/{way}difference_external_force_{of}" for way in _WAYS for of in ("mean", "standard_error")
     ],
     "avalanches": ["coupling/avalanche_size_count"],
     "contacts": [f"{group}/jump_{way}_count{of}" for group, of in (("ensemble", "_mean"), ("integral", "")) for way in ("in", "off")],

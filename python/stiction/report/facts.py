@@ -273,11 +273,14 @@ def _run(run: Run) -> Facts:
     else:
         numbers = [Number("pull-off force", "none", "no patch pulls", 0.0)]
     if loop:
-        there, lost = run["replicas/approach_pull_off_force"].values, run["replicas/dissipated_energy"].values
-        numbers += [_mean("pull-off on approach", there, "N"), _mean("energy dissipated in a cycle", lost, "J")]
-        if numbers[-1].value < 0:
+        numbers.append(_mean("pull-off on approach", run["replicas/approach_pull_off_force"].values, "N"))
+        for label, name in (("energy dissipated in a cycle", "replicas/dissipated_energy"),
+                            ("energy dissipated in each further cycle", "replicas/repeated_dissipated_energy")):  # fmt: skip
+            if name not in run:
+                continue
+            lost = _mean(label, run[name].values, "J")
             why = "no result: a loop cannot give out energy; the adhesion of loading is not that of unloading"
-            numbers[-1] = replace(numbers[-1], note=why)
+            numbers.append(replace(lost, note=why) if lost.value < 0 else lost)
     stiffness, error = _scalar(run, "peak_secant_stiffness")
     numbers.append(Number("largest stiffness", quantities.with_error(stiffness, error, "N m-1"),
                           "mean over patches of the largest secant", stiffness, error))  # fmt: skip

@@ -2,11 +2,11 @@
 
 use super::{Dimension, N, Row, S, Variable, group, variable};
 use crate::asperity::Quantity;
-use crate::engine::Scalar;
+use crate::engine::{Scalar, Ways};
 
 /// Beginnings of the names of datasets, and what their meaning has behind the quantity: on approach, and on
-/// the retraction of loops.
-pub(super) const DIRECTIONS: [(&str, &str); 2] = [("", ""), ("retraction_", " on retraction")];
+/// the retraction and the second approach of loops.
+pub(super) const DIRECTIONS: [(&str, &str); 3] = Ways::NAMES;
 
 /// Ends of the names of datasets, and the meaning of a quantity `{}`.
 pub(super) type Statistic<'a> = (&'a str, &'a str);

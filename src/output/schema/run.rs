@@ -6,7 +6,7 @@ use super::curves::{
 };
 use super::independence::independence;
 use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
-use crate::engine;
+use crate::engine::{self, Ways};
 use std::sync::LazyLock;
 
 const R: &[Dimension] = &[Dimension::Regime];
@@ -39,7 +39,7 @@ pub(super) const OPTIONAL_GROUPS: &[&str] =
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 6],
+    version: [3, 7],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
@@ -87,14 +87,14 @@ fn replicas() -> Vec<Variable> {
             ("highest_asperity", N, "m", "highest asperity above the asperity mean plane"),
         ],
     );
-    all.extend(scalars(NONE, engine::scalars(true)));
+    all.extend(scalars(NONE, engine::scalars(Ways::Repeated)));
     for (prefix, on) in DIRECTIONS {
         for (force, sign) in [("external_force", ", compressive positive"), ("adhesion_force", "")] {
             let meaning = format!("{} of each replica{on}{sign}", force.replace('_', " "));
             all.push(variable(format!("{GROUP}/{prefix}{force}"), NS, "N", meaning));
         }
     }
-    for scalar in engine::scalars(true) {
+    for scalar in engine::scalars(Ways::Repeated) {
         let meaning = format!("{}, without coupling", scalar.meaning);
         all.push(variable(format!("{GROUP}/independent_{}", scalar.name), N, scalar.units, meaning));
     }

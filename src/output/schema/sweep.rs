@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 4],
+    version: [4, 5],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),

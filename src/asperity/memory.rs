@@ -32,9 +32,7 @@ pub(crate) enum Source {
     Law(Path, usize),
     /// A regime of the law along a path before contact, of the lowered top.
     Lowered(Path, usize),
-    /// A contact that has flowed, without load.
-    Bare,
-    /// The same under load, below ω_max.
+    /// A contact that has flowed, below ω_max.
     Unloading,
     /// Beyond the end of the law nothing acts.
     Nothing,
@@ -207,7 +205,7 @@ impl Memory<'_> {
                 contact.push(plain(Source::Unloading, end, largest, UNLOADING))
             }
             _ => {
-                contact.push(plain(Source::Bare, end, residual, UNLOADING));
+                contact.push(plain(Source::Unloading, end, residual, UNLOADING));
                 contact.push(plain(Source::Unloading, residual, largest, UNLOADING));
             }
         }
@@ -245,7 +243,6 @@ impl Memory<'_> {
         let Self::Loop(cycle) = self else { return [0.0; 3] };
         match segment.source {
             Source::Nothing => return [0.0; 3],
-            Source::Bare => return [flowed.at_largest[0], 0.0, 0.0],
             Source::Unloading => {
                 [out.contact[0], out.area[0]] = [flowed.at_largest[1], flowed.at_largest[2]];
                 let distance = flowed.largest - interference;

@@ -1,4 +1,4 @@
-//! The unloading of an elastic-plastic contact as it is published, without adhesion.
+//! The unloading of an elastic-plastic contact as it is published, without adhesion, and the elastic contact that it is compared with.
 //!
 //! # Formula
 //! With x = ω_max/ω_c and the residual interference ω_res (Etsion, Kligerman and Kadin 2005)
@@ -104,6 +104,18 @@ impl PlasticUnloading {
             let ratio = libm::log(((recovery - distance(i)) / recovery).max(0.0));
             out.contact[i] *= libm::exp(load[i] * ratio);
             out.area[i] *= libm::exp(area[i] * ratio);
+        }
+    }
+
+    /// The shares ω_res/ω_max of interferences ω_max, m, above ω_c, and in the place of `distances` from there, m, the
+    /// interferences, m, at which an elastic contact is as far on its way from ω_c; beyond the recovery what is left of the
+    /// distance, negative.
+    pub fn elastic_places(&self, largest: &[f64], shares: &mut [f64], distances: &mut [f64]) {
+        self.recoveries(largest, shares);
+        for ((share, place), largest) in shares.iter_mut().zip(distances).zip(largest) {
+            let (recovery, own) = (*share, *share - *place);
+            *share = 1.0 - recovery / largest;
+            *place = if own > 0.0 { own * self.critical / recovery } else { own };
         }
     }
 

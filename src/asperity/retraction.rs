@@ -2,7 +2,7 @@
 
 use super::law::{BLOCK, Boundary, End, Law, Method, Piece, Regime, Responses, Smoothness};
 use super::radius::Lane;
-use super::springback::{Springback, Top, follow, within};
+use super::springback::{POWERS, Springback, Top, follow, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};
 use crate::math::roots::{Sample, safe_newton};
@@ -230,20 +230,20 @@ impl<'a> Retraction<'a> {
     /// it.
     fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
         let (cycle, distance) = (self.cycle, self.distance);
-        let order = cycle.springback.order(cycle.retraction());
-        let root = |place: f64| match order {
+        let root = |place: f64, order: i32| match order {
             1 => Smoothness::Smooth,
             _ => Smoothness::Root { end: End::Lower, place, order },
         };
+        let lost = root(self.lost, cycle.springback.order(cycle.retraction()));
         let (kink, before, after) = match &cycle.springback {
             Springback::Powers(plastic) => {
                 let unloaded = plastic.recovered_from(distance);
-                (unloaded, None, root(unloaded))
+                (unloaded, Some(lost), root(unloaded, POWERS))
             }
-            Springback::Elastic(_) | Springback::Flattened => (limits.0, None, root(self.lost)),
+            Springback::Elastic(_) | Springback::Flattened => (limits.0, None, lost),
             Springback::Punch(_) => {
                 let opening = |largest: f64| cycle.opening(largest);
-                (cycle.passing(distance, opening), Some(root(self.lost)), Smoothness::Smooth)
+                (cycle.passing(distance, opening), Some(lost), Smoothness::Smooth)
             }
         };
         let below = self.moved(index, (limits.0, limits.1.min(kink)), |place| place);

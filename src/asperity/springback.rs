@@ -5,11 +5,15 @@
 //!
 //! | unloading | R′ | ω_max − ω_res | contact |
 //! |---|---|---|---|
-//! | Etsion, Kligerman and Kadin | R, or 4E_r a³/(3P) | `plastic_unloading` | powers, F_s as it was |
+//! | Etsion, Kligerman and Kadin | R, or 4E_r a³/(3P) | `plastic_unloading` | powers, F_s as below |
 //! | secant | 4E_r a³/(3P) | 3P/(4E_r a) | the law's elastic contact with R′ |
 //! | flattened top | 4E_r a³/(3P) | δ of the law's elastic contact with R′ where its radius is a | the law's elastic contact with R′ |
 //! | Thornton and Ning | 4E_r a³/(3P) | 3P/(4E_r a) | JKR's contact with R′ |
 //! | Mesarovic and Johnson | πE_r a³/P | 2P/(πE_r a) | `decohesion`, p₀ = P/(πa²) |
+//!
+//! Powers have F_s = q F_s(ω_max) + (1 − q) f(δ′), q = ω_res/ω_max, where f = F_s − P + P_H is what adhesion takes from Hertz's
+//! load P_H in the law's elastic contact, at the δ′ that is as far on its way from ω_c: the excess over the elastic law
+//! vanishes with what has flowed.
 //!
 //! The first of R′ and of the recovery are those of the sphere whose Hertz contact has the radius a at the load P, the last
 //! those of the middle of what a uniform pressure P/(πa²) has pressed flat, when it is taken off (Johnson 1985, section
@@ -35,11 +39,11 @@ const EACH: [u32; BLOCK] = {
     each
 };
 /// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
-const POWERS: i32 = 10;
+pub(super) const POWERS: i32 = 10;
 
 /// How contacts spring back that have flowed.
 pub(super) enum Springback {
-    /// Along powers of what is left of the way, with the adhesion that there was.
+    /// Along powers of what is left of the way, with an adhesion between that at ω_max and that of the elastic law.
     Powers(PlasticUnloading),
     /// As elastic contacts: of the law on retraction, or of a law of their own.
     Elastic(Option<Arc<dyn Law>>),
@@ -118,14 +122,13 @@ impl Springback {
         }
     }
 
-    /// How a contact varies next to where its load, or the contact itself, ends.
+    /// How a contact varies next to where it ends.
     pub fn order(&self, law: &dyn Law) -> i32 {
         let contact = self.contact(law);
         let first = first_contact(contact);
         let of_first = contact.pieces().into_iter().find(|piece| piece.regime == first);
-        match (self, of_first.map(|piece| piece.smoothness)) {
-            (Self::Powers(_), _) => POWERS,
-            (_, Some(Smoothness::Root { end: End::Lower, order, .. })) => order,
+        match of_first.map(|piece| piece.smoothness) {
+            Some(Smoothness::Root { end: End::Lower, order, .. }) => order,
             _ => 1,
         }
     }
@@ -140,7 +143,8 @@ impl Springback {
         stats: &mut SolverStats,
     ) {
         if let Self::Powers(plastic) = self {
-            return plastic.unload(largest, |_| distance, out);
+            plastic.unload(largest, |_| distance, out);
+            return fade(plastic, (law, scale), (largest, distance), out, stats);
         }
         let top = |i: usize| self.top(scale, [out.adhesion[i], out.contact[i], out.area[i]]);
         let tops: Vec<Top> = (0..largest.len()).map(top).collect();
@@ -178,6 +182,33 @@ impl Springback {
             }
         }
     }
+}
+
+/// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back.
+fn fade(
+    plastic: &PlasticUnloading,
+    (law, scale): (&dyn Law, &Scale),
+    (largest, distance): (&[f64], f64),
+    out: &mut Responses,
+    stats: &mut SolverStats,
+) {
+    let (mut shares, mut places) = ([0.0; BLOCK], [distance; BLOCK]);
+    let (shares, places) = (&mut shares[..largest.len()], &mut places[..largest.len()]);
+    plastic.elastic_places(largest, shares, places);
+    let first = first_contact(law);
+    let end = first.checked_sub(1).map_or(f64::NEG_INFINITY, |below| law.boundaries()[below].interference);
+    places.iter_mut().for_each(|place| *place = place.max(end));
+    let mut elastic = Responses::default();
+    law.evaluate(first, places, &mut elastic, stats);
+    for (i, (share, place)) in shares.iter().zip(&*places).enumerate() {
+        out.adhesion[i] = share * out.adhesion[i] + (1.0 - share) * pull(scale, *place, &elastic, i);
+    }
+}
+
+/// What adhesion takes from the load of Hertz's contact at an interference δ, m, N: F_s − P + P_H, of responses at a place.
+pub(super) fn pull(scale: &Scale, interference: f64, responses: &Responses, place: usize) -> f64 {
+    let depth = (interference / scale.length).max(0.0);
+    responses.adhesion[place] - responses.contact[place] + scale.force * depth * depth.sqrt()
 }
 
 /// The regime in which contact begins.

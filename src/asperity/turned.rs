@@ -7,9 +7,10 @@
 
 use super::history::Path;
 use super::law::{BLOCK, Responses};
+use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, Lanes};
 use super::retraction::Condition;
-use super::springback::{Springback, Top, within};
+use super::springback::{Springback, Top, pull, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::sync::Arc;
@@ -238,11 +239,41 @@ impl Turned {
             for (lane, i) in which.iter().enumerate() {
                 scaled[lane] = self.largest[*i as usize] / ratio(lane);
             }
-            return plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
+            plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
+            return self.fade((cycle, plastic), (which, distance), out, stats);
         }
         let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
         let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
         cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
+    }
+
+    /// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back.
+    fn fade(
+        &self,
+        (cycle, plastic): (&Loop, &PlasticUnloading),
+        (which, distance): (&[u32], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let (mut largest, mut shares, mut places) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let count = which.len();
+        let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
+        for lane in 0..count {
+            largest[lane] = self.largest[which[lane] as usize] / ratio(lane);
+            places[lane] = distance / ratio(lane);
+        }
+        plastic.elastic_places(&largest[..count], &mut shares[..count], &mut places[..count]);
+        let (law, first) = (cycle.lanes(Path::Retraction), cycle.first_contact);
+        for (lane, place) in places[..count].iter_mut().enumerate() {
+            let own = &self.lanes[which[lane] as usize];
+            *place = (*place * own.ratio).max(law.end(first - 1, own).unwrap_or(f64::NEG_INFINITY));
+        }
+        let mut elastic = Responses::default();
+        law.evaluate_lanes(first, Lanes::new(&self.lanes, which), &places[..count], &mut elastic, stats);
+        for lane in 0..count {
+            let own = pull(&cycle.scale.of_ratio(ratio(lane)), places[lane], &elastic, lane);
+            out.adhesion[lane] = shares[lane] * out.adhesion[lane] + (1.0 - shares[lane]) * own;
+        }
     }
 
     /// The fate of an asperity, by [`Loop::fate`].

@@ -17,13 +17,13 @@
 //! whose top is lower by ω_res, with the radius R′: lubricant and attraction across the gap at δ − ω_res.
 //!
 //! # Adhesion
-//! The unloading of Etsion, Kligerman and Kadin is published without adhesion. What attracts acts outside the contact,
-//! across the gap beside it, and the shape of that gap is what plastic flow has left behind: it does not heal. So F_s keeps
-//! its value at ω_max for as long as there is contact, as in the DMT limit, for which the elastic-plastic adhesion was
-//! computed. Contact lasts, without load, to the place where that of an elastic asperity would end, δ_end = −δ_A on
-//! retraction. The others bring an adhesion of their own: that of the elastic law with R′ by the secant, within the contact
-//! by the other two. F_s then jumps where the surfaces turn, and with the elastic law of Maugis and Dugdale or of JKR the
-//! load does so by what adhesion adds to it.
+//! The unloading of Etsion, Kligerman and Kadin is published without adhesion. The adhesion for which the elastic-plastic fits
+//! were computed acts outside the contact, as in the DMT limit, across a gap whose shape plastic flow leaves behind: a contact
+//! that has flowed deeply keeps its F_s. One that has only begun to flow is elastic. So F_s goes from the one to the other
+//! with the share ω_res/ω_max that has flowed (`springback`). Contact lasts, without load, to the place where that of
+//! an elastic asperity would end, δ_end = −δ_A on retraction. The others bring an adhesion of their own: that of the elastic
+//! law with R′ by the secant, within the contact by the other two. F_s jumps where the surfaces turn, and with the
+//! elastic law of Maugis and Dugdale or of JKR the load does so by what adhesion adds to it.
 //!
 //! # Radius
 //! A top that flowed is flatter. How much is not published with the unloading of Etsion, Kligerman and Kadin, and it

@@ -232,9 +232,7 @@ impl<'a> Asperities<'a> {
     pub fn regime(&self, states: &States, i: usize) -> Option<usize> {
         let of = |number: u8| match self.segments(states, i)[number as usize].source {
             Source::Law(path, regime) | Source::Lowered(path, regime) => Some((Some(path), regime)),
-            Source::Bare | Source::Unloading => {
-                states.unloaded[i].as_ref().map(|flowed| (None, flowed.regime))
-            }
+            Source::Unloading => states.unloaded[i].as_ref().map(|flowed| (None, flowed.regime)),
             Source::Nothing => None,
         };
         let is_contact = |number: u8| {

@@ -420,7 +420,7 @@ fn a_loop_costs_energy_where_something_flows_or_folds() {
     for name in ["I", "II", "III"] {
         let (mut asperity, surface) = case(name);
         asperity.lubricant_thickness = 0.0;
-        let cycle = cycle("hybrid", &asperity);
+        let cycle = cycle_of("md_plastic", &asperity, Unloading::FlattenedTop);
         let energies: Vec<f64> = [-0.5, 0.5, 1.5]
             .map(|from| {
                 let separations = separations(&surface, from, 8.0, 100);

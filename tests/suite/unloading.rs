@@ -28,6 +28,34 @@ fn residual(x: f64) -> f64 {
     (1.0 - x.powf(-0.28)) * (1.0 - x.powf(-0.69))
 }
 
+/// What adhesion takes from Hertz's load in the elastic contact at δ, m: F_s − P + P_H.
+fn taken(cycle: &Loop, asperity: &Asperity, delta: f64) -> f64 {
+    let hertz = 4.0 / 3.0 * asperity.reduced_modulus * (asperity.radius * delta.powi(3)).sqrt();
+    let [adhesion, contact, _] = respond(cycle.retraction(), delta).unwrap().1;
+    adhesion - contact + hertz
+}
+
+/// A top that has only begun to flow holds what an elastic one does, but for the jump of the fits at ω_c, by which the external
+/// force falls by up to 7 % in cases I and II; one that has flowed deeply keeps most of its F_s.
+#[test]
+fn the_excess_of_adhesion_vanishes_with_what_has_flowed() {
+    for name in ["I", "II"] {
+        let asperity = Asperity { lubricant_thickness: 0.0, ..case(name).0 };
+        let (cycle, critical) = (cycle("hybrid", &asperity), asperity.critical_interference());
+        let pull_off = |x: f64| {
+            let far = 1.5 * cycle.detachment(x * critical).unwrap();
+            let forces = (0..4000).map(|i| -force(&cycle, x * critical, far * f64::from(i) / 4000.0));
+            forces.fold(0.0, f64::max)
+        };
+        let [below, above] = [0.9999, 1.0001].map(pull_off);
+        assert!((above / below - 1.0).abs() < 0.08, "case {name}: {below:e} {above:e}");
+        let all: Vec<f64> = [1.0001, 1.5, 2.0, 3.0, 5.0].map(pull_off).into();
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "case {name}: {all:?}");
+        let [adhesion, ..] = respond(cycle.approach(), 100.0 * critical).unwrap().1;
+        assert!(pull_off(100.0) > residual(100.0) * adhesion, "case {name}");
+    }
+}
+
 /// Load, area and adhesion above ω_c by the formulas as they are published, away from R = E_r = 1, in all
 /// three regimes.
 #[test]
@@ -44,7 +72,9 @@ fn unloading_is_that_of_etsion_kligerman_and_kadin() {
             let ratio: f64 = (delta - left) / (largest - left);
             let (state, [pull, contact, touching]) = respond(&cycle.at(largest - delta), largest).unwrap();
             assert_eq!(state, regime);
-            assert_eq!(pull, adhesion, "what attracts is what plastic flow has left beside the contact");
+            let (q, own) = (residual(x), critical * ratio.max(0.0));
+            let exact = q * adhesion + (1.0 - q) * taken(&cycle, &asperity, own);
+            assert!((pull - exact).abs() <= 1e-11 * exact, "x = {x}, {share}: {pull} {exact}");
             let expected = load * ratio.powf(1.5 * x.powf(-0.0331));
             assert!((contact / expected - 1.0).abs() < 1e-11, "x = {x}, {share}: {contact} {expected}");
             let expected = area * ratio.powf(x.powf(-0.12));
@@ -71,14 +101,15 @@ fn at_the_critical_interference_unloading_is_that_of_hertz() {
 }
 
 /// ∫P dδ of the unloading is P_max (ω_max − ω_res)/(n + 1), and after it contact lasts over the way of the
-/// elastic one's pull with the adhesion alone.
+/// elastic one's pull without load.
 #[test]
 fn the_energy_of_an_unloading_is_its_closed_form() {
     let (asperity, _) = case("I");
     let (cycle, critical) = (cycle("hybrid", &asperity), asperity.critical_interference());
     for x in [1.5_f64, 8.0, 90.0] {
         let largest = x * critical;
-        let [adhesion, load, _] = respond(cycle.approach(), largest).unwrap().1;
+        let [_, load, _] = respond(cycle.approach(), largest).unwrap().1;
+        let bears = |distance: f64| respond(&cycle.at(distance), largest).unwrap().1[1];
         let (recovery, detachment) = (largest * (1.0 - residual(x)), cycle.detachment(largest).unwrap());
         assert!(
             (detachment - recovery + cycle.release()).abs() < 1e-13 * detachment && cycle.release() < 0.0
@@ -90,17 +121,16 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
             let integral =
                 Rule::shared().integrate(&breaks, 1e-12, |roots, values: &mut [[f64; 1]; NODES]| {
                     for (value, root) in values.iter_mut().zip(roots) {
-                        *value = [2.0 * root * force(&cycle, largest, to - root * root)];
+                        *value = [2.0 * root * bears(to - root * root)];
                     }
                 });
             integral.value[0]
         };
-        let expected = load * recovery / (1.5 * x.powf(-0.0331) + 1.0) - adhesion * recovery;
+        let expected = load * recovery / (1.5 * x.powf(-0.0331) + 1.0);
         let integral = of_force(0.0, recovery);
         assert!((integral - expected).abs() < 1e-10 * load * recovery, "x = {x}: {integral} {expected}");
         let bare = (detachment - recovery) * (1.0 - 1e-6);
-        let integral = of_force(recovery, recovery + bare);
-        assert!((integral / (-adhesion * bare) - 1.0).abs() < 1e-9, "x = {x}: {integral}");
+        assert_eq!(bears(recovery + bare), 0.0, "x = {x}");
         // Beyond there is no contact any more.
         let (state, _) = respond(&cycle.at(detachment * (1.0 + 1e-12)), largest).unwrap();
         assert_eq!(state, Regime::Lubricant);

@@ -39,7 +39,7 @@ pub(super) const OPTIONAL_GROUPS: &[&str] =
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 6],
+    version: [3, 7],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),

@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 4],
+    version: [4, 5],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
@@ -96,7 +96,8 @@ const NUMBERS: &[Row] = &[
     ("replica_count", NONE, "1", "replicas of the point"),
     ("seed", NONE, "1", "seed of the point"),
     ("adhesion_parameter", NONE, "1", "adhesion parameter lambda"),
-    ("plasticity_index", NONE, "1", "plasticity index psi"),
+    ("asperity_plasticity_index", NONE, "1", "plasticity index psi of sigma_s, Greenwood and Williamson's"),
+    ("plasticity_index", NONE, "1", "plasticity index psi of sigma, as Shi and Polycarpou print it"),
     ("critical_interference", NONE, "m", "critical interference of the asperities"),
     ("critical_approach", NONE, "m", "critical approach where the scene sets it"),
     ("stiffness_span", NONE, "m", "span of separation of the peak secant stiffness of replicas"),

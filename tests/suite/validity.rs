@@ -98,7 +98,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
     (
         "\"2.5 GPa\"",
         "\"2.5 MPa\"",
-        &[&["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"], &["psi of sigma_s = 793 is above 300"]],
+        &[
+            &["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"],
+            &["psi of sigma_s = 793 is above 300"],
+        ],
     ),
     (
         "\"0.09 J/m^2\"",
@@ -174,7 +177,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "law = \"dmt\"",
         &[
             &["lambda = 0.899 is above 0.1", "the limit of DMT-like laws (Johnson and Greenwood 1997)"],
-            &["psi of sigma_s = 0.793 is above 0.6", "the limit of elastic contact (Greenwood and Williamson 1966)"],
+            &[
+                "psi of sigma_s = 0.793 is above 0.6",
+                "the limit of elastic contact (Greenwood and Williamson 1966)",
+            ],
         ],
     ),
     (

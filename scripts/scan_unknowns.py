@@ -78,8 +78,8 @@ PUBLISHED = [
 ]
 FORCES = ["2.13 µN", "0.6 mN", "93.5 mN"]
 NAMES = ["I", "II", "III", "III, 0.04", "III, 0.09", "III, 0.14"]
-# Table 2: R (um), sigma (nm), psi; E_r 85.29 GPa, H 2.5 GPa.
-TABLE_2 = [(1.66, 3.40, 1.76), (3.33, 1.619, 0.84), (6.38, 0.6541, 0.39)]
+# Table 2: R (um), sigma (nm), eta (1/um^2), psi; E_r 85.29 GPa, H 2.5 GPa.
+TABLE_2 = [(1.66, 3.40, 8.51, 1.76), (3.33, 1.619, 7.39, 0.84), (6.38, 0.6541, 9.87, 0.39)]
 
 COLOURS = {"both": "#0072B2", "spread only": "#D55E00", "plane only": "#009E73", "neither": "black"}
 LINES = {"first touch": "-", "end of contact": (0, (5, 1.5)), "0.30 nm": (0, (5, 1.2, 1, 1.2)), "0": (0, (1.2, 1.2))}
@@ -162,10 +162,12 @@ def scan(program: Path, step: float, threads: int) -> list[Row]:
     return [judge(c, answers[i * count : (i + 1) * count]) for i, c in enumerate(combinations)]
 
 
-def poisson_ratios() -> list[tuple[float, float]]:
-    """Range of Poisson's ratio that each rounded plasticity index of Table 2 allows, by k = 0.454 + 0.41 nu."""
+def poisson_ratios(of_asperities: bool) -> list[tuple[float, float]]:
+    """Range of Poisson's ratio that each rounded plasticity index of Table 2 allows, by k = 0.454 + 0.41 nu, with sigma_s or sigma."""
     ranges = []
-    for radius, std, psi in TABLE_2:
+    for radius, std, density, psi in TABLE_2:
+        if of_asperities:
+            std = np.sqrt(std**2 - 3.717e-4 * 1e6 / (density * radius) ** 2)
         product = 2 * 85.29 / (np.pi * 2.5) * np.sqrt(std * 1e-3 / radius)  # psi k
         ranges.append(tuple((product / (psi + half) - 0.454) / 0.41 for half in (0.005, -0.005)))
     return ranges
@@ -236,8 +238,9 @@ def report(rows: list[Row]) -> None:
         print(title)
         for row in sorted(rows, key=key)[:6]:
             print(" ", describe(row))
-    ranges = "; ".join(f"{name} {low:.3f} to {high:.3f}" for name, (low, high) in zip(NAMES, poisson_ratios()))
-    print("Poisson's ratio by the published plasticity indices:", ranges)
+    for name, of_asperities in [("sigma_s", True), ("sigma", False)]:
+        ranges = "; ".join(f"{case} {low:.3f} to {high:.3f}" for case, (low, high) in zip(NAMES, poisson_ratios(of_asperities)))
+        print(f"Poisson's ratio by the published plasticity indices, of {name}:", ranges)
 
 
 def main() -> int:

@@ -29,7 +29,7 @@ class Comparison:
         self.laws = [name.decode() for name in self.data["integral/law"]]
         self.regimes = [name.decode() for name in self.data["integral/regime"]]
         self.x, self.h = self.data["integral/h_star"], self.data["integral/separation"]
-        self.lam, self.psi = float(self.attrs["adhesion_parameter"]), float(self.attrs["plasticity_index"])
+        self.lam, self.psi = float(self.attrs["adhesion_parameter"]), float(self.attrs["asperity_plasticity_index"])
         self.sigma, self.count = float(self.attrs["surface_height_std"]), int(self.attrs["asperity_count"])
         self.length, self.force = float(self.attrs["approach_unit"]), float(self.attrs["force_unit"])
         self.omega_c = float(self.attrs["critical_interference"])

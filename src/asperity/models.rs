@@ -214,12 +214,12 @@ pub enum Adhesion {
 pub const LARGEST_DMT_LAMBDA: f64 = 0.1;
 /// Smallest λ of the JKR limit (the same sources).
 pub const SMALLEST_JKR_LAMBDA: f64 = 5.0;
-/// Largest ψ of elastic contact (Greenwood and Williamson 1966; Shi and Polycarpou 2005, section 3.1).
+/// Largest ψ of σ_s of elastic contact (Greenwood and Williamson 1966; Shi and Polycarpou 2005, section 3.1).
 pub const LARGEST_ELASTIC_PSI: f64 = 0.6;
 
 impl Validity {
-    /// The limits that a law is beyond at an adhesion parameter λ, a plasticity index ψ and a lubricant
-    /// thickness t, m: a line each, with the limit and its source. Empty where it is valid.
+    /// The limits that a law is beyond at an adhesion parameter λ, a plasticity index ψ of σ_s and a
+    /// lubricant thickness t, m: a line each, with the limit and its source. Empty where it is valid.
     pub fn limits(&self, lambda: f64, plasticity_index: f64, lubricant_thickness: f64) -> Vec<String> {
         let mut limits = Vec::new();
         if self.adhesion == Adhesion::Without {
@@ -233,8 +233,8 @@ impl Validity {
         limits
     }
 
-    /// The limits of a law that an adhesion parameter λ and a plasticity index ψ exceed: the number and the
-    /// limit, and what it is and whose.
+    /// The limits of a law that an adhesion parameter λ and a plasticity index ψ of σ_s exceed: the number
+    /// and the limit, and what it is and whose.
     #[doc(hidden)]
     pub fn exceeded(&self, lambda: f64, plasticity_index: f64) -> Vec<(String, String)> {
         let mut exceeded = Vec::new();
@@ -254,7 +254,7 @@ impl Validity {
         }
         if self.plasticity == Plasticity::Without && plasticity_index > LARGEST_ELASTIC_PSI {
             exceeded.push((
-                format!("psi = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}"),
+                format!("psi of sigma_s = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}"),
                 "the limit of elastic contact (Greenwood and Williamson 1966)".to_owned(),
             ));
         }

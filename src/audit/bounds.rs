@@ -136,6 +136,7 @@ const BOUNDS: &[Bound] = &[
     bound("/replica_count", NotNegative, Never),
     bound("/seed", NotNegative, Never),
     bound("/adhesion_parameter", Positive, Never),
+    bound("/asperity_plasticity_index", NotNegative, Never),
     bound("/plasticity_index", NotNegative, Never),
     bound("/critical_interference", Positive, Never),
     bound("/critical_approach", Finite, Absent),

@@ -149,9 +149,15 @@ impl Checked<'_> {
         differences: &[Difference; 4],
         cross_check: &CrossCheck,
     ) -> Result<(), OutputError> {
-        // ω_c = σ/ψ².
-        let (std, psi) = (self.number("/", "surface_height_std")?, self.number("/", "plasticity_index")?);
-        self.follows("/critical_interference", &[std / (psi * psi)], ROUNDING, "/surface_height_std and ψ")?;
+        // ψ = √(σ/ω_c); files before version 4.5 have that of the surface alone.
+        let critical = self.number("/", "critical_interference")?;
+        for (kind, psi) in [("surface", "/plasticity_index"), ("asperity", "/asperity_plasticity_index")] {
+            let name = format!("{kind}_height_std");
+            let expected = (self.number("/", &name)? / critical).sqrt();
+            if self.has(psi) {
+                self.follows(psi, &[expected], ROUNDING, &format!("/{name} and ω_c"))?;
+            }
+        }
         let name = cross_check.joint.verdict.name();
         let told = self.text("/validation/verdict")?;
         if told != name {

@@ -117,10 +117,17 @@ pub(super) fn numbers(scene: &Scene) -> String {
         &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")),
     );
     text += &row(
-        "psi",
+        "psi of sigma_s",
         &format!(
-            "{}  plasticity index (critical interference {})",
-            pure(scene.asperity.plasticity_index(surface.surface_height_std)),
+            "{}  plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1",
+            pure(scene.plasticity_index())
+        ),
+    );
+    text += &row(
+        "psi of sigma",
+        &format!(
+            "{}  as Shi and Polycarpou print it (critical interference {})",
+            pure(scene.surface_plasticity_index()),
             si(scene.asperity.critical_interference(), "m")
         ),
     );

@@ -9,6 +9,6 @@ pub const CASE_II: Asperity = Asperity {
     work_of_adhesion: 0.09,
     equilibrium_spacing: 0.2e-9,
     hardness: 2.5e9,
-    poisson_ratio: 0.27,
+    poisson_ratio: 0.196,
     lubricant_thickness: 0.5e-9,
 };

@@ -122,8 +122,8 @@ pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
 /// Writes the parameters that say by which models the asperities can be described.
 pub(crate) fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
-    let index = scene.asperity.plasticity_index(scene.surface.surface_height_std);
-    writer.number("/", "plasticity_index", index)
+    writer.number("/", "asperity_plasticity_index", scene.plasticity_index())?;
+    writer.number("/", "plasticity_index", scene.surface_plasticity_index())
 }
 
 /// Writes what made the file, the scene, its numbers and its separations.

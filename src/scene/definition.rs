@@ -102,6 +102,16 @@ impl Scene {
         Scale::new(&self.asperity).expect("a scene is validated when it is read")
     }
 
+    /// The plasticity index ψ of σ_s, Greenwood and Williamson's, to which the limits 0.6 and 1 belong.
+    pub fn plasticity_index(&self) -> f64 {
+        self.asperity.plasticity_index(self.surface.heights.std)
+    }
+
+    /// The plasticity index ψ of σ, as Shi and Polycarpou (2005) print it.
+    pub fn surface_plasticity_index(&self) -> f64 {
+        self.asperity.plasticity_index(self.surface.surface_height_std)
+    }
+
     /// The name of its path.
     pub fn history_name(&self) -> &'static str {
         if self.cycle { LOOP } else { self.history.name() }

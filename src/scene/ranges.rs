@@ -15,7 +15,7 @@ const EQUILIBRIUM_SPACINGS: [f64; 2] = [0.1e-9, 1e-9];
 const RADII: [f64; 2] = [10e-9, 1e-2];
 /// λ of asperities within these ranges, a decade beyond what occurs.
 const LAMBDAS: [f64; 2] = [1e-3, 1e4];
-/// ψ, likewise.
+/// ψ of σ_s, likewise.
 const PLASTICITY_INDICES: [f64; 2] = [0.01, 300.0];
 /// ηRσ = 0.0204 √α of an isotropic Gaussian surface, for Nayak parameters α from 1.5, the least possible, to
 /// 100.
@@ -95,8 +95,8 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             keys: &["work_of_adhesion", "reduced_modulus", "equilibrium_spacing", "asperity_radius"],
         },
         Range {
-            name: "psi",
-            value: asperity.plasticity_index(sigma),
+            name: "psi of sigma_s",
+            value: scene.plasticity_index(),
             range: PLASTICITY_INDICES,
             unit: ("", 1.0),
             reason: "known surfaces are within (Greenwood and Williamson 1966)",

@@ -72,10 +72,9 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings
 }
 
-/// Limits of λ and ψ of a law that a scene exceeds.
+/// Limits of λ and ψ of σ_s of a law that a scene exceeds.
 fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
-    let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
-    let exceeded = model.validity.exceeded(scene.scale().lambda, psi).into_iter();
+    let exceeded = model.validity.exceeded(scene.scale().lambda, scene.plasticity_index()).into_iter();
     exceeded.map(|(finding, reason)| Warning::new(finding, reason, &[])).collect()
 }
 

@@ -17,7 +17,8 @@ use stiction::engine::{Job, Protocol, ReductionTree};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
 
-/// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
+/// The material and surface of case I, II or III of the published Table 2, with the inferred t and A_n, and the ν
+/// of the reference values.
 pub fn case(name: &str) -> (Asperity, Surface) {
     // R, Δγ, σ, η
     let (radius, work_of_adhesion, std, density) = match name {

@@ -161,7 +161,8 @@ fn can_be_computed(scene: &Scene) {
         ("area", surface.nominal_area),
         ("count", surface.asperity_count as f64),
         ("omega_c", asperity.critical_interference()),
-        ("psi", asperity.plasticity_index(surface.surface_height_std)),
+        ("psi of sigma_s", asperity.plasticity_index(surface.heights.std)),
+        ("psi of sigma", asperity.plasticity_index(surface.surface_height_std)),
         ("peak density of heights", surface.heights.density(0.0)),
     ];
     for (name, value) in positive {

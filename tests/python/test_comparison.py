@@ -56,7 +56,7 @@ def test_xarray_sees_laws_by_name(path, engine):
 
 
 def test_root_attributes(file):
-    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 5]
+    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 6]
     assert file.attrs["force_unit"] == pytest.approx(PULL, rel=1e-14)
     k = 4 / 3 * MODULUS
     assert file.attrs["approach_unit"] == pytest.approx((PULL**2 / (RADIUS * k**2)) ** (1 / 3), rel=1e-14)
@@ -200,4 +200,4 @@ def test_validity_is_said(file):
     assert valid["hybrid"] == 1 and notes["hybrid"] == ""
     assert valid["isbl"] == 0 and "lambda = 0.899 is above 0.1" in notes["isbl"]
     assert valid["fit:paper"] == 0 and "f_snc is off by up to 33.74 % of its largest" in notes["fit:paper"]
-    assert valid["gw"] == 0 and "psi = 0.848 is above 0.6" in notes["gw"] and "no lubricant" in notes["gw"]
+    assert valid["gw"] == 0 and "psi of sigma_s = 0.793 is above 0.6" in notes["gw"] and "no lubricant" in notes["gw"]

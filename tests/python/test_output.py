@@ -185,7 +185,7 @@ def test_root_attributes(file):
     for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "history"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
-    assert list(attributes["format_version"]) == [3, 6]
+    assert list(attributes["format_version"]) == [3, 7]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
@@ -196,9 +196,12 @@ def test_root_attributes(file):
     assert attributes["sampling"] == "independent"
     for name, value in [("seed", SEED), ("replicas", REPLICAS)]:
         assert isinstance(attributes[name], np.integer) and attributes[name] == value
-    for name in ["adhesion_parameter", "plasticity_index", "critical_interference", "surface_height_std",
-                 "asperity_height_std", "mean_plane_offset", "nominal_area"]:
+    for name in ["adhesion_parameter", "asperity_plasticity_index", "plasticity_index", "critical_interference",
+                 "surface_height_std", "asperity_height_std", "mean_plane_offset", "nominal_area"]:
         assert isinstance(attributes[name], np.float64) and attributes[name] > 0.0, name
+    for index, std in [("asperity_plasticity_index", "asperity_height_std"), ("plasticity_index", "surface_height_std")]:
+        expected = np.sqrt(attributes[std] / attributes["critical_interference"])
+        assert attributes[index] == pytest.approx(expected, rel=1e-14)
     assert attributes["nominal_area"] == pytest.approx(300e-12, rel=1e-14)
     assert attributes["surface_height_std"] == pytest.approx(1.619e-9, rel=1e-14)
 

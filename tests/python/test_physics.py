@@ -15,7 +15,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
 
-E_R, HARDNESS, POISSON, Z0, AREA = 85.29e9, 2.5e9, 0.27, 0.2e-9, 1000e-12
+E_R, HARDNESS, POISSON, Z0, AREA = 85.29e9, 2.5e9, 0.196, 0.2e-9, 1000e-12
 K_FACTOR = 0.454 + 0.41 * POISSON
 CASES = {"I": (1.66e-6, 0.01, 3.40e-9, 8.51e12), "II": (3.33e-6, 0.09, 1.619e-9, 7.39e12),
          "III": (6.38e-6, 0.30, 0.6541e-9, 9.87e12)}

@@ -14,9 +14,16 @@ fn a_run_leaves_one_file_and_a_summary() {
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
     assert_eq!(told(&run), "", "no progress where standard error is no terminal");
     let summary = text(&run.stdout);
-    for part in
-        ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"]
-    {
+    for part in [
+        "lambda",
+        "psi of sigma_s",
+        "psi of sigma ",
+        "skipped",
+        "pull-off",
+        "standard error",
+        "patch to patch",
+        "of the mean curve",
+    ] {
         assert!(summary.contains(part), "{part}: {summary}");
     }
     for part in

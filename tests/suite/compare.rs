@@ -33,7 +33,7 @@ fn a_comparison_without_output_is_a_table() {
         "isbl        lambda = 0.899 is above 0.1",
         "Johnson and Greenwood 1997",
         "knows no lubricant",
-        "psi = 0.848",
+        "psi of sigma_s = 0.793",
     ] {
         assert!(table.contains(part), "{part}: {table}");
     }

@@ -29,7 +29,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "law = \"hybrid\"",
         "law = \"gw\"",
         &[
-            &["psi = 0.848 is above 0.6"],
+            &["psi of sigma_s = 0.793 is above 0.6"],
             &[
                 "27 % of the nominal area is in contact at the smallest separation, h* = -1.000: more than 10 %",
             ],
@@ -73,7 +73,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
                 "Ashby 2011",
                 "check the units of hardness, reduced_modulus",
             ],
-            &["psi = 8.48e-4 is below 0.01", "Greenwood and Williamson 1966"],
+            &["psi of sigma_s = 7.93e-4 is below 0.01", "Greenwood and Williamson 1966"],
             &[
                 "407 % of the nominal area is in contact at pull-off, h* = 0.020",
                 "at the stiffest point, h* = 1.936",
@@ -90,7 +90,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "\"85.29 kPa\"",
         &[
             &["hardness over reduced_modulus"],
-            &["psi"],
+            &["psi of sigma_s"],
             &["adhesion makes contacts 0.91 of their radius wide, more than 0.3", "Maugis 1995"],
             &["nominal area"],
         ],
@@ -98,7 +98,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
     (
         "\"2.5 GPa\"",
         "\"2.5 MPa\"",
-        &[&["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"], &["psi = 848 is above 300"]],
+        &[
+            &["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"],
+            &["psi of sigma_s = 793 is above 300"],
+        ],
     ),
     (
         "\"0.09 J/m^2\"",
@@ -174,7 +177,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "law = \"dmt\"",
         &[
             &["lambda = 0.899 is above 0.1", "the limit of DMT-like laws (Johnson and Greenwood 1997)"],
-            &["psi = 0.848 is above 0.6", "the limit of elastic contact (Greenwood and Williamson 1966)"],
+            &[
+                "psi of sigma_s = 0.793 is above 0.6",
+                "the limit of elastic contact (Greenwood and Williamson 1966)",
+            ],
         ],
     ),
     (
@@ -182,7 +188,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "law = \"jkr\"",
         &[
             &["lambda = 0.899 is below 5", "limit of JKR"],
-            &["psi = 0.848"],
+            &["psi of sigma_s = 0.793"],
             &["surfaces that have touched are pulled off with 95.36 nN, not 1.781 pN (x 5.4e4)"],
         ],
     ),

@@ -43,7 +43,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="LENGTH",
         help="width, such as 85mm; by default 180mm, of a single figure 90mm",
     )
-    parser.add_argument("--x", metavar="KEY", help="of a sweep: the key for the axis, or a number that follows from it, such as plasticity_index")
+    parser.add_argument("--x", metavar="KEY", help="of a sweep: the key for the axis, or a number that follows from it, such as asperity_plasticity_index")
     parser.add_argument("--by", metavar="KEY", help="of a sweep: the key that curves are told by")
     parser.add_argument("--title", action="store_true", help="the title of the scene above")
     parser.add_argument(

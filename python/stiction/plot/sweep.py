@@ -131,8 +131,8 @@ def sweep(
         ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation`` or
         ``peak_secant_stiffness``.
     x, by : str, optional
-        The key for the axis, or a number of the points that follows from the keys, such as ``plasticity_index``; and the first of
-        the keys that the curves are told by. By default the first that varies, and the one with fewest values.
+        The key for the axis, or a number of the points that follows from the keys, such as ``asperity_plasticity_index``; and the first
+        of the keys that the curves are told by. By default the first that varies, and the one with fewest values.
     names : bool
         Whether the legend names the curves.
 

@@ -109,7 +109,8 @@ def _surface(result: Result) -> Iterator[tuple[str, str]]:
     attrs = result.attrs
     rows = (
         ("λ, adhesion parameter", "adhesion_parameter", "1"),
-        ("ψ, plasticity index", "plasticity_index", "1"),
+        ("ψ of σ_s, plasticity index of Greenwood and Williamson", "asperity_plasticity_index", "1"),
+        ("ψ of σ, as Shi and Polycarpou print it", "plasticity_index", "1"),
         ("R, radius of asperities", "asperity_radius", "m"),
         ("σ, standard deviation of the surface heights", "surface_height_std", "m"),
         ("σ_s, standard deviation of the asperity heights", "asperity_height_std", "m"),

@@ -302,8 +302,8 @@ impl PreparedComparison {
 /// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are
 /// off.
 fn limits(scene: &Scene, model: &Model, law: Laws<'_>) -> Vec<String> {
-    let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
-    let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
+    let (lambda, psi) = (scene.scale().lambda, scene.plasticity_index());
+    let mut limits = model.validity.limits(lambda, psi, scene.asperity.lubricant_thickness);
     if scene.model.meniscus().is_some() && !model.is_wet() {
         limits.push("knows no liquid: computed as dry".to_owned());
     }

@@ -18,7 +18,7 @@ const F: &[Dimension] = &[Dimension::FittedForce];
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [3, 5],
+    version: [3, 6],
     groups: &["integral", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
     optional_groups: &["background", "independence"],
     variables: LazyLock::new(variables),

@@ -13,7 +13,7 @@ const A: &[Dimension] = &[Dimension::Accuracy];
 pub static FINITE_SIZE: Layout = Layout {
     format: "stiction-finite-size",
     command: "stiction finite-size",
-    version: [2, 2],
+    version: [2, 3],
     groups: &[],
     optional_groups: &["independence"],
     variables: LazyLock::new(|| {

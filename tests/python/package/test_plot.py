@@ -79,8 +79,8 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
         assert len(ax.containers[0][0].get_xdata()) == grid.points.sizes[x.replace(".", "_")]
     by = plot.sweep(grid, x="material.work_of_adhesion", by="material.hardness")
     assert by.get_legend().get_texts()[0].get_text().startswith(grid.key_words("material.hardness")[0])
-    follows = plot.sweep(result("grid"), x="plasticity_index")
-    places = result("grid").points["plasticity_index"]
+    follows = plot.sweep(result("grid"), x="asperity_plasticity_index")
+    places = result("grid").points["asperity_plasticity_index"]
     for container, lubricant in zip(follows.containers, range(places.sizes["surface_lubricant_thickness"]), strict=True):
         expected = np.sort(places.isel(surface_lubricant_thickness=lubricant).values)
         np.testing.assert_allclose(container[0].get_xdata(), expected, rtol=1e-12)

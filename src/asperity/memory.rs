@@ -203,7 +203,7 @@ impl Memory<'_> {
                     ..plain(Source::Unloading, opening + residual, largest, 1)
                 });
             }
-            (Springback::Elastic(_) | Springback::Flattened, _) => {
+            (Springback::Elastic(_) | Springback::Flattened(_), _) => {
                 contact.push(plain(Source::Unloading, end, largest, UNLOADING))
             }
             _ => {

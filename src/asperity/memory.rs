@@ -166,9 +166,12 @@ impl Memory<'_> {
         let residual = largest - cycle.recovery(largest);
         let ratio = cycle.radius_ratio(largest);
         let kinks = cycle.flattened_kinks(largest);
-        let [release, capture, lost] = match kinks {
-            Some([.., release, _]) => [release; 3],
-            None => [cycle.release(), cycle.capture, cycle.lost()],
+        let own = matches!(cycle.springback, Springback::Flattened(_)).then(|| cycle.of(cycle.lane(ratio)));
+        let own = own.as_ref().unwrap_or(cycle);
+        let [release, capture, lost] = match (&cycle.springback, kinks) {
+            // A top that has let go is an asperity of the law, of its own radius.
+            (Springback::Flattened(_), _) | (_, None) => [own.release(), own.capture, own.lost()],
+            (_, Some([.., release, _])) => [release; 3],
         };
         let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {
             let mut segments = pieces(law, path, 0..cycle.first_contact);
@@ -188,8 +191,8 @@ impl Memory<'_> {
             }
             segments
         };
-        let lost_contact = lowered(cycle.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
-        let mut contact = lowered(cycle.retraction(), Path::Retraction, (lost, release));
+        let lost_contact = lowered(own.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
+        let mut contact = lowered(own.retraction(), Path::Retraction, (lost, release));
         let plain = |source, lower, upper, order| {
             let smoothness = Smoothness::Root { end: End::Lower, place: lower, order };
             Segment { source, lower, upper, next: [None; 2], smoothness }

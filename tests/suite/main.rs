@@ -50,3 +50,4 @@ mod unloading;
 mod validate;
 mod validation;
 mod validity;
+mod wet_plastic;

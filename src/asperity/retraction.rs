@@ -69,11 +69,7 @@ impl Loop {
                 let above = largest.next_up();
                 let detachment = self.detachment(above).unwrap_or(f64::NAN);
                 let left_at = |regime: usize| {
-                    if self.own_radii {
-                        self.left_at(regime, above)
-                    } else {
-                        detachment + further[regime]
-                    }
+                    if self.own_radii { self.left_at(regime, above) } else { detachment + further[regime] }
                 };
                 meetings.extend((0..self.first_contact).map(left_at));
                 meetings.push(detachment + further[self.first_contact]);

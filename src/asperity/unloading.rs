@@ -551,11 +551,7 @@ impl Loop {
 }
 
 /// How contacts of a setting spring back.
-fn springback(
-    unloading: Unloading,
-    own: &Model,
-    parameters: &LawParameters,
-) -> Result<Springback, LawError> {
+fn springback(unloading: Unloading, own: &Model, parameters: &LawParameters) -> Result<Springback, LawError> {
     let jkr = || {
         let jkr = model("jkr").expect("it is a law");
         jkr.law(&LawParameters { path: Path::Retraction, ..*parameters })

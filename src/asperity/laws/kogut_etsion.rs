@@ -61,7 +61,7 @@ pub fn plastic_rows(parameters: &LawParameters) -> [Row; 3] {
     let critical = Critical::new(parameters);
     let first = critical.pull(0.79, -0.321, 0.356, (1.0, FIRST_END));
     let second = critical.pull(1.19, -0.332, 0.093, (FIRST_END, SECOND_END));
-    critical.plastic(first, second)
+    critical.plastic(first, second, Zero)
 }
 
 /// The contact of an asperity in units of that at ω_c.
@@ -125,8 +125,8 @@ impl<'a> Critical<'a> {
         Row::up_to(Regime::Elastic, Place::proportional(self.parameters.critical_interference, 1.0), contact)
     }
 
-    /// The rows above ω_c with the adhesion of the first and the second.
-    fn plastic(&self, first: impl Formula, second: impl Formula) -> [Row; 3] {
+    /// The rows above ω_c, each with its adhesion.
+    pub fn plastic(&self, first: impl Formula, second: impl Formula, last: impl Formula) -> [Row; 3] {
         let (critical, x) =
             (self.parameters.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
         let power = |factor, exponent, x| self.power(factor, exponent, x).following(OF_CRITICAL);
@@ -147,7 +147,7 @@ impl<'a> Critical<'a> {
                 Place::proportional(SECOND_END * critical, 1.0),
                 ClosedForm::new(second, loads.1, areas.1),
             ),
-            Row::last(Regime::Plastic, ClosedForm::new(Zero, plastic.0, plastic.1)),
+            Row::last(Regime::Plastic, ClosedForm::new(last, plastic.0, plastic.1)),
         ]
     }
 }

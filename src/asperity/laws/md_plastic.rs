@@ -488,7 +488,8 @@ impl PartOfRadii for Flowing {
         let (flow, regime) = (&self.exact, self.regime);
         // ω is proportional to the radius.
         let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
-        let kink = kink.map(|kink| kink * flow.around.scale.length).filter(|kink| lower < *kink && *kink < upper);
+        let kink =
+            kink.map(|kink| kink * flow.around.scale.length).filter(|kink| lower < *kink && *kink < upper);
         let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
             let place = lower.min(fold * flow.around.scale.length);
             Smoothness::Root { end: End::Lower, place, order: 2 }

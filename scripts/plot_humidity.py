@@ -1,7 +1,7 @@
 """Faces in moist air: force and energy of their adhesion, and what of them is wet, over the relative humidity.
 
 Draws a result of `stiction run configs/humidity.toml`:
-(a) pull-off per nominal area, with every bridge by itself and with liquid that fills gaps where bridges merge, and the energy to part the faces
+(a) pull-off per nominal area of the expected curve (the integral), with every bridge by itself and with liquid that fills gaps where bridges merge, and the energy to part the faces
     (the integral of the external force over the separation where it pulls), with the upper limit that DelRio et al. state, Appl. Phys. Lett. 90
     (2007) 163104;
 (b) shares of wet asperities and of the covered area at pull-off.
@@ -42,8 +42,8 @@ def main() -> int:
         with h5py.File(arguments.file) as file:
             humidity = file["capillary_relative_humidity"][:]
             area = file["nominal_area"][0]
-            separation = file["ensemble/separation"][:]
-            pull = -file["ensemble/external_force_mean"][:]
+            separation = file["integral/separation"][:]
+            pull = -file["integral/external_force"][:]
             alone = pull - file["capillary/spread_force"][:]
             wet, covered = file["capillary/wet_share"][:], file["capillary/covered_share"][:]
     except (OSError, KeyError) as error:

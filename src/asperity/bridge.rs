@@ -71,8 +71,9 @@ pub(super) struct Wetted {
     pub contact: f64,
     /// δ, m.
     pub interference: f64,
-    /// dδ/dφ, m.
+    /// dδ/dφ and da/dφ, m.
     slope: f64,
+    narrowing: f64,
 }
 
 /// The end of the contacts within a bridge that are stable.
@@ -136,13 +137,6 @@ impl Bridge {
         }
     }
 
-    /// F_s, N, around a contact of the area `area`, m², outside of which the sphere is not deformed.
-    pub fn around(&self, area: f64) -> f64 {
-        let square = area / PI;
-        let circle = self.edge(0.5 / self.radius, 0.0, self.range + 0.5 * square / self.radius);
-        PI * self.stress * (circle * circle - square)
-    }
-
     /// The state whose gap in the middle is `gap`, m, at most the range.
     pub fn at_gap(&self, gap: f64) -> Edge {
         let linear = (FRAC_PI_2 - 1.0) * self.compliance;
@@ -161,14 +155,14 @@ impl Bridge {
             [4.0 * angle * sin * cos / (PI * self.radius), self.compliance * angle * cos];
         let opening = 2.0 * square * circle + linear - self.curvature / (circle * circle);
         let circle_slope = -(square_slope * circle + linear_slope) * circle / opening;
-        let contact = circle * cos;
+        let (contact, narrowing) = (circle * cos, circle_slope * cos - circle * sin);
         Wetted {
             angle,
             circle,
             contact,
             interference: contact * contact / self.radius - half * circle * sin,
-            slope: 2.0 * contact * (circle_slope * cos - circle * sin) / self.radius
-                - half * (circle_slope * sin + contact),
+            slope: 2.0 * contact * narrowing / self.radius - half * (circle_slope * sin + contact),
+            narrowing,
         }
     }
 
@@ -211,6 +205,33 @@ impl Bridge {
         };
         safe_newton(missing, low, last.angle, start, enough);
         Wetted { interference, ..state }
+    }
+
+    /// The state within which the faces are as near as without the bridge at an interference, m: a contact of the radius
+    /// √(R `inner`), or the gap −`inner` in the middle. Its angle is searched for from `start`, if that is above 0.
+    pub fn around(&self, inner: f64, start: f64) -> Wetted {
+        if !(inner > 0.0) {
+            let Edge { circle, distance } = self.at_gap(-inner);
+            return Wetted { angle: FRAC_PI_2, circle, interference: -distance, ..Wetted::default() };
+        }
+        let wanted = (self.radius * inner).sqrt();
+        let mut state = Wetted::default();
+        let mut missing = |angle: f64| {
+            state = self.of_angle(angle);
+            Sample { value: state.contact - wanted, slope: state.narrowing }
+        };
+        // The contact around a rigid sphere.
+        let start = if start > 0.0 { start } else { libm::cbrt(0.75 * PI / (inner / self.range + POINT)) };
+        let mut low = 0.5 * start;
+        while missing(low).value < 0.0 {
+            low *= 0.5;
+        }
+        let enough = |angle: f64, sample: Sample| {
+            sample.value.abs() <= 4.0 * f64::EPSILON * wanted || angle <= SMALLEST_ANGLE
+        };
+        safe_newton(missing, low, FRAC_PI_2, start, enough);
+        let half = FRAC_PI_2 * self.compliance;
+        Wetted { interference: inner - half * state.circle * libm::sin(state.angle), ..state }
     }
 
     /// F_s of a contact, N.

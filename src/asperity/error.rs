@@ -52,8 +52,8 @@ pub enum LawError {
     NotFlattened,
     /// The unloading is of other contacts than those of the law.
     #[error(
-        "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic alone, \"ekk\" (Etsion, \
-         Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but md_plastic"
+        "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic and capillary alone, \"ekk\" \
+         (Etsion, Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but these two"
     )]
     NoUnloading {
         /// Name of the law.

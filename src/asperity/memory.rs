@@ -164,9 +164,15 @@ impl Memory<'_> {
         let residual = largest - cycle.recovery(largest);
         let ratio = cycle.radius_ratio(largest);
         let kinks = cycle.flattened_kinks(largest);
-        let [release, capture, lost] = match kinks {
-            Some([.., release, _]) => [release, cycle.capture_of_top(largest).max(release), release],
-            None => [cycle.release(), cycle.capture, cycle.lost()],
+        let is_own = matches!(cycle.springback, Springback::Flattened(_) | Springback::Elastic(None));
+        let own = is_own.then(|| cycle.of(cycle.lane(ratio)));
+        let own = own.as_ref().unwrap_or(cycle);
+        let [release, capture, lost] = match (&cycle.springback, kinks) {
+            // JKR's contact begins where the surfaces meet.
+            (Springback::Elastic(Some(_)), Some([.., release, _])) => [release, 0.0, release],
+            (Springback::Powers(_) | Springback::Punch(_), Some([.., release, _])) => [release; 3],
+            // A top that has let go is an asperity of the law, of its own radius.
+            _ => [own.release(), own.capture, own.lost()],
         };
         let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {
             let mut segments = pieces(law, path, 0..cycle.first_contact);
@@ -186,8 +192,8 @@ impl Memory<'_> {
             }
             segments
         };
-        let lost_contact = lowered(cycle.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
-        let mut contact = lowered(cycle.retraction(), Path::Retraction, (lost, release));
+        let lost_contact = lowered(own.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
+        let mut contact = lowered(own.retraction(), Path::Retraction, (lost, release));
         let plain = |source, lower, upper, order| {
             let smoothness = Smoothness::Root { end: End::Lower, place: lower, order };
             Segment { source, lower, upper, next: [None; 2], smoothness }
@@ -201,7 +207,7 @@ impl Memory<'_> {
                     ..plain(Source::Unloading, opening + residual, largest, 1)
                 });
             }
-            (Springback::Elastic(_) | Springback::Flattened, _) => {
+            (Springback::Elastic(_) | Springback::Flattened(_), _) => {
                 contact.push(plain(Source::Unloading, end, largest, UNLOADING))
             }
             _ => {

@@ -2,8 +2,10 @@
 //! its file and a line here.
 
 use super::error::LawError;
+use super::flattened::Around;
 use super::history::Path;
 use super::law::{Law, Responses};
+use super::laws::capillary::Parts;
 use super::laws::md_plastic::PlasticContact;
 use super::laws::{
     capillary, ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, md_plastic,
@@ -70,10 +72,10 @@ impl Model {
     pub fn law(&self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         match self.build {
             Build::Plain(build) => build(parameters),
-            Build::Wet(build) => build(parameters, self.needed()?),
+            Build::Wet(build) => build(parameters, self.needed()?, self.contact),
             Build::Content => capillary::content(parameters, self.needed()?),
             Build::Flowing(build) => build(parameters, self.contact),
-            Build::Immersed => capillary::immersed(parameters, self.needed()?),
+            Build::Immersed => capillary::immersed(parameters, self.needed()?, self.contact),
         }
     }
 
@@ -84,7 +86,7 @@ impl Model {
 
     /// The plastic contact of a law that takes any; none of one that has its own, or none.
     pub fn contact(&self) -> Option<PlasticContact> {
-        matches!(self.build, Build::Flowing(_)).then_some(self.contact)
+        (self.validity.plasticity == FlattenedTop).then_some(self.contact)
     }
 
     /// The law with a liquid, of which it makes nothing where it is not for one.
@@ -122,12 +124,22 @@ impl Model {
     /// [`LawError`] where it is not.
     #[doc(hidden)]
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
-        match self.build {
-            Build::Plain(_) | Build::Flowing(_) => Ok(()),
-            Build::Wet(_) | Build::Content | Build::Immersed => {
-                capillary::Parts::new(parameters, self.needed()?).map(drop)
-            }
-        }
+        self.parts(parameters).map(drop)
+    }
+
+    /// The parts of a wet asperity, of a law that is for one.
+    fn parts(&self, parameters: &LawParameters) -> Result<Option<Parts>, LawError> {
+        Ok(match self.build {
+            Build::Plain(_) | Build::Flowing(_) => None,
+            Build::Wet(_) | Build::Content => Some(Parts::new(parameters, self.needed()?)?),
+            Build::Immersed => Some(Parts::immersed(parameters, self.needed()?)?),
+        })
+    }
+
+    /// What acts around the flattened tops of asperities.
+    pub(super) fn around(&self, parameters: &LawParameters) -> Result<Around, LawError> {
+        let dry = Around { scale: parameters.scale, bridge: None };
+        Ok(self.parts(parameters)?.map_or(dry, |parts| parts.around(&parameters.scale)))
     }
 
     /// Whether an asperity is attracted at any distance, as by the tail of a Lennard-Jones stress: not so by
@@ -267,7 +279,7 @@ const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Vali
 }
 
 type Plain = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
-type Wet = fn(&LawParameters, &Meniscus) -> Result<Box<dyn Law>, LawError>;
+type Wet = fn(&LawParameters, &Meniscus, PlasticContact) -> Result<Box<dyn Law>, LawError>;
 type Flowing = fn(&LawParameters, PlasticContact) -> Result<Box<dyn Law>, LawError>;
 
 const fn model_of(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
@@ -319,8 +331,8 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
         validity(Adhesion::Any, Without, true), md_kim::md_kim),
-    wet("capillary", "bridges of a condensed liquid around extended asperities, Maugis-Dugdale in contact, Kogut-Etsion above",
-        validity(Adhesion::Any, KogutEtsion, true), capillary::capillary),
+    wet("capillary", "extended Maugis-Dugdale within bridges of a condensed liquid, also around flattened tops",
+        validity(Adhesion::Any, FlattenedTop, true), capillary::capillary),
     law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
         validity(Adhesion::High, Without, true), jkr::jkr),
     law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",

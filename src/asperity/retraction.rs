@@ -14,10 +14,10 @@ const KINK_PARTS: usize = 64;
 const STEP: f64 = 1e-6;
 
 impl Loop {
-    /// The ω_max, m, of the asperities whose contact has ended and that are `further` ≥ 0, m, beyond, at a
-    /// distance, m; of radii of their own; ω_c where all that have flowed are.
-    fn let_go_from(&self, distance: f64, further: f64) -> f64 {
-        self.passing(distance - further, |largest| self.detachment_of(largest))
+    /// The ω_max, m, of the asperities that come into a regime before contact from above at a distance, m; of radii of their
+    /// own; ω_c where all that have flowed have.
+    fn let_go_from(&self, distance: f64, regime: usize) -> f64 {
+        self.passing(distance, |largest| self.left_at(regime, largest))
     }
 
     /// The ω_max, m, above ω_c at which a distance that rises with ω_max, about as the recovery does, is `wanted`, m; ω_c
@@ -48,7 +48,7 @@ impl Loop {
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
     #[doc(hidden)]
     pub fn at(&self, distance: f64) -> Retraction<'_> {
-        Retraction::with(self, distance, |further| self.let_go_from(distance, further))
+        Retraction::with(self, distance, |regime| self.let_go_from(distance, regime))
     }
 
     /// Distances, m, at which two ends of the law at a distance meet, as many of every radius and in the same order; NaN where
@@ -68,19 +68,24 @@ impl Loop {
             if self.flows() {
                 let above = largest.next_up();
                 let detachment = self.detachment(above).unwrap_or(f64::NAN);
-                meetings.extend(further.iter().map(|further| detachment + further));
+                let left_at = |regime: usize| {
+                    if self.own_radii { self.left_at(regime, above) } else { detachment + further[regime] }
+                };
+                meetings.extend((0..self.first_contact).map(left_at));
+                meetings.push(detachment + further[self.first_contact]);
                 meetings.push(self.recovery(above));
             }
         }
         meetings
     }
 
-    /// The law at a distance, m, for a few asperities alone: the interference ω_max and the detachment, m,
-    /// rising, of those that have flowed say which of them are in contact.
+    /// The law at a distance, m, for a few asperities alone: the interference ω_max, rising, of those that have flowed, and
+    /// the distances, m, at which their film or bridge breaks and contact is lost, say what they are in.
     #[doc(hidden)]
-    pub fn at_for(&self, distance: f64, flowed: &[(f64, f64)]) -> Retraction<'_> {
-        Retraction::with(self, distance, |further| {
-            let lost = flowed.iter().take_while(|(_, detachment)| distance - further >= *detachment).count();
+    pub fn at_for(&self, distance: f64, flowed: &[(f64, [f64; 2])]) -> Retraction<'_> {
+        Retraction::with(self, distance, |regime| {
+            let ends = usize::from(regime + 1 == self.first_contact);
+            let lost = flowed.iter().take_while(|(_, passed)| distance >= passed[ends]).count();
             flowed.get(lost).map_or(f64::INFINITY, |(largest, _)| *largest)
         })
     }
@@ -123,9 +128,9 @@ pub struct Retraction<'a> {
 }
 
 impl<'a> Retraction<'a> {
-    /// The law at a distance, m. `let_go` says up to which ω_max, m, tops of radii of their own have ended
-    /// their contact and are so far beyond, m.
-    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(f64) -> f64) -> Self {
+    /// The law at a distance, m. `let_go` says up to which ω_max, m, tops of radii of their own are in a regime before contact
+    /// or below it.
+    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize) -> f64) -> Self {
         let mut law = Self {
             cycle,
             distance,
@@ -167,7 +172,7 @@ impl<'a> Retraction<'a> {
             let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);
             let interference = match &cycle.springback {
                 Springback::Powers(plastic) if !cycle.own_radii => plastic.recovered_from(interference),
-                _ => let_go(cycle.release() - retraction.boundaries()[regime].interference),
+                _ => let_go(regime),
             };
             end = higher(Boundary { interference, belongs_below }, top);
             law.push(Condition::Lowered(regime), Some(end));
@@ -240,7 +245,7 @@ impl<'a> Retraction<'a> {
                 let unloaded = plastic.recovered_from(distance);
                 (unloaded, Some(lost), root(unloaded, POWERS))
             }
-            Springback::Elastic(_) | Springback::Flattened => (limits.0, None, lost),
+            Springback::Elastic(_) | Springback::Flattened(_) => (limits.0, None, lost),
             Springback::Punch(_) => {
                 let opening = |largest: f64| cycle.opening(largest);
                 (cycle.passing(distance, opening), Some(lost), Smoothness::Smooth)

@@ -20,7 +20,7 @@
 //! 3.4).
 
 use super::decohesion::Decohesion;
-use super::flattened::Flattened;
+use super::flattened::Around;
 use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, Lanes, OfRadii, RadiusLaw};
@@ -47,8 +47,9 @@ pub(super) enum Springback {
     Powers(PlasticUnloading),
     /// As elastic contacts: of the law on retraction, or of a law of their own.
     Elastic(Option<Arc<dyn Law>>),
-    /// As the elastic contact of the law on retraction, from the state that it had.
-    Flattened,
+    /// As the elastic contact of the law on retraction, from the state that it had, with what acts around it in units of
+    /// the radius that others are multiples of.
+    Flattened(Around),
     /// As punches whose edges open; the law is that of elastic contacts which end alike.
     Punch(Arc<dyn Law>),
 }
@@ -71,21 +72,20 @@ impl Springback {
         match self {
             Self::Powers(plastic) => Self::Powers(plastic.of_radius(lane.ratio)),
             Self::Elastic(law) => Self::Elastic(law.as_ref().map(own)),
-            Self::Flattened => Self::Flattened,
+            Self::Flattened(around) => Self::Flattened(*around),
             Self::Punch(law) => Self::Punch(own(law)),
         }
     }
 
-    /// The top of a contact of F_s, N, P, N, and the area, m², at ω_max; but for the recovery along powers.
-    pub fn top(&self, scale: &Scale, [adhesion, load, area]: [f64; 3]) -> Top {
+    /// The top of a contact of P, N, and the area, m², at ω_max; but for the recovery along powers.
+    pub fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
         let ratio = scale.force * radius * radius * radius / load;
         let recovery = scale.length * radius * radius / ratio;
         match self {
             Self::Powers(_) | Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
-            Self::Flattened => {
-                let contact = Flattened { lambda: scale.lambda, radius, load: load / scale.force };
-                let recovery = scale.length * contact.displacement(adhesion / scale.force);
+            Self::Flattened(around) => {
+                let recovery = around.scale.length * around.pressed(load, area).displacement();
                 Top { recovery, ratio, adhesion: 0.0 }
             }
             Self::Punch(_) => Top {
@@ -101,7 +101,7 @@ impl Springback {
     pub fn contact<'a>(&'a self, law: &'a dyn Law) -> &'a dyn Law {
         match self {
             Self::Elastic(Some(own)) | Self::Punch(own) => own.as_ref(),
-            Self::Powers(_) | Self::Elastic(None) | Self::Flattened => law,
+            Self::Powers(_) | Self::Elastic(None) | Self::Flattened(_) => law,
         }
     }
 
@@ -117,7 +117,7 @@ impl Springback {
     pub fn kink(&self, top: &Top) -> f64 {
         match self {
             Self::Powers(_) => 0.0,
-            Self::Elastic(_) | Self::Flattened => f64::NAN,
+            Self::Elastic(_) | Self::Flattened(_) => f64::NAN,
             Self::Punch(_) => top.recovery * (1.0 - top.adhesion),
         }
     }
@@ -146,7 +146,7 @@ impl Springback {
             plastic.unload(largest, |_| distance, out);
             return fade(plastic, (law, scale), (largest, distance), out, stats);
         }
-        let top = |i: usize| self.top(scale, [out.adhesion[i], out.contact[i], out.area[i]]);
+        let top = |i: usize| self.top(scale, out.contact[i], out.area[i]);
         let tops: Vec<Top> = (0..largest.len()).map(top).collect();
         let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
         self.unload_tops((law, &tops, &lanes), distance, out, stats);
@@ -162,7 +162,7 @@ impl Springback {
     ) {
         match self {
             Self::Powers(_) => unreachable!("powers have no tops"),
-            Self::Elastic(_) | Self::Flattened => {
+            Self::Elastic(_) | Self::Flattened(_) => {
                 let contact = self.contact(law);
                 let mut own = [0.0; BLOCK];
                 let own = &mut own[..tops.len()];

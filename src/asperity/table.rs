@@ -106,12 +106,6 @@ impl Row {
         Self { regime, end: Some((end.into(), true)), part: Box::new(part) }
     }
 
-    /// The same with what acts in it under something else too.
-    #[doc(hidden)]
-    pub fn within(self, wrap: impl FnOnce(Box<dyn Interaction>) -> Box<dyn Interaction>) -> Self {
-        Self { part: wrap(self.part), ..self }
-    }
-
     /// A regime without end.
     pub fn last(regime: Regime, part: impl Interaction + 'static) -> Self {
         Self { regime, end: None, part: Box::new(part) }

@@ -132,7 +132,7 @@ impl Turned {
                     let own = &self.lanes[i];
                     let scale = cycle.scale.of_ratio(own.ratio);
                     self.borne[i] = [adhesion, load, area];
-                    self.tops[i] = cycle.springback.top(&scale, self.borne[i]);
+                    self.tops[i] = cycle.springback.top(&scale, load, area);
                     if let Springback::Powers(plastic) = &cycle.springback {
                         self.tops[i].recovery = own.ratio * plastic.recovery(largest[lane] / own.ratio);
                     }
@@ -152,14 +152,12 @@ impl Turned {
                 ratio = self.lanes[i].ratio;
                 cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
             }
-            let mut release = own[contact - 1];
-            let further: Vec<f64> = own[..contact].iter().map(|end| release - end).collect();
             if cycle.own_radii {
                 lowered[i] = cycle.lane(self.lanes[i].ratio * top.ratio);
-                release = cycle.springback.release(cycle.retraction(), &top, &lowered[i]);
             }
-            for (column, further) in self.ends.iter_mut().zip(further) {
-                column[i] = top.recovery - (release - further);
+            for (regime, (column, end)) in self.ends.iter_mut().zip(&own[..contact]).enumerate() {
+                let end = if cycle.own_radii { cycle.leaves(regime, &top, &lowered[i]) } else { *end };
+                column[i] = top.recovery - end;
             }
         }
         if cycle.own_radii {

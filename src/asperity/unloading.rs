@@ -83,7 +83,7 @@ pub enum Unloading {
     MesarovicJohnson,
     /// As the JKR contact of the sphere of the secant.
     ThorntonNing,
-    /// As the elastic contact that the law `md_plastic` has at the largest load, which nothing leaves abruptly.
+    /// As the elastic contact that the laws `md_plastic` and `capillary` have at the largest load, which nothing leaves abruptly.
     FlattenedTop,
 }
 
@@ -283,7 +283,7 @@ impl Loop {
             first_contact,
             first_plastic,
             onset: f64::INFINITY,
-            springback: springback(unloading, &LawParameters { path, ..*parameters })?,
+            springback: springback(unloading, model, &LawParameters { path, ..*parameters })?,
             own_radii,
             again: None,
             ratio: 1.0,
@@ -299,7 +299,7 @@ impl Loop {
     /// The interference, m, from which the recovery is not more than ω_max.
     fn find_onset(&self) -> f64 {
         let critical = self.critical();
-        if !self.flows() || matches!(self.springback, Springback::Powers(_) | Springback::Flattened) {
+        if !self.flows() || matches!(self.springback, Springback::Powers(_) | Springback::Flattened(_)) {
             return critical;
         }
         let more = |largest: f64| self.top_of(largest).recovery - largest;
@@ -439,27 +439,22 @@ impl Loop {
         }
         let top = self.top_of(largest);
         let lane = self.lane(top.ratio);
-        let release = self.springback.release(self.retraction(), &top, &lane);
-        let film = self.retraction.boundaries()[..self.first_contact - 1].last();
-        let film = film.map_or(f64::NAN, |film| release - (self.release() - film.interference));
+        let leaves = |regime: usize| self.leaves(regime, &top, &lane);
+        let film = self.first_contact.checked_sub(2).map_or(f64::NAN, leaves);
         let attraction = self.attraction_kink(&lane).unwrap_or(f64::NAN);
-        Some([attraction, film, release, self.springback.kink(&top)])
+        Some([attraction, film, leaves(self.first_contact - 1), self.springback.kink(&top)])
     }
 
-    /// Interference, m, counted from its top, at which an asperity that has flowed to ω_max, m, and has a radius of its own
-    /// comes into contact again.
-    pub(super) fn capture_of_top(&self, largest: f64) -> f64 {
-        let top = self.top_of(largest);
-        let lane = self.lane(top.ratio);
-        let law = of_radii(self.approach());
-        match self.springback {
-            Springback::Punch(_) => f64::NEG_INFINITY,
-            // JKR's contact begins where the surfaces meet.
-            Springback::Elastic(Some(_)) => 0.0,
-            _ => {
-                let touch = law.end(self.first_contact - 1, &lane).unwrap_or(f64::NEG_INFINITY);
-                law.capture_of(&lane).map_or(touch, |capture| capture.min(touch))
+    /// The interference, m, from the lowered top, of a lane, at which it comes into a regime before contact from above: the
+    /// last where its contact ends.
+    pub(super) fn leaves(&self, regime: usize, top: &Top, lane: &Lane) -> f64 {
+        let release = self.springback.release(self.retraction(), top, lane);
+        match &self.springback {
+            // It is the law on retraction of its radius.
+            Springback::Elastic(None) | Springback::Flattened(_) => {
+                of_radii(self.retraction()).end(regime, lane).map_or(release, |end| end.min(release))
             }
+            _ => release - (self.release() - self.retraction.boundaries()[regime].interference),
         }
     }
 
@@ -508,21 +503,22 @@ impl Loop {
     pub fn detachment(&self, largest: f64) -> Option<f64> {
         (largest >= self.touch()).then(|| {
             if self.own_radii && largest > self.onset {
-                self.detachment_of(largest)
+                self.left_at(self.first_contact - 1, largest)
             } else {
                 self.recovery(largest) - self.release()
             }
         })
     }
 
-    /// The same of one that has flowed, whose top has a radius of its own.
-    pub(super) fn detachment_of(&self, largest: f64) -> f64 {
+    /// The distance, m, at which an asperity that has flowed to ω_max, m, and whose top has a radius of its own, comes into a
+    /// regime before contact from above.
+    pub(super) fn left_at(&self, regime: usize, largest: f64) -> f64 {
         let top = self.top_of(largest);
         let recovery = match &self.springback {
             Springback::Powers(plastic) => plastic.recovery(largest),
             _ => top.recovery,
         };
-        recovery - self.springback.release(self.retraction(), &top, &self.lane(top.ratio))
+        recovery - self.leaves(regime, &top, &self.lane(top.ratio))
     }
 
     /// The distance, m, from which a contact that has flowed to ω_max, m, is not smooth, in itself.
@@ -561,8 +557,7 @@ impl Loop {
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
-                let forces = [out.adhesion[i], out.contact[i], out.area[i]];
-                tops[place] = self.springback.top(&self.scale, forces);
+                tops[place] = self.springback.top(&self.scale, out.contact[i], out.area[i]);
             }
             begin = end;
         }
@@ -592,7 +587,7 @@ impl Loop {
 }
 
 /// How contacts of a setting spring back, whose path is the one back.
-fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Springback, LawError> {
+fn springback(unloading: Unloading, own: &Model, parameters: &LawParameters) -> Result<Springback, LawError> {
     let jkr = |path| {
         let jkr = model("jkr").expect("it is a law");
         jkr.law(&LawParameters { path, ..*parameters })
@@ -603,7 +598,7 @@ fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Spring
             Springback::Powers(PlasticUnloading::new(parameters.critical_interference, deepest))
         }
         Unloading::Secant => Springback::Elastic(None),
-        Unloading::FlattenedTop => Springback::Flattened,
+        Unloading::FlattenedTop => Springback::Flattened(own.around(parameters)?),
         Unloading::ThorntonNing => Springback::Elastic(Some(jkr(parameters.path)?.into())),
         // It closes as it has opened.
         Unloading::MesarovicJohnson => Springback::Punch(jkr(Path::Retraction)?.into()),

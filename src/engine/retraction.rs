@@ -55,8 +55,8 @@ pub(super) struct Released {
 pub(super) struct FlattenedTop {
     /// Separations h of its kinks, m.
     places: [f64; OF_TOP],
-    /// Distance from the closest approach at which it loses contact, m.
-    detachment: f64,
+    /// Distances from the closest approach at which its film or bridge breaks, and contact is lost, m.
+    lost: [f64; 2],
 }
 
 impl FlattenedTop {
@@ -69,7 +69,7 @@ impl FlattenedTop {
             let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
             Some(Self {
                 places: kinks.map(|kink| from + recovery - kink),
-                detachment: recovery - kinks[CONTACT_END],
+                lost: [recovery - kinks[CONTACT_END - 1], recovery - kinks[CONTACT_END]],
             })
         };
         heights[first..].iter().map_while(|u| top(u - closest)).collect()
@@ -158,8 +158,7 @@ impl<'a> Retracted<'a> {
         } else {
             // Where each loses contact is known: to solve for it at every distance takes most of a search.
             let flowed = asperities.iter().filter(|asperity| asperity.fate == FLOWED);
-            let flowed =
-                flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).detachment));
+            let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).lost));
             self.cycle.at_for(distance, &flowed.collect::<Vec<_>>())
         };
         self.few.clear();

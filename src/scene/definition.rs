@@ -194,13 +194,15 @@ impl Scene {
     }
 
     /// The same surfaces with asperities of a law beside the forces between the mean planes, of which these
-    /// leave to it what it owns, and with every bridge of liquid by itself; their own law stays.
+    /// leave to it what it owns, and with the liquid that spreads if it knows one; their own law stays.
     #[doc(hidden)]
     pub fn with_background_of(mut self, model: &Model) -> Self {
         let range = (self.separations[0], self.separations[self.separations.len() - 1]);
         let of = |tables: BackgroundTables| tables.of(model, &self.asperity, &self.surface, range);
         self.surface.background = self.background.map(of);
-        self.surface.spread = Default::default();
+        if !model.is_wet() {
+            self.surface.spread = Default::default();
+        }
         self
     }
 

@@ -50,11 +50,11 @@ impl Scene {
             let thickness = vec![film.thickness; self.separations.len()];
             let of =
                 |one: Expected| Films { thickness: thickness.clone(), external_force: one.external_force };
-            return Ok(self.expected()?.into_iter().map(of).collect());
+            return Ok(self.with_film(film.thickness)?.expected()?.into_iter().map(of).collect());
         };
         let supply =
             |thickness: f64| f64::from(film.faces) * (initial - thickness) * self.surface.nominal_area;
-        let thickest = self.with_film(initial).expected()?;
+        let thickest = self.with_film(initial)?.expected()?;
         let most =
             thickest.iter().flat_map(|one| &one.volume).fold(0.0, |most: f64, volume| most.max(*volume));
         // V falls as t² at least: no film is thinner than the root of 1 − x = q x².
@@ -62,7 +62,7 @@ impl Scene {
         let least = initial * if q > 0.0 { 2.0 / (1.0 + (1.0 + 4.0 * q).sqrt()) } else { 1.0 };
         let part = |i: usize| least + (initial - least) * i as f64 / (NODES - 1) as f64;
         let thicknesses: Vec<f64> = (0..NODES).map(part).collect();
-        let thinner = thicknesses[..NODES - 1].iter().map(|thickness| self.with_film(*thickness).expected());
+        let thinner = thicknesses[..NODES - 1].iter().map(|thickness| self.with_film(*thickness)?.expected());
         let nodes = thinner.chain([Ok(thickest)]).collect::<Result<Vec<Vec<Expected>>, LawError>>()?;
         let drained = |way: usize| {
             let at = |of: &dyn Fn(&Expected) -> f64, thickness: f64| {
@@ -97,15 +97,15 @@ impl Scene {
         let pulled = films.get(1).or(films.first());
         let Some(Films { thickness, external_force }) = pulled else { return Ok(self) };
         let deepest = smallest(external_force);
-        let scene = self.with_film(thickness[deepest]);
+        let scene = self.with_film(thickness[deepest])?;
         Ok(Self { films, ..scene })
     }
 
-    /// The same with films of another thickness, m.
-    fn with_film(&self, thickness: f64) -> Self {
+    /// The same with films of another thickness, m, and with the liquid that then spreads.
+    fn with_film(&self, thickness: f64) -> Result<Self, LawError> {
         let meniscus = self.model.meniscus().expect("films are of a liquid").at_thickness(thickness);
         let model = self.model.with_liquid(meniscus);
-        Self { model, ..self.clone() }.with_background_of(&model)
+        Self { model, ..self.clone() }.with_background_of(&model).with_spread()
     }
 
     /// What is expected of the scene as it is on its ways.

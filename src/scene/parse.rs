@@ -230,7 +230,7 @@ fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneErro
     let contact = entry.choice("plastic_contact", &PlasticContact::ALL)?;
     if law.contact().is_none() {
         return Err(entry.wrong(&format!(
-            "the law {} has no contact to choose; law = \"{LOOP_LAW}\" takes any of them",
+            "the law {} has no contact to choose; law = \"{LOOP_LAW}\" takes any of them, and \"capillary\" in a liquid",
             law.name
         )));
     }

@@ -305,7 +305,7 @@ pub static KEYS: &[Key] = &[
         )
         .follows("required, but for a loop, which has `md_plastic`"),
     key("model.plastic_contact", "\"zmc\"", Choice(|| names(&PlasticContact::ALL)))
-        .what("plastic contact under `md_plastic`")
+        .what("plastic contact under `md_plastic` and `capillary`")
         .about(
             "The load and the contact radius of an asperity that flows, without adhesion: `jg` Jackson and Green, `ke` \
              Kogut and Etsion, `zmc` Zhao, Maietta and Chang, `tn` Thornton and Ning.",
@@ -327,10 +327,10 @@ pub static KEYS: &[Key] = &[
             "Needs `history = \"loop\"`. `ekk`: Etsion, Kligerman and Kadin's fits, for the contact of Kogut and \
              Etsion alone. `secant`: the elastic contact of the law, of the sphere that has the largest load and its \
              area. `mesarovic_johnson`: the decohesion of what a uniform pressure has flattened. `thornton_ning`: the \
-             JKR contact of the sphere of `secant`. `flattened_top`: that of `md_plastic`, which has no other.",
+             JKR contact of the sphere of `secant`. `flattened_top`: that of `md_plastic` and `capillary`, which have no other.",
         )
         .follows(
-            "from the law: `flattened_top` of `md_plastic`, `ekk` of laws with the contact of Kogut and Etsion, `secant` of others",
+            "from the law: `flattened_top` of `md_plastic` and `capillary`, `ekk` of laws with the contact of Kogut and Etsion, `secant` of others",
         )
         .swept(),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))

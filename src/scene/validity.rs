@@ -6,8 +6,10 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead};
-use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, Model, Plasticity, SMALLEST_JKR_LAMBDA};
-use crate::asperity::{Law, Regime, Unloading};
+use crate::asperity::models::{
+    Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity, SMALLEST_JKR_LAMBDA,
+};
+use crate::asperity::{Law, Path, Regime, Unloading};
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
 use crate::substrate::Coupling;
@@ -65,6 +67,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
+    warnings.extend(pressed(scene, model));
     warnings.extend(unresolved(scene, &expected.readings));
     warnings.extend(twice(scene));
     warnings.extend(mean_planes(scene));
@@ -340,6 +343,20 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
             "contact lasts beyond first touch (Maugis 1992): history = \"approach\" is of surfaces that never \
                      touched, \"loop\" or \"retraction\" of those that did",
             &[],
+        )
+    })
+}
+
+/// Whether surfaces that have been pressed together hold harder than the approach of fresh ones says.
+fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
+    let (psi, flows) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
+    let is_fresh = scene.history == Path::Approach && !scene.cycle;
+    (is_fresh && flows && psi > LARGEST_ELASTIC_PSI).then(|| {
+        Warning::new(
+            format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
+            "tops that have flowed are flatter (Greenwood and Williamson 1966): history = \"approach\" is of the first \
+                     touch, \"loop\" with [instability] preload of surfaces in use",
+            &["history"],
         )
     })
 }

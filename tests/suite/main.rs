@@ -51,3 +51,4 @@ mod unloading;
 mod validate;
 mod validation;
 mod validity;
+mod wet_plastic;

@@ -35,13 +35,13 @@ fn loop_of(asperity: &Asperity, tables: bool) -> Loop {
 }
 
 /// F_s, P and the contact radius, scaled, or in SI.
-fn state(law: &dyn Law, interference: f64) -> [f64; 3] {
+pub fn state(law: &dyn Law, interference: f64) -> [f64; 3] {
     let [adhesion, contact, area] = respond(law, interference).unwrap().1;
     [adhesion, contact, (area / PI).sqrt()]
 }
 
 /// δ at which the asperity begins to flow.
-fn onset(law: &dyn Law) -> f64 {
+pub fn onset(law: &dyn Law) -> f64 {
     let flows = law.regimes().iter().position(|regime| regime.is_plastic()).unwrap();
     law.boundaries()[flows - 1].interference
 }
@@ -151,7 +151,7 @@ fn it_tends_to_dmt_and_to_jkr_of_the_flattened_top() {
 }
 
 /// The work of ∮F dδ over a loop that turns at δ, J, by Simpson's rule on both ways.
-fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
+pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
     let force = |approach: bool, distance: f64| {
         let found = if approach {
             respond(cycle.approach(), largest - distance)

@@ -21,11 +21,17 @@
 //! |---|---|---|---|
 //! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
 //! | bridge | solids apart | bridge, and solids across it | 0 |
-//! | elastic | up to ω_c | bridge, and solids in it | K a³/R at δ₁ |
-//! | elastoplastic1, elastoplastic2, plastic | above ω_c | bridge, and Kogut-Etsion with W_SLS | Kogut-Etsion |
+//! | elastic | up to the onset | bridge, and solids in it | K a³/R at δ₁ |
+//! | elastoplastic1, elastoplastic2, plastic | above | that of R₁ | P(ω) |
 //!
-//! That bridge is around the truncated sphere, outside of which the gap is (r² − a²)/2R: 2πR(γs − p_cκ/c). At ω_c the force
-//! jumps to it.
+//! Above the onset the asperity is at every moment the elastic wet contact of the radius R₁ = K a³/P of its flattened top,
+//! with the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion, as in [`super::md_plastic`]:
+//!
+//! δ₁ = a²/R₁ − 2σ₁ a√(m² − 1)/E_r, a₀ = √(R₁δ₁), δ = ω − 2σ₁ a√(m² − 1)/E_r − (π/2)βc sin φ
+//!
+//! with the stress σ₁ and the zone m of the solids in the liquid around a, and c and φ of the bridge of a sphere of R₁ around
+//! a₀; where δ₁ < 0 the bridge is around the gap −δ₁. Nothing jumps at the onset. Without W_SLS δ₁ = ω, without liquid the
+//! law is `md_plastic`. It unloads as the elastic wet contact of R₁, which is a wet sphere of R₁ once it has parted.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
 //! unstable; reversible ones form and break where their energy is that of none. A bridge breaks with the contact where that
@@ -41,12 +47,13 @@
 //! mapping derived from Maugis (1992) with the Kelvin and Young-Dupré equations.
 
 use super::idmt::across;
-use super::kogut_etsion::{Critical, plastic_rows};
 use super::md::MaugisContact;
+use super::md_plastic::{PlasticContact, contact_rows};
 use crate::asperity::bridge::{Bridge, Closed, Last};
 use crate::asperity::elastic::{self, Elastic};
 use crate::asperity::error::LawError;
-use crate::asperity::formula::{ClosedForm, Constant, Formula, Zero};
+use crate::asperity::flattened::Around;
+use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
@@ -61,46 +68,25 @@ use std::f64::consts::PI;
 /// The law `capillary`.
 ///
 /// # Errors
-/// [`LawError`] for a λ that is not solved.
-pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
-    let parts = Parts::new(parameters, meniscus)?;
-    of_parts(parts, parameters)
+/// [`LawError`] for a λ that is not solved, or as the plastic contact.
+pub fn capillary(
+    parameters: &LawParameters,
+    meniscus: &Meniscus,
+    contact: PlasticContact,
+) -> Result<Box<dyn Law>, LawError> {
+    Parts::new(parameters, meniscus)?.law(parameters, contact)
 }
 
 /// The law of the solids in the liquid, which is under no tension.
 ///
 /// # Errors
-/// [`LawError`] for a λ that is not solved.
-pub fn immersed(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
-    let parts = Parts::new(parameters, meniscus)?;
-    let bridge = Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge };
-    of_parts(Parts { bridge, ..parts }, parameters)
-}
-
-fn of_parts(parts: Parts, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
-    let dry = across(&parameters.scale);
-    let attraction = ClosedForm::attraction((move |delta: f64| dry(-delta)).following(OF_SPHERE));
-    let typical = Lane::new(1.0, parts.lambda());
-    let [begin, touch] = [0, 1].map(|end| {
-        let of = move |lane: &Lane| parts.ends(lane)[end];
-        Place::following(of(&typical), of)
-    });
-    let plastic = match parts.solid {
-        Some(scale) => plastic_rows(&LawParameters { scale, ..*parameters }),
-        None => Critical::new(parameters).plastic(Zero, Zero, Zero),
-    };
-    let bridge = parts.bridge;
-    let plastic = plastic.map(|row| row.within(|contact| Box::new(Surrounded { contact, bridge })));
-    let rows = [
-        Row::below(Regime::Noncontact, begin, attraction),
-        Row::below(Regime::Bridge, touch, Spanned { parts, typical }),
-        Row::up_to(
-            Regime::Elastic,
-            Place::proportional(parameters.critical_interference, 1.0),
-            WetContact::new(parts, parameters)?,
-        ),
-    ];
-    Ok(Box::new(Table::new(rows.into_iter().chain(plastic))))
+/// As [`capillary`].
+pub fn immersed(
+    parameters: &LawParameters,
+    meniscus: &Meniscus,
+    contact: PlasticContact,
+) -> Result<Box<dyn Law>, LawError> {
+    Parts::immersed(parameters, meniscus)?.law(parameters, contact)
 }
 
 /// The liquid in bridges, V (m³) in the place of F_s: πR((h₀ − nt)² − (D − nt)²), that around rigid spheres.
@@ -176,6 +162,43 @@ impl Parts {
             contact_angle: 0.5 * (meniscus.contact_angles[0] + meniscus.contact_angles[1]),
             films: meniscus.film_height(),
         })
+    }
+
+    /// The solids of an asperity in the liquid, which is under no tension.
+    ///
+    /// # Errors
+    /// As [`Parts::new`].
+    pub fn immersed(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Self, LawError> {
+        let parts = Self::new(parameters, meniscus)?;
+        Ok(Self { bridge: Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge }, ..parts })
+    }
+
+    /// What acts around flattened tops, whose dry solids have the units `dry`.
+    pub(in crate::asperity) fn around(&self, dry: &Scale) -> Around {
+        let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
+        Around { scale, bridge: Some(self.bridge) }
+    }
+
+    /// The law of the asperity with a plastic contact.
+    fn law(self, parameters: &LawParameters, contact: PlasticContact) -> Result<Box<dyn Law>, LawError> {
+        let dry = across(&parameters.scale);
+        let attraction = ClosedForm::attraction((move |delta: f64| dry(-delta)).following(OF_SPHERE));
+        let typical = Lane::new(1.0, self.lambda());
+        let [begin, touch] = [0, 1].map(|end| {
+            let of = move |lane: &Lane| self.ends(lane)[end];
+            Place::following(of(&typical), of)
+        });
+        let elastic = WetContact::new(self, parameters)?;
+        let contact = if parameters.critical_interference.is_finite() {
+            contact_rows((parameters, contact), self.around(&parameters.scale), touch.clone(), elastic)?
+        } else {
+            vec![Row::last(Regime::Elastic, elastic)]
+        };
+        let before = [
+            Row::below(Regime::Noncontact, begin, attraction),
+            Row::below(Regime::Bridge, touch, Spanned { parts: self, typical }),
+        ];
+        Ok(Box::new(Table::new(before.into_iter().chain(contact))))
     }
 
     /// λ of the solids in the liquid, which the lanes solve.
@@ -487,62 +510,5 @@ impl PartOfRadii for WetContact {
         elastic::contact(|i| &lanes.at(i).elastic, &inner[..count], adhesion, radius, stats);
         lanes.scale_contacts(&scale, count, &mut solid);
         Self::add(out, &solid, count);
-    }
-}
-
-/// A plastic contact within a bridge.
-struct Surrounded {
-    contact: Box<dyn Interaction>,
-    /// The bridge of the asperity of ρ = 1.
-    bridge: Bridge,
-}
-
-impl Interaction for Surrounded {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        self.contact.smoothness(lower, upper)
-    }
-
-    fn method(&self) -> Method {
-        self.contact.method()
-    }
-
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        self.contact.of_radii().map(|_| self as &dyn PartOfRadii)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        self.contact.evaluate(interference, out, stats);
-        self.surround(|_| 1.0, interference.len(), out);
-    }
-}
-
-impl Surrounded {
-    /// Adds F_s of bridges around contacts of asperities by their ρ.
-    fn surround(&self, ratio: impl Fn(usize) -> f64, count: usize, out: &mut Responses) {
-        let Responses { adhesion, area, .. } = out;
-        for (i, (adhesion, area)) in adhesion[..count].iter_mut().zip(area).enumerate() {
-            *adhesion += self.bridge.of_ratio(ratio(i)).around(*area);
-        }
-    }
-
-    fn part(&self) -> &dyn PartOfRadii {
-        self.contact.of_radii().expect("a contact that follows the radius is surrounded")
-    }
-}
-
-impl PartOfRadii for Surrounded {
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        self.part().smoothness_of(lane, lower, upper)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        self.part().evaluate_lanes(lanes, interference, out, stats);
-        self.surround(|i| lanes.at(i).ratio, interference.len(), out);
     }
 }

@@ -65,11 +65,6 @@ impl MaugisContact {
         self.emd.end() * self.scale.length
     }
 
-    /// Where it begins or ends by the history, m, for an asperity.
-    pub fn begin_of(&self, lane: &Lane) -> f64 {
-        lane.elastic.end(self.path) * (self.scale.length * lane.cube_root)
-    }
-
     /// The end of the regime before it, m, of any radius: where it begins, plus `offset`, m.
     pub fn begins(&self, offset: f64) -> Place {
         Place::elastic(self.begin() + offset, self.path, self.scale.length, (f64::NEG_INFINITY, offset))

@@ -30,14 +30,12 @@
 //! program; compare Mesarovic and Johnson, J. Mech. Phys. Solids 48 (2000) 2009, and Maugis and Pollock, Acta Metall. 32
 //! (1984) 1323.
 
-use super::md::MaugisContact;
 use super::{emd, jg, kogut_etsion, tn, zmc};
 use crate::asperity::error::LawError;
-use crate::asperity::flattened::Flattened;
+use crate::asperity::flattened::{Around, Flattened, State};
 use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place};
-use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
 use crate::math::instruction_set::InstructionSet;
@@ -118,16 +116,31 @@ pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result
     // The elastic contact and its tables go as deep as those of `md`.
     let elastic = LawParameters { critical_interference: f64::INFINITY, ..*parameters };
     let (before, maugis) = emd::rows_before(&elastic)?;
-    let flow = |own: &LawParameters| Ok(Arc::new(Flow::new(contact.law(own)?, own, &maugis)));
+    let around = Around { scale: parameters.scale, bridge: None };
+    let contact = contact_rows((parameters, contact), around, maugis.begins(0.0), maugis)?;
+    Ok(Box::new(Table::new(before.into_iter().chain(contact))))
+}
+
+/// The rows of contact, which begins or ends by the history at `begin`: as `elastic` has it until it flows, and then with what
+/// acts around flattened tops.
+///
+/// # Errors
+/// As [`md_plastic`].
+pub(super) fn contact_rows(
+    (parameters, contact): (&LawParameters, PlasticContact),
+    around: Around,
+    begin: Place,
+    elastic: impl Interaction + 'static,
+) -> Result<Vec<Row>, LawError> {
+    let flow = |own: &LawParameters| Ok(Arc::new(Flow::new(contact.law(own)?, around, &begin)));
     // Tables are made of what has none.
     let (exact, fast) = (flow(&LawParameters { table_range: None, ..*parameters })?, flow(parameters)?);
     let place = |regime: usize| {
         let flow = Arc::clone(&exact);
-        let own = exact.end(regime, &exact.lane()).max(maugis.begin());
+        let own = exact.end(regime, &exact.lane()).max(begin.interference);
         Place::following(own, move |lane| flow.end(regime, lane))
     };
-    let mut rows: Vec<Row> = before.into();
-    rows.push(Row::up_to(Regime::Elastic, place(exact.onset), maugis.clone()));
+    let mut rows = vec![Row::up_to(Regime::Elastic, place(exact.onset), elastic)];
     let deepest = parameters.table_range.map(|(_, deepest)| deepest);
     for (regime, name) in exact.law.regimes().iter().enumerate().skip(exact.onset + 1) {
         let lower = exact.end(regime - 1, &exact.lane());
@@ -138,32 +151,7 @@ pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result
             Row::last(*name, part)
         });
     }
-    Ok(Box::new(Table::new(rows)))
-}
-
-/// A state of an asperity.
-#[derive(Clone, Copy, Debug, Default)]
-struct State {
-    contact: Flattened,
-    /// τ of the adhesive zone.
-    zone: f64,
-}
-
-impl State {
-    /// F_s, N, P, N, and the contact area, m².
-    fn forces(&self, scale: &Scale) -> [f64; 3] {
-        let radius = self.contact.radius * scale.radius;
-        [
-            self.contact.adhesion(self.zone) * scale.force,
-            self.contact.load * scale.force,
-            PI * radius * radius,
-        ]
-    }
-
-    /// The displacement by which adhesion draws the surfaces nearer.
-    fn drawn(&self) -> f64 {
-        self.contact.drawn(self.zone)
-    }
+    Ok(rows)
 }
 
 /// The states of an asperity on loading, by ω/s_δ.
@@ -172,26 +160,31 @@ struct Flow {
     law: Box<dyn Law>,
     /// Its last elastic regime.
     onset: usize,
-    scale: Scale,
-    /// The elastic contact, which says where contact begins by the history.
-    maugis: MaugisContact,
+    around: Around,
+    /// Where contact begins or ends by the history.
+    begin: Place,
 }
 
 impl Flow {
-    fn new(law: Box<dyn Law>, parameters: &LawParameters, maugis: &MaugisContact) -> Self {
+    fn new(law: Box<dyn Law>, around: Around, begin: &Place) -> Self {
         let flows = law.regimes().iter().position(|regime| regime.is_plastic());
         let onset = flows.expect("a plastic contact flows") - 1;
-        Self { law, onset, scale: parameters.scale, maugis: maugis.clone() }
+        Self { law, onset, around, begin: begin.clone() }
     }
 
     /// The asperity of the law's own radius.
     fn lane(&self) -> Lane {
-        Lane::new(1.0, Some(self.scale.lambda))
+        Lane::new(1.0, self.lambda())
+    }
+
+    /// λ of the solids, if they have adhesion.
+    fn lambda(&self) -> Option<f64> {
+        Some(self.around.scale.lambda).filter(|lambda| *lambda > 0.0)
     }
 
     /// ω/s_δ at the end of a regime of the plastic contact of an asperity.
     fn joint(&self, regime: usize, lane: &Lane) -> f64 {
-        self.law.boundaries()[regime].interference * lane.ratio / self.scale.length
+        self.law.boundaries()[regime].interference * lane.ratio / self.around.scale.length
     }
 
     /// The states of asperities at ω/s_δ in a regime of the plastic contact; zones are searched for from those that there
@@ -199,7 +192,7 @@ impl Flow {
     fn states(&self, regime: usize, lanes: Lanes<'_>, places: &[f64], out: &mut [State]) {
         let mut interference = [0.0; TOGETHER];
         let interference = &mut interference[..places.len()];
-        interference.iter_mut().zip(places).for_each(|(own, place)| *own = place * self.scale.length);
+        interference.iter_mut().zip(places).for_each(|(own, place)| *own = place * self.around.scale.length);
         BARE.with_borrow_mut(|bare| {
             if regime > self.onset {
                 let law = self.law.of_radii().expect("plastic contacts follow the radius");
@@ -222,13 +215,12 @@ impl Flow {
             let ratio = lanes.at(i).ratio;
             let hertz = (ratio * place).sqrt();
             let (radius, load) = if regime > self.onset {
-                let radius = (bare.area[i] / PI).sqrt() / self.scale.radius;
-                (radius, (bare.contact[i] / self.scale.force).min(most(ratio, place, radius)))
+                let radius = (bare.area[i] / PI).sqrt() / self.around.scale.radius;
+                (radius, (bare.contact[i] / self.around.scale.force).min(most(ratio, place, radius)))
             } else {
                 (hertz, place * hertz)
             };
-            state.contact = Flattened { lambda: self.scale.lambda, radius, load };
-            state.zone = state.contact.zone(state.zone);
+            *state = self.around.state(radius, load, state);
         }
     }
 
@@ -247,16 +239,13 @@ impl Flow {
     /// δ, m, at which a regime of the plastic contact ends: where the elastic contact begins to flow, or where one regime of
     /// flow passes into the next; where contact begins, if no stable state is there.
     fn end(&self, regime: usize, lane: &Lane) -> f64 {
-        let begin = self.maugis.begin_of(lane);
+        let begin = self.begin.of(lane);
         let place = self.joint(regime, lane);
         let state = self.state(regime, lane, place);
         let end = place - state.drawn();
-        let is_stable = if regime == self.onset {
-            libm::atan(state.zone) <= lane.elastic.contact_angle()
-        } else {
-            self.displacement(regime, lane, place * (1.0 - SHORT)) < end
-        };
-        if is_stable { begin.max(end * self.scale.length) } else { begin }
+        let is_stable = self.displacement(regime, lane, place * (1.0 - SHORT)) < end
+            && (regime > self.onset || libm::atan(state.zone) <= lane.elastic.contact_angle());
+        if is_stable { begin.max(end * self.around.scale.length) } else { begin }
     }
 
     /// ω/s_δ up to which the load of a regime is more than it may be, if it is where the regime begins.
@@ -318,7 +307,7 @@ impl Flow {
             let states = self.solve_few(regime, lanes.from(first), interference, stats);
             for (i, state) in states[..interference.len()].iter().enumerate() {
                 let i = begin + first + i;
-                [out.adhesion[i], out.contact[i], out.area[i]] = state.forces(&self.scale);
+                [out.adhesion[i], out.contact[i], out.area[i]] = self.around.forces(state);
             }
         }
     }
@@ -335,7 +324,7 @@ impl Flow {
         let mut states = [State::default(); TOGETHER];
         let (mut places, mut searches) = ([0.0; TOGETHER], [Search::default(); TOGETHER]);
         for (i, place) in places[..count].iter_mut().enumerate() {
-            searches[i].wanted = interference[i] / self.scale.length;
+            searches[i].wanted = interference[i] / self.around.scale.length;
             *place = searches[i].wanted.max(self.joint(regime - 1, lanes.at(i)));
         }
         for _ in 0..MOST_STEPS {
@@ -402,7 +391,7 @@ impl Tables {
         let forces = |delta: f64| {
             let solve = || {
                 let stats = &mut SolverStats::default();
-                flow.solve_few(regime, Lanes::new(&lane, &[0]), &[delta], stats)[0].forces(&flow.scale)
+                flow.around.forces(&flow.solve_few(regime, Lanes::new(&lane, &[0]), &[delta], stats)[0])
             };
             *known.borrow_mut().entry(delta.to_bits()).or_insert_with(solve)
         };
@@ -443,7 +432,7 @@ impl Flowing {
         let lane = exact.lane();
         let capped = exact.capped(regime, &lane);
         let capped =
-            capped.map(|place| [place, exact.displacement(regime, &lane, place) * exact.scale.length]);
+            capped.map(|place| [place, exact.displacement(regime, &lane, place) * exact.around.scale.length]);
         let is_last = regime == exact.law.boundaries().len();
         let upper = if is_last { f64::INFINITY } else { exact.end(regime, &lane) };
         let deepest = deepest.map_or(lower, |deepest| deepest.min(upper));
@@ -492,16 +481,17 @@ impl Interaction for Flowing {
 
 impl PartOfRadii for Flowing {
     fn lambda(&self) -> Option<f64> {
-        Some(self.exact.scale.lambda)
+        self.exact.lambda()
     }
 
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let (flow, regime) = (&self.exact, self.regime);
         // ω is proportional to the radius.
         let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
-        let kink = kink.map(|kink| kink * flow.scale.length).filter(|kink| lower < *kink && *kink < upper);
+        let kink =
+            kink.map(|kink| kink * flow.around.scale.length).filter(|kink| lower < *kink && *kink < upper);
         let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
-            let place = lower.min(fold * flow.scale.length);
+            let place = lower.min(fold * flow.around.scale.length);
             Smoothness::Root { end: End::Lower, place, order: 2 }
         });
         let smoothness = std::iter::once(first).chain(kink.map(|_| Smoothness::Smooth)).collect();

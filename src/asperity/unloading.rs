@@ -283,7 +283,7 @@ impl Loop {
             first_contact,
             first_plastic,
             onset: f64::INFINITY,
-            springback: springback(unloading, model, &LawParameters { path, ..*parameters })?,
+            springback: springback((unloading, path), model, parameters)?,
             own_radii,
             again: None,
             ratio: 1.0,
@@ -586,8 +586,12 @@ impl Loop {
     }
 }
 
-/// How contacts of a setting spring back, whose path is the one back.
-fn springback(unloading: Unloading, own: &Model, parameters: &LawParameters) -> Result<Springback, LawError> {
+/// How contacts of a setting spring back on a path.
+fn springback(
+    (unloading, path): (Unloading, Path),
+    own: &Model,
+    parameters: &LawParameters,
+) -> Result<Springback, LawError> {
     let jkr = |path| {
         let jkr = model("jkr").expect("it is a law");
         jkr.law(&LawParameters { path, ..*parameters })
@@ -599,7 +603,7 @@ fn springback(unloading: Unloading, own: &Model, parameters: &LawParameters) -> 
         }
         Unloading::Secant => Springback::Elastic(None),
         Unloading::FlattenedTop => Springback::Flattened(own.around(parameters)?),
-        Unloading::ThorntonNing => Springback::Elastic(Some(jkr(parameters.path)?.into())),
+        Unloading::ThorntonNing => Springback::Elastic(Some(jkr(path)?.into())),
         // It closes as it has opened.
         Unloading::MesarovicJohnson => Springback::Punch(jkr(Path::Retraction)?.into()),
     })

@@ -456,7 +456,7 @@ pub static KEYS: &[Key] = &[
     key("separation.cycles", "2", Whole(1, MOST_CYCLES))
         .what("how often the surfaces of a loop are brought close and pulled back")
         .about(
-            "From 2 on the second approach is computed, on datasets that begin with `reapproach_`, and the energy that each \
+            "Needs `history = \"loop\"`. From 2 on the second approach is computed, on datasets that begin with `reapproach_`, and the energy that each \
              cycle after the first dissipates. Between cycles the surfaces are parted until nothing touches. The second \
              retraction is the first once more, and so is every further cycle the second.",
         )

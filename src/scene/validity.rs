@@ -356,7 +356,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
             format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
             "tops that have flowed are flatter (Greenwood and Williamson 1966): history = \"approach\" is of the first \
                      touch, \"loop\" with [instability] preload of surfaces in use",
-            &["history"],
+            &[],
         )
     })
 }

@@ -235,7 +235,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "law = \"hybrid\"\nhistory = \"approach\"",
         "law = \"capillary\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]",
-        &["`model.unloaded_radius = \"elastic\"`: bridges around flattened tops are those of R"],
+        &["`model.unloaded_radius = \"elastic\"`", "\"flattened_top\" leaves tops with radii of their own"],
     ),
     ("[material]", "[material", &["line 5", "not TOML"]),
     ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),
@@ -414,7 +414,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "line 22",
             "`model.unloading = \"ekk\"`",
             "is not an unloading of the law zmc",
-            "the others are of any law but md_plastic",
+            "the others are of any law but these two",
         ],
     ),
     (
@@ -872,6 +872,7 @@ const VARIANTS: &[Variant] = &[
         &["model.history"],
         &[
             "model.unloaded_radius",
+            "separation.cycles",
             "instability.stiffness",
             "instability.preload",
             "instability.smallest_snap",

@@ -51,6 +51,10 @@ SHARES = "0.99 0.8 0.5".split()  # contact radius over the largest
 RANDOM = 24
 
 
+class Apart(Exception):
+    """Contacts that their bridge does not reach."""
+
+
 class Wet:
     """An asperity, and the plastic contact that it has without adhesion."""
 
@@ -105,6 +109,8 @@ class Wet:
             return c**2 / (2 * flattened) + (mp.pi / 2 - 1) * beta * c + self.curvature / c - self.range - inner
 
         circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100, verify=False)
+        if not abs(excess(circle)) < mpf(10) ** -40 * self.range:
+            raise Apart
         return mp.pi * self.pressure * circle**2, mp.pi / 2 * beta * circle
 
     def state(self, load, radius):
@@ -144,7 +150,10 @@ def rows_of(law, texts, multiples):
     wet = Wet(law, texts)
     for text in multiples:
         omega = critical_of(law, *wet.setting[1:]) * wet.radius * mpf(text)
-        loaded = nearest(wet.loading, omega)
+        try:
+            loaded = nearest(wet.loading, omega)
+        except Apart:
+            continue
         # Contact begins at 0.
         if loaded is None or loaded[1] <= 0:
             continue
@@ -160,13 +169,16 @@ def rows_of(law, texts, multiples):
 
         for share in SHARES:
             start = radius * mpf(share)
-            delta, _ = unloading(start)
-            distance = mpf(float(largest - delta))
-            slope = (unloading(start * (1 + SMALL))[0] - delta) / (start * SMALL)
-            if distance <= 0 or slope * start <= mpf("0.05") * start**2 / flattened:
+            try:
+                delta, _ = unloading(start)
+                distance = mpf(float(largest - delta))
+                slope = (unloading(start * (1 + SMALL))[0] - delta) / (start * SMALL)
+                if distance <= 0 or slope * start <= mpf("0.05") * start**2 / flattened:
+                    continue
+                own = start + (largest - distance - delta) / slope
+                yield (law, texts, largest, distance, unloading(own)[1])
+            except Apart:
                 continue
-            own = start + (largest - distance - delta) / slope
-            yield (law, texts, largest, distance, unloading(own)[1])
 
 
 def rows():

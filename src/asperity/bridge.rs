@@ -216,20 +216,16 @@ impl Bridge {
         }
         let wanted = (self.radius * inner).sqrt();
         let mut state = Wetted::default();
-        let mut missing = |angle: f64| {
+        let missing = |angle: f64| {
             state = self.of_angle(angle);
             Sample { value: state.contact - wanted, slope: state.narrowing }
         };
         // The contact around a rigid sphere.
         let start = if start > 0.0 { start } else { libm::cbrt(0.75 * PI / (inner / self.range + POINT)) };
-        let mut low = 0.5 * start;
-        while missing(low).value < 0.0 {
-            low *= 0.5;
-        }
         let enough = |angle: f64, sample: Sample| {
             sample.value.abs() <= 4.0 * f64::EPSILON * wanted || angle <= SMALLEST_ANGLE
         };
-        safe_newton(missing, low, FRAC_PI_2, start, enough);
+        safe_newton(missing, 0.0, FRAC_PI_2, start, enough);
         let half = FRAC_PI_2 * self.compliance;
         Wetted { interference: inner - half * state.circle * libm::sin(state.angle), ..state }
     }

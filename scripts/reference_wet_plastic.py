@@ -51,6 +51,10 @@ SHARES = "0.99 0.8 0.5".split()  # contact radius over the largest
 RANDOM = 24
 
 
+class Apart(Exception):
+    """Contacts that their bridge does not reach."""
+
+
 class Wet:
     """An asperity, and the plastic contact that it has without adhesion."""
 
@@ -105,6 +109,8 @@ class Wet:
             return c**2 / (2 * flattened) + (mp.pi / 2 - 1) * beta * c + self.curvature / c - self.range - inner
 
         circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100, verify=False)
+        if not (abs(excess(circle)) < mpf(10) ** -40 * self.range and circle > 0):
+            raise Apart
         return mp.pi * self.pressure * circle**2, mp.pi / 2 * beta * circle
 
     def state(self, load, radius):
@@ -144,7 +150,10 @@ def rows_of(law, texts, multiples):
     wet = Wet(law, texts)
     for text in multiples:
         omega = critical_of(law, *wet.setting[1:]) * wet.radius * mpf(text)
-        loaded = nearest(wet.loading, omega)
+        try:
+            loaded = nearest(wet.loading, omega)
+        except Apart:
+            continue
         # Contact begins at 0.
         if loaded is None or loaded[1] <= 0:
             continue
@@ -160,13 +169,16 @@ def rows_of(law, texts, multiples):
 
         for share in SHARES:
             start = radius * mpf(share)
-            delta, _ = unloading(start)
-            distance = mpf(float(largest - delta))
-            slope = (unloading(start * (1 + SMALL))[0] - delta) / (start * SMALL)
-            if distance <= 0 or slope * start <= mpf("0.05") * start**2 / flattened:
+            try:
+                delta, _ = unloading(start)
+                distance = mpf(float(largest - delta))
+                slope = (unloading(start * (1 + SMALL))[0] - delta) / (start * SMALL)
+                if distance <= 0 or slope * start <= mpf("0.05") * start**2 / flattened:
+                    continue
+                own = start + (largest - distance - delta) / slope
+                yield (law, texts, largest, distance, unloading(own)[1])
+            except Apart:
                 continue
-            own = start + (largest - distance - delta) / slope
-            yield (law, texts, largest, distance, unloading(own)[1])
 
 
 def rows():
@@ -175,8 +187,9 @@ def rows():
             yield from rows_of(law, asperity, LOADED if law is jg else LOADED[2::3])
     draw = random.Random(2)
     for number in range(RANDOM):
-        values = (10 ** draw.uniform(-7, -5), 10 ** draw.uniform(10.3, 11.3), 10 ** draw.uniform(-1.7, 0), 10 ** draw.uniform(-9.8, -9.4),
-                  10 ** draw.uniform(9, 10), draw.uniform(0.15, 0.45), 10 ** draw.uniform(-1.7, -1.1), 10 ** draw.uniform(-9.2, -8.2))
+        modulus = 10 ** draw.uniform(10.3, 11.3)
+        values = (10 ** draw.uniform(-7, -5), modulus, 10 ** draw.uniform(-1.7, 0), 10 ** draw.uniform(-9.8, -9.4),
+                  modulus * 10 ** draw.uniform(-2, -1.2), draw.uniform(0.15, 0.45), 10 ** draw.uniform(-1.7, -1.1), 10 ** draw.uniform(-9.2, -8.2))
         multiples = [repr(10 ** draw.uniform(0.3, 2.2)) for _ in range(2)]
         yield from rows_of((jg, zmc, tn, ke)[number % 4 if number % 2 else 0], tuple(map(repr, values)), multiples)
 

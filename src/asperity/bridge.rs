@@ -88,6 +88,8 @@ pub(super) struct Last {
 /// Angles φ from which on the end of stable contacts is looked for, and the tolerance of its logarithm.
 const SMALLEST_ANGLE: f64 = 1e-6;
 const ANGLE_TOLERANCE: f64 = 1e-10;
+/// Relative Newton step after which the search for a known contact ends.
+const LAST_STEP: f64 = 1e-8;
 /// 0.75π/(π/2)³.
 const POINT: f64 = 0.607_927_101_854_026_7;
 
@@ -216,20 +218,18 @@ impl Bridge {
         }
         let wanted = (self.radius * inner).sqrt();
         let mut state = Wetted::default();
-        let mut missing = |angle: f64| {
+        let missing = |angle: f64| {
             state = self.of_angle(angle);
             Sample { value: state.contact - wanted, slope: state.narrowing }
         };
         // The contact around a rigid sphere.
         let start = if start > 0.0 { start } else { libm::cbrt(0.75 * PI / (inner / self.range + POINT)) };
-        let mut low = 0.5 * start;
-        while missing(low).value < 0.0 {
-            low *= 0.5;
-        }
         let enough = |angle: f64, sample: Sample| {
-            sample.value.abs() <= 4.0 * f64::EPSILON * wanted || angle <= SMALLEST_ANGLE
+            sample.value.abs() <= LAST_STEP * angle * sample.slope.abs() || angle <= SMALLEST_ANGLE
         };
-        safe_newton(missing, low, FRAC_PI_2, start, enough);
+        safe_newton(missing, 0.0, FRAC_PI_2, start, enough);
+        // The error that is left is of the order of the square of the last step.
+        state = self.of_angle(state.angle - (state.contact - wanted) / state.narrowing);
         let half = FRAC_PI_2 * self.compliance;
         Wetted { interference: inner - half * state.circle * libm::sin(state.angle), ..state }
     }

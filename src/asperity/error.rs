@@ -53,7 +53,7 @@ pub enum LawError {
     /// The unloading is of other contacts than those of the law.
     #[error(
         "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic and capillary alone, \"ekk\" \
-         (Etsion, Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but these two"
+         (Etsion, Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but md_plastic and capillary"
     )]
     NoUnloading {
         /// Name of the law.

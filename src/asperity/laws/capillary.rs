@@ -176,7 +176,7 @@ impl Parts {
     /// What acts around flattened tops, whose dry solids have the units `dry`.
     pub(in crate::asperity) fn around(&self, dry: &Scale) -> Around {
         let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
-        Around { scale, bridge: Some(self.bridge) }
+        Around { scale, bridge: Some(self.bridge).filter(|bridge| bridge.stress > 0.0) }
     }
 
     /// The law of the asperity with a plastic contact.

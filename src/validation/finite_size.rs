@@ -479,7 +479,7 @@ mod tests {
         const STUDIES: usize = 2000;
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let counts: [f64; 7] = std::array::from_fn(|i| 100.0 * 3.0_f64.powi(i as i32));
-        let (mut held, mut fits) = ([0; 3], 0);
+        let (mut held, mut fits) = ([0; 3], 0_usize);
         for _ in 0..STUDIES {
             let true_bias = counts.map(|n| 3.0 * n.powf(-0.5));
             let errors: [f64; 7] = std::array::from_fn(|i| true_bias[i] * 0.01 * 1.5_f64.powi(i as i32));
@@ -499,7 +499,7 @@ mod tests {
             held.iter_mut().zip(off).for_each(|(held, off)| *held += usize::from(off.abs() <= 1.96));
         }
         assert!(fits > STUDIES * 99 / 100, "{fits}");
-        for held in held.map(|held| f64::from(held) / fits as f64) {
+        for held in held.map(|held: usize| held as f64 / fits as f64) {
             assert!((0.95 - 0.0195..=0.98 + 0.0125).contains(&held), "{held}");
         }
     }

@@ -121,7 +121,7 @@ def test_plain_sampling_agrees(below):
     """A patch of case II, by its own law, at about 1 in 100; with STICTION_RARE=full case I at 1 in 1000. Within 4.5 standard errors of
     the difference (7e-6).
     """
-    scene, replicas, share = (CONFIGS / "case_i.toml", 30_000, 1e-3) if FULL else (CONFIGS / "quick.toml", 10_000, 1e-2)
+    scene, replicas, share = (CONFIGS / "case_i.toml", 30_000, 1e-3) if FULL else (CONFIGS / "quick.toml", 4000, 1e-2)
     plain = plainly(scene, replicas)
     threshold = float(np.quantile(plain, share if below else 1.0 - share))
     patches = Patches(priors.opened(scene))
@@ -196,7 +196,8 @@ def test_patches_pull_least_where_one_asperity_holds_the_others_apart():
     if not FULL:
         tables["surface"]["nominal_area"] = "100 um^2"
         threshold, count, height = 0.12e-6, COUNT // 10, 5.93
-    found = [Patches(tables, seed=seed).probability(threshold, below=True, error=0.1) for seed in range(2 if FULL else 1)]
+    error = 0.1 if FULL else 0.3
+    found = [Patches(tables, seed=seed).probability(threshold, below=True, error=error) for seed in range(2 if FULL else 1)]
     assert 1 / 1.5 < found[0].value / (count * stats.norm.sf(height)) < 1.5
     assert abs(found[0].value - found[-1].value) <= 4.5 * np.hypot(found[0].standard_error, found[-1].standard_error)
 
@@ -251,16 +252,33 @@ def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
 
 
 def test_what_never_or_always_happens_is_said(tmp_path, capsys):
-    """No patch pulls harder than all its asperities at once; the 501 patches all pull at least almost nothing; and a search goes on from an end where nothing happens."""
+    """No patch pulls harder than all its asperities at once; the 501 patches all pull at least almost nothing."""
     assert Patches(extremes(9.0)).probability(1.0).value == 0.0
     path = tmp_path / "scene.toml"
     path.write_text(stiction.scenes.toml({"format": 1, **extremes(3.0)}), encoding="utf-8")
     for above, said in (("1 N", "none, or rarer than"), ("0.1 fN", "at least 0.993, as all of 501 patches are such")):
         assert command.main([str(path), "--above", above]) == 0
         assert said in capsys.readouterr().out
+
+
+class Counted(Known):
+    """Stands for patches of which 85 asperities are above 3 nm or not, and pull 2πRΔγ each: none pull what all at once do not."""
+
+    def __init__(self, tables, seed, threads):
+        self.work, self.chance = float(tables["material"]["work_of_adhesion"].split()[0]), np.random.default_rng(seed)
+
+    def probability(self, threshold, below, error):
+        value = stats.binom(85, stats.norm.sf(3.0 / SIGMA)).sf(np.floor(threshold / (ONE / 0.01 * self.work)))
+        return estimate.NEVER if value < estimate.LEAST else Probability(value, 0.05 * value, 1000, 500, 1.0, 0.1, 400.0, 0.01)
+
+
+def test_a_search_goes_on_from_an_end_where_nothing_happens(monkeypatch):
+    """As many asperities as are above h in less than 1e-3 of the patches: one less must not pull 1 µN. Probabilities go in steps of a number
+    of asperities, so that the value is known to 5 %.
+    """
+    monkeypatch.setattr(search, "Patches", Counted)
     scene = extremes(3.0, area="10 um^2")
     scene["material"]["work_of_adhesion"] = {"prior": "log_uniform", "from": "0.01 mJ/m^2", "to": "100 mJ/m^2"}
-    # As many asperities as are above h in less than 1e-3 of the patches: one less must not pull 1 µN.
     least = int(stats.binom(85, stats.norm.sf(3.0 / SIGMA)).isf(1e-3)) + 1
     found = design(scene, 1e-3, above="1 uN", error=0.2)
     assert 0.0 in [of.value for _, of in found.tried]

@@ -37,6 +37,12 @@ __all__ = [
 ]
 
 
+def agreement(replicas: int, most_differing: float) -> str:
+    """What is known where all replicas agree, and most_differing is the share of patches that differ at most."""
+    share = quantities.number(100.0 * most_differing)
+    return f"all {replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
+
+
 @dataclass(frozen=True)
 class PullOff:
     """The pull-off force that is to be quoted: the mean over replicas.
@@ -80,8 +86,7 @@ class PullOff:
         """What is known where all replicas agree; empty where they do not."""
         if self.most_differing is None:
             return ""
-        share = quantities.number(100.0 * self.most_differing)
-        return f"all {self.replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
+        return agreement(self.replicas, self.most_differing)
 
     def __float__(self) -> float:
         return self.mean

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import itertools
+from collections.abc import Iterable
 from typing import Any
 
 import pandas as pd
@@ -112,9 +114,7 @@ def asperity(
             raise SceneError(f"{name}: the array is empty")
     broadcast = xarray.broadcast(*arrays.values())
     shape, dims = broadcast[0].shape, broadcast[0].dims
-    table = pd.DataFrame({name: array.values.ravel() for name, array in zip(arrays, broadcast, strict=True)})
-    text = table.to_csv(index=False, float_format="%.17g", lineterminator="\n")
-    printed = program.call(["asperity", "--law", law, "--path", path, "--table", "-"], text=text)
+    printed = program.call(["asperity", "--law", law, "--path", path, "--table", "-"], text=_table(arrays, broadcast))
     solved = pd.read_csv(io.StringIO(printed))
     coordinates = {name: coordinate for array in broadcast for name, coordinate in array.coords.items()}
     results = {
@@ -124,6 +124,17 @@ def asperity(
     attributes = {"law": law, "path": path}
     scalars = {name: array for name, array in arrays.items() if array.ndim == 0}
     return xarray.Dataset(results, coords={**coordinates, **scalars}, attrs=attributes)
+
+
+def _table(arrays: dict[str, xarray.DataArray], broadcast: tuple[xarray.DataArray, ...]) -> str:
+    """Arguments as the program reads them; what is one number is written once, as writing takes longer than solving."""
+    columns: list[Iterable[str]] = []
+    for array, whole in zip(arrays.values(), broadcast, strict=True):
+        if array.size == 1:
+            columns.append(itertools.repeat(f"{float(array.values.ravel()[0]):.17g}", whole.size))
+        else:
+            columns.append(map("{:.17g}".format, whole.values.ravel().tolist()))
+    return "\n".join([",".join(arrays), *map(",".join, zip(*columns, strict=True)), ""])
 
 
 def _array(name: str, value: Any) -> xarray.DataArray:

@@ -29,13 +29,9 @@ impl CrossCheck {
             let std = if checked.group == 1 {
                 joined(checked, &|way| format!("/integral/{way}{name}_std"))?
             } else {
-                let mut errors: Vec<f64> = Vec::new();
-                for way in &ways {
-                    errors.extend(
-                        checked.values(&format!("{}_standard_error", checked.independent(way, name)))?,
-                    );
-                }
-                errors.iter().map(|error| (groups as f64).sqrt() * error).collect()
+                let all: Result<Vec<_>, _> =
+                    ways.iter().map(|way| checked.scatter_of_groups(way, name)).collect();
+                all?.concat()
             };
             Ok([mean, expected, std])
         };

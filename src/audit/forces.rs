@@ -184,7 +184,12 @@ impl Checked<'_> {
             // that of all.
             let largest =
                 if self.group == 1 { n.sqrt().recip() } else { ((n - 1.0) / (n * (groups - 1.0))).sqrt() };
-            let expected: Vec<f64> = std.iter().map(|std| largest * std).collect();
+            // Where all replicas agree no error is known.
+            let known = |(i, std): (usize, &f64)| {
+                let agree = error[i].is_nan() && *std <= ROUNDING * mean[i].abs();
+                if agree { f64::NAN } else { largest * std }
+            };
+            let expected: Vec<f64> = std.iter().enumerate().map(known).collect();
             let tolerance =
                 |i: usize| ROUNDING * (expected[i] + mean[i].abs() * largest) + 1e-12 * mean[i].abs();
             if self.group == 1 {
@@ -192,7 +197,7 @@ impl Checked<'_> {
             } else if let Some(i) = (0..error.len()).find(|&i| error[i] > expected[i] + tolerance(i)) {
                 self.say_at(&path, i, error[i], &format!("the standard deviation allows {:e}", expected[i]));
             }
-            of_forces.push((mean, [std, error]));
+            of_forces.push((mean, [std, error.iter().map(|error| error.max(0.0)).collect()]));
         }
         for (i, name) in ["std", "standard_error"].into_iter().enumerate() {
             let of = |quantity: Quantity| of_forces[quantity.index()].1[i].clone();
@@ -241,6 +246,15 @@ impl Checked<'_> {
         }
     }
 
+    /// Standard deviation of the mean of one group of replicas: 0 where all agree, which has no standard error.
+    pub fn scatter_of_groups(&self, way: &str, name: &str) -> Result<Vec<f64>, OutputError> {
+        let groups = self.groups();
+        let errors = self.values(&format!("{}_standard_error", self.independent(way, name)))?;
+        let scatter =
+            |error: &f64| if groups > 1 { (groups as f64).sqrt() * error.max(0.0) } else { f64::NAN };
+        Ok(errors.iter().map(scatter).collect())
+    }
+
     /// z-scores.
     pub fn scores(&mut self, way: &str) -> Result<(), OutputError> {
         for name in ["adhesion_force", "external_force"] {
@@ -249,9 +263,7 @@ impl Checked<'_> {
             let std = if self.group == 1 {
                 self.values(&format!("/integral/{way}{name}_std"))?
             } else {
-                let root = (self.groups() as f64).sqrt();
-                let errors = self.values(&format!("{}_standard_error", self.independent(way, name)))?;
-                errors.iter().map(|error| root * error).collect()
+                self.scatter_of_groups(way, name)?
             };
             let scores = z_scores(&mean, &expected, &std, self.groups());
             let path = format!("/validation/{way}z_{name}");

@@ -165,7 +165,7 @@ impl Checked<'_> {
         }
         for (scalar, difference) in SCALARS.iter().zip(differences) {
             let path = |of: &str| format!("/differences/{}_{of}", scalar.name);
-            let size = difference.mean.abs() + difference.standard_error.abs();
+            let size = difference.mean.abs() + difference.standard_error.max(0.0);
             let slack = if size.is_nan() { 0.0 } else { ROUNDING * size };
             for (of, expected) in [
                 ("mean", difference.mean),

@@ -1,13 +1,14 @@
 //! What coupling makes of an ensemble, on the terminal.
 
 use super::rows::row;
-use super::summary::h_star;
+use super::summary::{agreeing, h_star};
 use crate::asperity::Quantity;
 use crate::engine::{CoupledMoments, Ways};
 use crate::experiment::coupling::deviations;
 use crate::experiment::results::Results;
 use crate::format::{percent, si};
 use crate::math::moments::Moments;
+use crate::math::proportion;
 use crate::substrate::{Coupling, Kernel};
 
 const EXTERNAL: usize = Quantity::ExternalForce as usize;
@@ -53,7 +54,7 @@ fn of_scalar(coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<S
     let unit = if index == 0 { "N" } else { "N/m" };
     let [independent, difference] = &coupled.groups.scalars;
     let (without, change) = (independent.mean()[index], difference.mean()[index]);
-    let error = within(difference.standard_error()[index], unit);
+    let error = difference.standard_error()[index];
     if !(without > 0.0) {
         return None;
     }
@@ -66,8 +67,10 @@ fn of_scalar(coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<S
         share if share < 1.0 => format!("{} {less}, ", percent(share)),
         _ => String::new(),
     };
-    let (with, change) = (si(without + change, unit), si(change, unit));
-    Some(format!("{name} {}, with coupling {with} ({share}{change}{error})", si(without, unit)))
+    let alike = agreeing(difference.count(), proportion::agreeing(difference.count(), error));
+    let alike = alike.map_or(String::new(), |alike| format!("; {alike}"));
+    let (with, change, error) = (si(without + change, unit), si(change, unit), within(error, unit));
+    Some(format!("{name} {}, with coupling {with} ({share}{change}{error}{alike})", si(without, unit)))
 }
 
 /// h* of a state, and on which way it is.

@@ -6,6 +6,7 @@ use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
 use super::source::SceneArguments;
+use super::summary::at_most;
 use super::terminal::{complete_before, print_of};
 use crate::experiment::Error;
 use crate::experiment::finite_size::{
@@ -91,9 +92,16 @@ fn summary(scene: &Scene, study: &FiniteSize) -> String {
         text += &row("coupling", &format!("{}, which the integral leaves out", substrate.coupling.name()));
     }
     text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   independence   sums\n";
-    for PatchSize { count, bias: [bias, error], scatter, independence, sum, .. } in &study.sizes {
+    let mut agree = String::new();
+    for PatchSize { count, bias: [bias, error], scatter, independence, sum, most_differing, .. } in
+        &study.sizes
+    {
         let [_, low, .., high, _] = scatter.quantiles;
+        if most_differing.is_finite() {
+            agree += &row("", &format!("N = {count}: all replicas agree: {}", at_most(*most_differing)));
+        }
         let bias = match *bias {
+            bias if error.is_nan() => signed_percent(bias),
             bias if bias < 1.0 => format!("{} ± {}", signed_percent(bias), percent(*error)),
             bias => format!("x {:.4} ± {error:.4}", 1.0 + bias),
         };
@@ -105,6 +113,7 @@ fn summary(scene: &Scene, study: &FiniteSize) -> String {
         );
     }
     text.push('\n');
+    text += &agree;
     text += &match &study.approach {
         Err(refusal) => {
             row("approach", "no power law, and nothing beyond the largest size:")

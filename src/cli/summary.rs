@@ -96,9 +96,13 @@ fn scattered(share: f64) -> String {
 }
 
 /// What is known where all groups of replicas agree, if they do.
-fn agreeing(groups: u64, differing: f64) -> Option<String> {
-    let bound = || format!("with 95 % confidence at most {} of patches differ", percent(differing));
-    differing.is_finite().then(|| format!("all {groups} replicas agree: {}", bound()))
+pub(super) fn agreeing(groups: u64, differing: f64) -> Option<String> {
+    differing.is_finite().then(|| format!("all {groups} replicas agree: {}", at_most(differing)))
+}
+
+/// The share of patches that may differ though all replicas agree.
+pub(super) fn at_most(differing: f64) -> String {
+    format!("with 95 % confidence at most {} of patches differ", percent(differing))
 }
 
 /// A mean over replicas with its standard error and the scatter of one replica.

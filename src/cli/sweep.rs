@@ -4,6 +4,7 @@ use super::arguments::RunArguments;
 use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
+use super::summary::at_most;
 use super::terminal::{complete_before, print_of};
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
@@ -11,7 +12,7 @@ use crate::format::si;
 use crate::output::OutputLock;
 use crate::scene::echo::one_line;
 use crate::scene::{Scene, Sweep};
-use crate::validation::{SIGNIFICANCE, Verdict, disagreeing, overall};
+use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
@@ -76,7 +77,7 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
         let mut line: Vec<String> =
             sweep.axes.iter().zip(values).map(|(axis, v)| axis.key.shown(v)).collect();
         let difference = &row.differences[0];
-        line.extend([si(row.pull_off[0], "N"), si(row.pull_off[1], "N"), si(row.integral, "N")]);
+        line.extend([si(row.pull_off[0], "N"), error(row.pull_off[1]), si(row.integral, "N")]);
         line.extend(match point {
             0 => ["-", "-", "-"].map(str::to_owned),
             _ => {
@@ -86,7 +87,7 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
                     ratio if ratio < 1e4 => format!("/ {ratio:.2}"),
                     ratio => format!("/ {ratio:.0e}"),
                 };
-                [si(difference.mean, "N"), si(difference.standard_error, "N"), ratio]
+                [si(difference.mean, "N"), error(difference.standard_error), ratio]
             }
         });
         let mark = if disagree[point] { " *" } else { "" };
@@ -102,15 +103,31 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
             line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         format!("  {}\n", cells.join("  "))
     };
-    let none = |row: &SweepPoint| row.differences[0].mean == 0.0 && row.differences[0].standard_error == 0.0;
-    let rounding = match rows.iter().skip(1).any(none) {
-        true => row("0 N", "to the first: no more than the rounding of the sums"),
-        false => String::new(),
-    };
     lines.iter().map(shown).collect::<String>()
         + "\n"
-        + &rounding
+        + &agreeing(rows)
         + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
+}
+
+/// A standard error; a dash where it is not known.
+fn error(error: f64) -> String {
+    if error.is_finite() { si(error, "N") } else { "-".to_owned() }
+}
+
+/// What is known where pull-offs, or their differences to the first point, are alike in all replicas.
+fn agreeing(rows: &[SweepPoint]) -> String {
+    let differences = || rows.iter().skip(1).map(|row| row.differences[0]);
+    let all = rows.iter().map(|row| row.most_differing).chain(differences().map(|own| own.most_differing));
+    let most = all.fold(f64::NAN, f64::max);
+    let none = |own: Difference| own.mean == 0.0 && own.most_differing.is_finite();
+    let mut text = String::new();
+    if differences().any(none) {
+        text += &row("0 N", "to the first: no more than the rounding of the sums");
+    }
+    if most.is_finite() {
+        text += &row("-", &format!("all replicas agree, and there is no error: {}", at_most(most)));
+    }
+    text
 }
 
 /// The verdict of the cross-checks of all points.

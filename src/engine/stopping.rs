@@ -12,7 +12,8 @@ use super::Job;
 use super::batch::{BATCH, Ensemble};
 use super::reduction_tree::ReductionTree;
 use super::scalars::SCALARS;
-use crate::math::control_variates::{agreeing, controlled_means};
+use crate::math::control_variates::controlled_means;
+use crate::math::proportion::agreeing;
 
 /// Replicas that agree are enough for a target where at most so many of all outcomes may differ.
 const DIFFERING: f64 = 0.05;

@@ -145,6 +145,9 @@ pub struct PatchSize {
     means: [[f64; 2]; 2],
     /// Mean pull-off force over that of the integral, less 1, and its standard error.
     pub bias: [f64; 2],
+    /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
+    /// confidence; otherwise NaN.
+    pub most_differing: f64,
     /// Scatter of the pull-off force from patch to patch.
     pub scatter: Scatter,
     /// Whether its asperities may be taken as independent.
@@ -211,6 +214,7 @@ fn size(file: &Path, count: u64, integral: f64) -> Result<PatchSize, OutputError
         pull_off,
         means,
         bias: [means[1][0] / integral - 1.0, means[1][1] / integral],
+        most_differing: reader.values::<f64>("/ensemble/scalar_most_differing")?[0],
         scatter: Scatter::new(&relative),
         independence: read_independence(&reader)?,
         p_value: reader.number("/validation", "p_value")?,

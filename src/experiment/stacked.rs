@@ -73,6 +73,9 @@ pub(crate) fn stacked(
 pub struct SweepPoint {
     /// Mean pull-off force over replicas and its standard error, N.
     pub pull_off: [f64; 2],
+    /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
+    /// confidence; otherwise NaN.
+    pub most_differing: f64,
     /// Pull-off force of the integral, N.
     pub integral: f64,
     /// Difference of each of the [`SCALARS`] to the first point.
@@ -87,6 +90,7 @@ impl SweepPoint {
     /// A point that is not there.
     const ABSENT: Self = Self {
         pull_off: [f64::NAN; 2],
+        most_differing: f64::NAN,
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
         p_value: f64::NAN,
@@ -269,6 +273,7 @@ fn compared(
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(SweepPoint {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
+        most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
         integral: reader.number("/integral", "pull_off_force")?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,

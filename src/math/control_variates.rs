@@ -16,11 +16,9 @@
 
 use super::interval::{interval, skewness};
 use super::linalg::whitening;
-use super::moments::{CentralMoments, Comoments};
-use super::proportion::most_differing;
+use super::moments::{CentralMoments, Comoments, agree};
+use super::proportion::agreeing;
 
-/// Samples agree whose scatter is at most so much of their mean: what rounding and the solvers leave is less.
-const ALIKE: f64 = 1e-9;
 /// Directions of the controls' correlation whose variance is less than this share of the largest are left out
 /// as collinear.
 const COLLINEAR: f64 = 1e-8;
@@ -72,12 +70,6 @@ impl ControlledMean {
     }
 }
 
-/// The share of outcomes that may differ, with 95 % confidence, where at least two samples agree: there is then
-/// no standard error. Otherwise NaN.
-pub fn agreeing(samples: u64, standard_error: f64) -> f64 {
-    if samples >= 2 && standard_error.is_nan() { most_differing(samples) } else { f64::NAN }
-}
-
 /// The means of the last components of a sample in independent `parts`, with the first ones as controls,
 /// whose expectations are `expected`. Controls that do not vary, and collinear ones, do no harm. A plain mean
 /// is its own controlled mean without controls, and when any part leaves no more than two elements more to
@@ -117,7 +109,7 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
         }
         let ([mean, squares, cubes], n) = (merged.of_combination(&[1.0]), merged.count());
         let squares = if squares <= nothing { 0.0 } else { squares };
-        let agree = !controlled && squares <= n as f64 * (ALIKE * mean).powi(2);
+        let agree = !controlled && agree(n, mean, squares);
         let freedom = n as f64 - 1.0 - if controlled { coefficients as f64 } else { 0.0 };
         let standard_error =
             if n < 2 || agree { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };

@@ -2,6 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Samples agree whose scatter is at most so much of their mean: what rounding and the solvers leave is less.
+const ALIKE: f64 = 1e-9;
+
+/// Whether samples agree, by their number, mean and sum of squared deviations. Of the error of their mean nothing
+/// is known then: equal outcomes are no certainty.
+pub fn agree(count: u64, mean: f64, squares: f64) -> bool {
+    squares <= count as f64 * (ALIKE * mean).powi(2)
+}
+
 /// Count, mean and sum of squared deviations of each component.
 ///
 /// # Examples
@@ -85,10 +94,12 @@ impl Moments {
         self.squares.iter().map(|squares| (squares / (self.count - 1) as f64).sqrt()).collect()
     }
 
-    /// The standard error of the mean of each component; NaN for fewer than two samples.
+    /// The standard error of the mean of each component; NaN for fewer than two samples, and where all agree.
     pub fn standard_error(&self) -> Vec<f64> {
         let root = (self.count as f64).sqrt();
-        self.std().iter().map(|std| std / root).collect()
+        let known =
+            self.mean.iter().zip(&self.squares).map(|(mean, squares)| !agree(self.count, *mean, *squares));
+        self.std().iter().zip(known).map(|(std, known)| if known { std / root } else { f64::NAN }).collect()
     }
 
     /// Whether both are of vectors of the same length.
@@ -365,5 +376,20 @@ mod tests {
         let mut moments = Moments::new(1);
         moments.push(&[3.0]);
         assert!(moments.std()[0].is_nan() && moments.standard_error()[0].is_nan());
+    }
+
+    /// Equal samples scatter by nothing, but that says nothing about the error of their mean; a billionth counts as
+    /// rounding, and a millionth does not.
+    #[test]
+    fn equal_samples_have_no_standard_error() {
+        let error = |samples: [f64; 3]| {
+            let moments = Moments::of(samples.into_iter());
+            assert!(moments.std()[0] >= 0.0);
+            moments.standard_error()[0]
+        };
+        assert!(
+            error([3.0; 3]).is_nan() && error([0.0; 3]).is_nan() && error([3.0, 3.0, 3.0 + 1e-9]).is_nan()
+        );
+        assert!((error([3.0, 3.0, 3.0 + 1e-6]) - 1e-6 / 3.0).abs() < 1e-12);
     }
 }

@@ -178,3 +178,61 @@ fn sizes_of_loops_end_at_their_own_targets() {
     let of_approach = values(&folder, "integral_pull_off_per_asperity")[0];
     assert!(of_loop > 1.1 * of_approach, "{of_loop:e} {of_approach:e}");
 }
+
+/// One soft asperity pulls 2πRΔγ in every patch. Of 8 that agree there is no error, of means, of differences, and of curves: of
+/// all patches at most 1 − 0.05^(1/8) = 31.23 % differ, with 95 % confidence.
+#[test]
+fn equal_replicas_are_no_certainty() {
+    let bound = "with 95 % confidence at most 31.23 % of patches differ";
+    let folder = Folder::new(ALIKE);
+    let run = folder.stiction(&["finite-size", "scene.toml", "--counts", "1,20"]);
+    assert_exit(&run, 0);
+    assert!(
+        text(&run.stdout).contains(&format!("N = 1: all replicas agree: {bound}")),
+        "{}",
+        text(&run.stdout)
+    );
+    let errors = values(&folder, "bias_standard_error");
+    assert!(errors[0].is_nan() && errors[1] > 0.0, "{errors:?}");
+    let run = folder.stiction(&["compare", "scene.toml", "--laws", "dmt,jkr", "--ensemble", "-o", "c.h5"]);
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains(&format!("all replicas agree: {bound}")), "{}", text(&run.stdout));
+    let sweep = "[sweep]\n\"material.work_of_adhesion\" = [\"20 mJ/m^2\", \"40 mJ/m^2\"]\n";
+    std::fs::write(folder.path("sweep.toml"), format!("{ALIKE}{sweep}")).unwrap();
+    let run = folder.stiction(&["run", "sweep.toml", "-o", "sweep.h5"]);
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains(&format!("there is no error: {bound}")), "{}", text(&run.stdout));
+    let file = unlocked::open(folder.path("sweep.h5"));
+    let of = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    assert!(of("/differences/pull_off_force_standard_error")[1].is_nan());
+    let pull_off = 2.0 * std::f64::consts::PI * 1e-6 * 0.02;
+    assert!((of("/differences/pull_off_force_mean")[1] / pull_off - 1.0).abs() < 1e-6);
+    // Where no patch touches all curves are 0.
+    let (std, error) = (of("/ensemble/external_force_std"), of("/ensemble/external_force_standard_error"));
+    assert!(std.iter().zip(&error).all(|(std, error)| (*std == 0.0) == error.is_nan()));
+    assert!(error.iter().any(|error| error.is_nan()) && error.iter().any(|error| *error > 0.0));
+    for name in ["c.h5", "sweep.h5", "scene_finite_size.h5"] {
+        assert_exit(&folder.stiction(&["validate", name]), 0);
+    }
+}
+
+const ALIKE: &str = r#"format = 1
+[material]
+reduced_modulus = "100 Pa"
+hardness = "1 TPa"
+poisson_ratio = 0.3
+work_of_adhesion = "20 mJ/m^2"
+equilibrium_spacing = "0.3 nm"
+[surface]
+asperity_radius = "1 um"
+asperity_density = "1 /um^2"
+asperity_height_std = "1.5 nm"
+mean_plane_offset = "0 nm"
+nominal_area = "1 um^2"
+[model]
+law = "dmt"
+[separation]
+h = { from = "-9 nm", to = "9 nm", count = 73 }
+[ensemble]
+replicas = 8
+"#;

@@ -216,7 +216,8 @@ fn differences_are_those_of_two_runs() {
                 found(name)
             );
         }
-        assert_eq!((found("mean")[0], found("standard_error")[0]), (0.0, 0.0));
+        // Of what is the same in all replicas there is no error.
+        assert!(found("mean")[0] == 0.0 && found("standard_error")[0].is_nan());
         assert!(found("variance_ratio")[0].is_nan());
         // Random numbers in common are worth something: points so close vary together.
         assert!(ratio > 10.0, "{ratio}");
@@ -225,7 +226,7 @@ fn differences_are_those_of_two_runs() {
 
 /// Asperities that are nowhere near to flow do not depend on the hardness: what differs between such points
 /// is the rounding of their sums, by moments over other cells. It is told as nothing, and no variance is 1e26
-/// times as small.
+/// times as small. Of 16 replicas that agree at most 1 − 0.05^(1/16) = 17.07 % of patches differ.
 #[test]
 fn differences_below_their_rounding_are_none() {
     let scene = swept("material.hardness = [\"9 GPa\", \"7 GPa\", \"5 GPa\"]")
@@ -233,7 +234,9 @@ fn differences_below_their_rounding_are_none() {
     let folder = Folder::new(&(scene + "\n[solver]\nsummation = \"moments\"\n"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("no more than the rounding of the sums"), "{}", text(&run.stdout));
+    for part in ["no more than the rounding of the sums", "at most 17.07 % of patches differ"] {
+        assert!(text(&run.stdout).contains(part), "{part}: {}", text(&run.stdout));
+    }
     let file = unlocked::open(folder.path("scene.h5"));
     let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let forces = values("/replicas/pull_off_force");
@@ -241,8 +244,9 @@ fn differences_below_their_rounding_are_none() {
     assert!(others.iter().zip(first.iter().cycle()).any(|(other, first)| other != first), "nothing to round");
     for name in ["pull_off_force", "pull_off_separation"] {
         assert_eq!(values(&format!("/differences/{name}_mean")), [0.0; 3], "{name}");
-        assert_eq!(values(&format!("/differences/{name}_standard_error")), [0.0; 3], "{name}");
-        assert!(values(&format!("/differences/{name}_variance_ratio")).iter().all(|ratio| ratio.is_nan()));
+        for none in ["standard_error", "variance_ratio"] {
+            assert!(values(&format!("/differences/{name}_{none}")).iter().all(|one| one.is_nan()), "{name}");
+        }
     }
 }
 

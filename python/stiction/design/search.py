@@ -15,12 +15,15 @@ from .. import priors, quantities
 from ..errors import SceneError
 from ..scenes import Scene
 from .estimate import LEAST, Probability
+from .heights import Array
 from .rare import Patches
 
 __all__ = ["Best", "Design", "Event", "best", "design", "event", "probability"]
 
 # A search ends when the number is known so well, relative to its range (or to the logarithm of that).
 _WIDTH = 0.005
+# By how much a parabola through the logarithms of probabilities is off, times their square.
+_BENT = 0.1
 _STEPS = 12
 
 
@@ -177,7 +180,7 @@ def design(
     error : float
         Relative standard error of each probability.
     seed, threads : int, optional
-        As in `stiction.run`; the seed is the same for all values.
+        As in `stiction.run`; each value has random numbers of its own that follow from the seed.
 
     Raises
     ------
@@ -192,16 +195,20 @@ def design(
         raise SceneError(f"probability = {wanted}: a number from 1e-12 to below 1 is needed")
     found, prior = _ranged(scene)
     tried: list[tuple[float, Probability]] = []
+    # Errors of all values are independent.
+    first = int(found.tables["ensemble"].get("seed", 1)) if seed is None else seed
 
     def excess(share: float) -> tuple[float, float]:
         """ln of the probability over that which is wanted, and its standard error, at a share of the range."""
         value = float(prior.distribution.ppf(share))
         tables = _with(found.tables, prior.key, prior.text(value))
-        of = Patches(tables, seed=seed, threads=threads).probability(happens.threshold, below=happens.below, error=error)
+        own = int(np.random.default_rng([first, len(tried)]).integers(2**62))
+        of = Patches(tables, seed=own, threads=threads).probability(happens.threshold, below=happens.below, error=error)
         tried.append((value, of))
         if of.value == 0.0:
             return math.log(LEAST / wanted), 0.0
-        return math.log(of.value / wanted), of.relative_error
+        # The mean of the logarithm is less than that of the mean.
+        return math.log(of.value / wanted) + 0.5 * of.relative_error**2, of.relative_error
 
     good, bad = (1.0, 0.0) if largest else (0.0, 1.0)
     at_good = excess(good)
@@ -227,14 +234,28 @@ def design(
     share = float(optimize.brentq(at, 0.0, 1.0, xtol=_WIDTH, maxiter=_STEPS, disp=False))
     if share not in values:
         at(share)
-    value, spread = values[share], spreads[share]
-    other = min((one for one in values if values[one] * value <= 0.0 and one != share), key=lambda one: abs(one - share), default=bad)
-    slope = (values[other] - value) / (other - share)
-    # From the nearest probability to the wanted one by the slope, with the error of the probability.
-    centre = share - value / slope
-    half = abs(1.96 * spread / slope)
+    centre, half = _crossing(np.array(list(values)), np.array(list(values.values())), np.array([spreads[one] for one in values]))
     low, high, best = (float(prior.distribution.ppf(min(max(one, 0.0), 1.0))) for one in (centre - half, centre + half, centre))
     return Design(prior.key, prior.unit, best, (low, high), False, tuple(tried))
+
+
+def _crossing(shares: Array, values: Array, spreads: Array) -> tuple[float, float]:
+    """The share of the range at which values with standard errors are 0, and half of what holds it in 95 of 100 cases.
+
+    It is that of a parabola through all of them, of which the far ones weigh little. One value and the slope to the next
+    would not do: the search ends where a value happens to be near 0, and the next may be so near that the slope is chance.
+    """
+    nearest = int(np.abs(values).argmin())
+    powers = np.vander(shares - shares[nearest], 3)
+    weights = 1.0 / (spreads**2 + (_BENT * values**2) ** 2 + 1e-12)
+    covariance = np.linalg.inv((powers.T * weights) @ powers)
+    parabola = np.poly1d(covariance @ (powers.T @ (weights * values)))
+    slope = np.polyder(parabola)
+    place = 0.0
+    for _ in range(_STEPS):
+        place -= float(parabola(place)) / float(slope(place))
+    at = np.vander([place], 3)[0]
+    return float(shares[nearest]) + place, 1.96 * float(np.sqrt(at @ covariance @ at)) / abs(float(slope(place)))
 
 
 def best(

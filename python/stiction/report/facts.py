@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..results import Asperities, Comparison, FiniteSize, Result, Run, Sweep
+from ..results import Asperities, Comparison, FiniteSize, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
 __all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
@@ -328,6 +328,10 @@ def _mean_planes(run: Run) -> Number:
 
 def _mean(label: str, values: Any, unit: str) -> Number:
     mean = float(values.mean())
+    if values.size > 1 and np.ptp(values) <= 1e-9 * abs(mean):
+        # The rule of three: equal patches are no certainty.
+        note = f"mean over patches; {agreement(values.size, 1.0 - 0.05 ** (1.0 / values.size))}"
+        return Number(label, quantities.si(mean, unit), note, mean, math.nan)
     error = float(values.std(ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.nan
     return Number(label, quantities.with_error(mean, error, unit), "mean over patches", mean, error)
 
@@ -342,7 +346,9 @@ def _targets(run: Run) -> Iterator[Table]:
                                        "target_largest_standard_error", "target_met")),
         strict=True,
     ):  # fmt: skip
-        told = [quantities.si(value, str(unit)) for value in (error, most)]
+        differing = float(of["scalar_most_differing"].sel(scalar=str(name)))
+        known = agreement(run["replicas"].sizes["replica"], differing) if differing > 0.0 else quantities.si(error, str(unit))
+        told = [known, quantities.si(most, str(unit))]
         rows.append([str(name).replace("pull_off", "pull-off").replace("_", " "), *told, "met" if met else "missed"])
     yield Table("Targets", ["mean of", "standard error", "largest allowed", ""], rows)
 

@@ -4,6 +4,7 @@ use crate::asperity::laws::fit::FORCES;
 use crate::cli::describe::{numbers, title, warned};
 use crate::cli::independence::ratio;
 use crate::cli::rows::row;
+use crate::cli::summary::at_most;
 use crate::experiment::compare::{Comparison, Mean, SampledLaw, deviation};
 use crate::format::{percent, si, signed_percent};
 use crate::math::extrema::Extremum;
@@ -106,6 +107,7 @@ fn ensemble(comparison: &Comparison) -> String {
         "  {:<12}{:>12}{:>15}{:>10}{:>12}{:>15}   cross-check\n",
         "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
     );
+    let mut agree = f64::NAN;
     for (i, law) in comparison.laws.iter().enumerate() {
         let of = |law| comparison.pull_off(law);
         let (Some(sampled), Some(own), Some(first), Some(difference)) =
@@ -115,8 +117,9 @@ fn ensemble(comparison: &Comparison) -> String {
         };
         let name = law.model.name;
         let values = if own.mean > 0.0 {
-            let Mean { mean, standard_error, std } = own;
+            let Mean { mean, standard_error, std, most_differing } = own;
             let error = if standard_error.is_finite() { si(standard_error, "N") } else { "-".to_owned() };
+            agree = agree.max(most_differing).max(if i > 0 { difference.most_differing } else { f64::NAN });
             let own = format!("{:>12}{error:>15}{:>10}", si(mean, "N"), share(std / mean));
             let paired = match i {
                 0 => format!("{:>12}{:>15}", "first", ""),
@@ -139,6 +142,9 @@ fn ensemble(comparison: &Comparison) -> String {
         SamplingScheme::Independent => String::new(),
         scheme => format!(", {}", scheme.name()),
     };
+    if agree.is_finite() {
+        text += &format!("  where there is no error all replicas agree: {}\n", at_most(agree));
+    }
     text + &format!("  {replicas} with seed {seed}{sampling}, the same asperities for every law\n")
 }
 

@@ -15,6 +15,7 @@ use crate::estimate::beyond;
 use crate::format::percent;
 use crate::integral::Expectations;
 use crate::math::moments::Moments;
+use crate::math::proportion::agreeing;
 use crate::output::OutputLock;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
@@ -117,10 +118,13 @@ impl SampledLaw {
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// The standard error of the mean.
+    /// The standard error of the mean; NaN for one group of replicas, and where all agree, which is no certainty.
     pub standard_error: f64,
     /// The standard deviation over the replicas.
     pub std: f64,
+    /// Where all groups of replicas agree, at least two, the largest share of patches that may differ otherwise, with
+    /// 95 % confidence; otherwise NaN.
+    pub most_differing: f64,
 }
 
 /// Several laws on the same asperities.
@@ -170,7 +174,9 @@ impl Comparison {
         let (values, group): (Vec<f64>, _) = (values.collect(), self.scene.sampling.group());
         let all = Moments::of(values.iter().copied());
         let groups = Moments::of_groups(&values, group as usize);
-        Mean { mean: all.mean()[0], standard_error: groups.standard_error()[0], std: all.std()[0] }
+        let standard_error = groups.standard_error()[0];
+        let most_differing = agreeing(groups.count(), standard_error);
+        Mean { mean: all.mean()[0], standard_error, std: all.std()[0], most_differing }
     }
 
     /// Writes it into a new HDF5 file, which appears when it is complete.

@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import ndimage, stats
 
 from stiction.design import Patches
 
@@ -69,16 +69,32 @@ def falling(attraction, zero, z, threshold):
     return best
 
 
-def smooth(attraction, z, tops):
-    """Pull-off of patches (n, asperities): the largest sum at separations of the tops, and parabolas through three."""
-    sums = np.zeros((len(z), tops.size))
+def smooth(attraction, width, z, threshold):
+    """Pull-off of patches (n, asperities) that may be above a threshold: the largest sum at separations of the tops, closer
+    and closer about the best one. Others count as 0: the sum of the largest attractions within steps of half the width.
+    """
+    best = np.zeros(len(z))
+    around = np.linspace(-0.25, 0.25, 65) * width
+    fine = np.arange(z.min() - width, z.max() + width, width / 128.0)
+    highest = ndimage.maximum_filter1d(attraction(fine - 0.5 * (z.min() + z.max())), 67)
+
+    def most(delta):
+        return np.interp(delta, fine - 0.5 * (z.min() + z.max()), highest, left=0.0, right=0.0)
+
+    coarse = np.arange(-6.0 * SIGMA, 6.0 * SIGMA, 0.5 * width)
+    bound = np.zeros((len(z), coarse.size))
     for column in z.T:
-        sums += attraction(column[:, None] - tops)
-    at = sums.argmax(axis=1).clip(1, tops.size - 2)
-    row = np.arange(len(z))
-    left, middle, right = sums[row, at - 1], sums[row, at], sums[row, at + 1]
-    bend = np.maximum(2.0 * middle - left - right, 1e-300)
-    return np.maximum(middle + (right - left) ** 2 / (8.0 * bend), middle) * (bend > 1e-300)
+        bound += most(column[:, None] - coarse)
+    row, place = np.nonzero(bound > threshold)
+    for first in range(0, row.size, 2000):
+        part = slice(first, first + 2000)
+        of, at, step = z[row[part]], coarse[place[part]][:, None] + around, width / 128.0
+        for _ in range(4):
+            sums = attraction(of[:, :, None] - at[:, None, :]).sum(axis=1)
+            chosen = at[np.arange(len(at)), sums.argmax(axis=1)]
+            at, step = chosen[:, None] + step * np.linspace(-1.0, 1.0, 9), step / 4.0
+        np.maximum.at(best, row[part], sums.max(axis=1))
+    return best
 
 
 @dataclass(frozen=True)
@@ -119,8 +135,7 @@ def solver(scene):
             return np.interp(delta, at, values)
 
         strong = at[values > 0.5 * values.max()]
-        tops = np.arange(-1.0 * SIGMA, 5.0 * SIGMA, (strong[-1] - strong[0]) / 12.0)
-        return lambda z: smooth(attraction, z, tops)
+        return lambda z: smooth(attraction, float(strong[-1] - strong[0]), z, scene.threshold)
     law = dmt if scene.law == "dmt" else jkr
 
     def attraction(delta):
@@ -164,7 +179,8 @@ SCENES = {
     "dmt, 100": (Scene("dmt", 100, 631.46e-9), 2_000_000),
     "dmt, 10": (Scene("dmt", 10, 4.2 * ONE), 20_000_000),
     "jkr, 10": (Scene("jkr", 10, 1.97 * ONE), 4_000_000),
-    "hybrid, 10": (Scene("hybrid", 10, 3.23 * ONE), 400_000),
+    "hybrid, 10": (Scene("hybrid", 10, 3.23 * ONE), 2_000_000),
+    "hybrid, 100": (Scene("hybrid", 100, 7.25 * ONE), 400_000),
     "jkr, 100": (Scene("jkr", 100, 2.64 * ONE), 4_000_000),
     "dmt, 100, fewer": (_counted("dmt", 100, 1.5, 1, below=True), 0),
 }

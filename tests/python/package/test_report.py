@@ -14,10 +14,11 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+import rare_patches
 
 import stiction
 import stiction.report
-from stiction import FileError, plot
+from stiction import FileError, plot, quantities
 from stiction.program import find
 from stiction.report.command import main
 from stiction.report.facts import facts
@@ -71,6 +72,21 @@ def test_the_number_to_quote_is_that_of_the_file(result):
     scales = {"n": 1e-9, "µ": 1e-6, "m": 1e-3}
     assert float(interval[0]) * scales[interval[1]] == pytest.approx(low, rel=1e-3)
     assert float(interval[2]) * scales[interval[3]] == pytest.approx(high, rel=1e-3)
+
+
+def test_equal_patches_have_their_bound_in_place_of_an_error():
+    """One soft asperity pulls 2πRΔγ in every patch: of 74 or more that agree at most 1 − 0.05^(1/n) differ, less than two errors of 2 %."""
+    tables = rare_patches.Scene("dmt", 1, 1.0).tables()
+    tables["separation"] = {"h": {"from": "-9 nm", "to": "9 nm", "count": 73}}
+    tables["ensemble"] = {"max_replicas": 1000, "target": [{"quantity": "pull_off_force", "relative_standard_error": 0.02}]}
+    with stiction.run(tables, progress=False) as run:
+        of = facts(run)
+        replicas = run.pull_off.replicas
+        assert run.pull_off.mean == pytest.approx(rare_patches.ONE, rel=1e-6) and 74 <= replicas < 1000
+    bound = f"all {replicas} replicas agree: with 95 % confidence at most {quantities.number(100 * (1 - 0.05 ** (1 / replicas)))} % of patches differ"
+    targets = next(table for table in of.tables if table.caption == "Targets")
+    assert targets.rows[0][1] == bound and targets.rows[0][3] == "met"
+    assert [number.note for number in of.numbers if number.label == "pull-off force"] == [bound]
 
 
 def test_the_data_behind_a_figure_are_the_datasets(result):

@@ -31,6 +31,7 @@ MADE = {
     "curves": of_scene("quick", 40, **{"output.curves": True}),
     "retraction": of_scene("quick", 40, **{"model.history": "retraction"}),
     "loop": of_scene("loop", 20),
+    "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
     "preload": of_scene("preload", 20),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),

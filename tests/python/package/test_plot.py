@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
+    "run", "retraction", "loop", "cycles", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
     "choice", "comparison", "finite_size", "asperities", "partial",
 ]  # fmt: skip
 
@@ -133,6 +133,16 @@ def test_curves_bands_and_markers_of_forces_are_those_of_the_file(result, name):
     place, force = (float(of[0]) for of in marker.get_data())
     assert force * unit == pytest.approx(np.interp(place, run["ensemble/h_star"].values, mean), rel=1e-12)
     assert force * unit == pytest.approx(-run.pull_off.of_mean_curve, rel=0.03)
+
+
+def test_the_second_approach_is_drawn_where_there_is_one(result):
+    run = result("cycles")
+    ax = run.plot.force()
+    curve = lines(ax)["second approach, mean"]
+    mean = run["ensemble/reapproach_external_force_mean"].values
+    np.testing.assert_allclose(np.asarray(curve.get_ydata()) * unit_of(ax), mean, rtol=1e-12)
+    assert not any(label.startswith("second") for label in lines(result("loop").plot.force()))
+    assert abs(run["replicas/repeated_dissipated_energy"].values).max() < 1e-9 * run["replicas/dissipated_energy"].values.min()
 
 
 def test_snap_in_is_a_marker_on_the_curve_of_approach(result):

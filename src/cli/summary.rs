@@ -5,7 +5,7 @@ use super::describe::{beyond, heading, skipped, unit, warned};
 use super::independence::independence;
 use super::instability::instability;
 use super::rows::row;
-use crate::asperity::Quantity;
+use crate::asperity::{Quantity, Unloading};
 use crate::engine::{Limit, Replica, Summation, dissipated, scalars};
 use crate::experiment::capillary;
 use crate::experiment::results::{Results, Stopped};
@@ -244,15 +244,20 @@ fn cycle(results: &Results) -> String {
     let Some(retraction) = &results.retraction else { return String::new() };
     let replicas = &results.ensemble.replicas;
     let mut text = energy(results, ("dissipated", "dissipated_energy"));
-    if results.scalar("dissipated_energy").is_some_and(|energy| energy.mean < 0.0) {
-        text += &row(
-            "",
-            "no result: a loop cannot give out energy. Loading and unloading do not belong together:",
-        );
-        text += &row(
-            "",
-            "the adhesion of the one is not that of the other; law = \"md_plastic\" has one for both",
-        );
+    // Beyond chance, where there is an error.
+    let gains = |energy: &ControlledMean| energy.mean < -3.0 * energy.standard_error.max(0.0);
+    if results.scalar("dissipated_energy").is_some_and(gains) {
+        let why = match results.scene.unloading {
+            Unloading::FlattenedTop => [
+                "no result: a loop cannot give out energy. Contacts flow by adhesion alone, of which their",
+                "plastic contact does not know: see the warning",
+            ],
+            _ => [
+                "no result: a loop cannot give out energy. Loading and unloading do not belong together:",
+                "the adhesion of the one is not that of the other; law = \"md_plastic\" has one for both",
+            ],
+        };
+        text += &why.map(|line| row("", line)).concat();
     }
     if let Some([(radius, force), (other, other_force)]) =
         retraction.by_radius.filter(|[(_, force), _]| *force > 0.0)

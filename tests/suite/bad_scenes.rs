@@ -414,7 +414,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "line 22",
             "`model.unloading = \"ekk\"`",
             "is not an unloading of the law zmc",
-            "the others are of any law but these two",
+            "the others are of any law but md_plastic",
         ],
     ),
     (

@@ -2,7 +2,7 @@
 //! around that.
 //!
 //! # Formula
-//! In the units of any [`Scale`](super::scale::Scale), with the contact radius r = a/s_a, the load p = P/s_F that the
+//! In the units of any [`Scale`], with the contact radius r = a/s_a, the load p = P/s_F that the
 //! contact would bear without adhesion, and τ = tan θ = √(m² − 1), m = c/a:
 //!
 //! (λ/2)(p/r) [τ − (1 − τ²)θ] + (4λ²/3) r [1 + τθ − √(1 + τ²)] = 1

@@ -250,7 +250,7 @@ impl RunResult {
         self.scalar("pull_off_force").expect("every run has a pull-off")
     }
 
-    /// The same of any number that is kept of every replica, by its name in [`scalars`].
+    /// The same of any number that is kept of every replica, by its name in [`scalars`](crate::engine::scalars).
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         self.results.scalar(name)
     }

@@ -47,8 +47,8 @@ use std::sync::Arc;
 
 /// Steps of the search for a state at most. Most take six.
 const MOST_STEPS: usize = 80;
-/// Relative accuracy of tables, a few roundings of what is tabulated, without a bridge and within one.
-const TABLE_TOLERANCES: [f64; 2] = [2e-14, 5e-13];
+/// Relative accuracy of tables, a few roundings of what is tabulated.
+const TABLE_TOLERANCE: f64 = 2e-14;
 /// Halvings of an interval of ω.
 const HALVINGS: usize = 60;
 /// Relative step of ω over which slopes are looked at.
@@ -395,9 +395,8 @@ impl Tables {
             };
             *known.borrow_mut().entry(delta.to_bits()).or_insert_with(solve)
         };
-        let tolerance = TABLE_TOLERANCES[usize::from(flow.around.bridge.is_some())];
         let table = |which: usize| {
-            Piecewise::new(|delta| forces(delta)[which], |_, value| tolerance * value, from, to)
+            Piecewise::new(|delta| forces(delta)[which], |_, value| TABLE_TOLERANCE * value, from, to)
         };
         Self([0, 1, 2].map(table))
     }

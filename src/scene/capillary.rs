@@ -2,7 +2,6 @@
 
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
-use crate::asperity::Unloading;
 use crate::asperity::models::Model;
 use crate::liquid::{Bridges, Film, Liquid, LiquidError, Meniscus, Volume};
 use toml::de::DeValue;
@@ -162,7 +161,6 @@ pub(super) fn wet(
     root: &Section<'_>,
     law: Model,
     meniscus: Option<Meniscus>,
-    unloading: Unloading,
     is_coupled: bool,
 ) -> Result<Model, SceneError> {
     let (capillary, model) = (root.get("capillary"), root.section("model", true)?);
@@ -178,12 +176,6 @@ pub(super) fn wet(
         }
         (Some(entry), _, true) if is_coupled => {
             Err(entry.wrong("bridges are computed for independent asperities only; leave out [substrate]"))
-        }
-        (_, Some(_), true) if unloading != Unloading::of(&law) => {
-            let problem = "bridges around flattened tops are those of R: unloading = \"ekk\", unloaded_radius = \"kept\" would do";
-            Err(named("unloaded_radius")
-                .or_else(|| named("unloading"))
-                .map_or_else(|| SceneError::general(problem.to_owned()), |entry| entry.wrong(problem)))
         }
         (_, Some(meniscus), true) => Ok(law.with_liquid(meniscus)),
         (_, _, false) => Ok(law),

@@ -64,7 +64,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
-    let law = wet(root, law, liquid.as_ref().map(|liquid| liquid.meniscus), unloading, is_coupled)?;
+    let law = wet(root, law, liquid.as_ref().map(|liquid| liquid.meniscus), is_coupled)?;
     law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
         .map_err(|error| {
             SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))

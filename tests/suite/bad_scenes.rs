@@ -234,8 +234,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "law = \"hybrid\"\nhistory = \"approach\"",
-        "law = \"capillary\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]",
-        &["`model.unloaded_radius = \"elastic\"`", "\"flattened_top\" leaves tops with radii of their own"],
+        "law = \"capillary\"\nhistory = \"loop\"\nunloading = \"ekk\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]",
+        &[
+            "`model.unloading = \"ekk\"`",
+            "is not an unloading of the law capillary",
+            "of md_plastic and capillary alone",
+        ],
     ),
     ("[material]", "[material", &["line 5", "not TOML"]),
     ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),

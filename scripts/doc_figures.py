@@ -222,8 +222,9 @@ def cycle(program: Program) -> list[str]:
 
 
 def pulled(program: Program) -> list[str]:
-    replicas = program.run("loop")["replicas"]
-    return [f"{1e6 * replicas[name][:].mean():.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
+    run = program.run("loop")["ensemble"]
+    means = dict(zip(run["scalar"].asstr()[:], 1e6 * run["scalar_controlled_mean"][:], strict=True))
+    return [f"{means[name]:.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
 
 
 def contact(program: Program) -> list[str]:

@@ -355,7 +355,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
         Warning::new(
             format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
             "tops that have flowed are flatter (Greenwood and Williamson 1966): history = \"approach\" is of the first \
-                     touch, \"loop\" with [instability] preload of surfaces in use",
+                     touch; law = \"md_plastic\" on a \"loop\" with [instability] preload is of surfaces in use",
             &[],
         )
     })

@@ -43,7 +43,7 @@ def contacts(run: Run, ax: Axes | None = None) -> Axes:
     ax = new_axes(ax)
     x, handles = values(run, "ensemble/step") / float(run.attrs["surface_height_std"]), []
     words = ("come into contact", "lose contact")
-    for (_, _, color, line), name, word in zip(WAYS, ("jump_in", "jump_off"), words, strict=True):
+    for (_, _, color, line), name, word in zip(WAYS[:2], ("jump_in", "jump_off"), words, strict=True):
         handles += ax.plot(
             x, values(run, f"ensemble/{name}_count_mean"), color=color, linestyle=line, label=word
         )

@@ -87,7 +87,8 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         lowest = min(lowest, float(np.nanmin(means[way])))
         highest = max(highest, float(np.nanmax(means[way])))
         name = f"ensemble/{prefix}external_force_quantile"
-        if band and name in run and np.isfinite(values(run, name)).all():
+        # The second approach lies on the retraction for the most part.
+        if band and way != "second approach" and name in run and np.isfinite(values(run, name)).all():
             bands[way] = run[name].transpose("quantile", "separation").values
             lowest = min(lowest, float(bands[way].min()))
     # An integral that is far off must not press all else to a line.
@@ -130,7 +131,8 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         float(attrs["pull_off_separation"]) / float(run.attrs["surface_height_std"]),
     )
     if pull > 0.0:
-        way, _, color, _ = ways(run)[-1]
+        # Of a loop on retraction.
+        way, _, color, _ = ways(run)[:2][-1]
         at = np.interp(place, x, means[way]) / unit
         marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
         marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")

@@ -93,7 +93,7 @@ def test_data_have_units_errors_limits_and_conditions(tmp_path):
 def test_every_number_of_a_patch_can_be_an_outcome():
     """Pull-off, stiffness, energy of a cycle and snap-in of one spring of a loop are those of the program's own run; forces over a mesh are no number of a patch."""
     tables = small(nominal_area="100 um^2")
-    tables["model"] |= {"history": "loop"}
+    tables["model"] |= {"law": "md_plastic", "history": "loop"}
     tables["instability"] = {"stiffness": "5 kN/m"}
     names = ("pull_off_force", "peak_secant_stiffness", "dissipated_energy", "snap_in_distance")
     logs = emulator.simulate(priors.read(tables), names, np.array([[0.1]]), replicas=20, seed=3).logs[0]

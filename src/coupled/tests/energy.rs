@@ -1,6 +1,7 @@
 //! The energy that avalanches lose, against closed forms and the work around loops; it is never gained.
 
 use super::*;
+use crate::asperity::Unloading;
 
 /// Asperities of a law with the memory of their history.
 struct Square {

@@ -15,11 +15,10 @@ struct Square {
     heights: Vec<f64>,
 }
 
-/// What there is at a separation: the energy lost, J, how it was reached, and how many have flowed.
+/// What there is at a separation: the energy lost, J, and how it was reached.
 struct State {
     lost: f64,
     settled: Settled,
-    flowed: usize,
 }
 
 impl Square {
@@ -58,8 +57,7 @@ impl Square {
         solver.begin(path[0], false);
         let go = |d: &f64| {
             let settled = solver.settle(*d);
-            let flowed = solver.states.unloaded.iter().filter(|own| own.is_some()).count();
-            State { lost: solver.energy_lost(), settled, flowed }
+            State { lost: solver.energy_lost(), settled }
         };
         path.iter().map(go).collect()
     }
@@ -229,9 +227,9 @@ fn passages_that_another_relieves_are_undone() {
     assert!(solver.interference[1] < -0.2 * relief && solver.interference[1] > -relief);
 }
 
-/// Whatever surfaces do, no avalanche gains energy: of elastic laws, and of contacts that flow.
+/// Whatever surfaces do, no avalanche of an elastic law gains energy.
 fn no_avalanche_gains(couplings: &[Coupling], laws: &[(&str, f64, f64)], indices: std::ops::Range<u64>) {
-    let (mut steps, mut flowed) = (0, 0);
+    let mut steps = 0;
     for &(law, work, hardness) in laws {
         for &coupling in couplings {
             for index in indices.clone() {
@@ -249,23 +247,19 @@ fn no_avalanche_gains(couplings: &[Coupling], laws: &[(&str, f64, f64)], indices
                         state.lost
                     );
                     steps += usize::from(state.lost > 0.0);
-                    flowed = flowed.max(state.flowed);
                 }
             }
         }
     }
     assert!(steps > 6 * laws.len() * couplings.len() * indices.count(), "{steps}: nothing would be tested");
-    assert!(flowed > 3 || laws.iter().all(|(law, ..)| *law != "md_plastic"), "{flowed}: nothing flows");
 }
 
-/// Of them the last flows.
-const LAWS: [(&str, f64, f64); 6] = [
+const LAWS: [(&str, f64, f64); 5] = [
     ("jkr", 0.3, 2.5e9),
     ("md", 0.3, 2.5e9),
     ("md_kim", 0.3, 2.5e9),
     ("emd", 0.3, 2.5e9),
     ("md", 0.6, 2.5e9),
-    ("md_plastic", 0.3, 0.3e9),
 ];
 
 #[test]
@@ -273,10 +267,8 @@ fn energy_falls_in_every_avalanche() {
     no_avalanche_gains(&[Coupling::Periodic, Coupling::Patch], &LAWS, 0..3);
 }
 
-/// Where contacts flow, the images of a small square can take more than a narrow hysteresis gives: of these patches.
 #[test]
 #[ignore = "slow: a thousand loops, a minute"]
 fn energy_falls_in_every_avalanche_of_many() {
-    no_avalanche_gains(&[Coupling::Periodic], &LAWS[..5], 3..80);
-    no_avalanche_gains(&[Coupling::Patch], &LAWS, 3..80);
+    no_avalanche_gains(&[Coupling::Periodic, Coupling::Patch], &LAWS, 3..80);
 }

@@ -8,7 +8,7 @@ use super::independence::write_independence;
 use super::results::{Results, Stopped};
 use super::snaps::write_instability;
 use crate::asperity::{Quantity, Regime};
-use crate::engine::{Attained, QUANTILES, SCALARS, scalars};
+use crate::engine::{Attained, QUANTILES, SCALARS, Ways, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
@@ -114,9 +114,15 @@ pub(crate) fn write_about(writer: &Writer<'_>, scene: &Scene, text: &str) -> Res
 pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
     writer.text("/", "law", scene.model.name)?;
     writer.text("/", "history", scene.history_name())?;
+    write_cycles(writer, scene)?;
     writer.number("/", "seed", seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())
+}
+
+/// Writes how often the separations are passed, where that is more than once.
+fn write_cycles(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+    if scene.ways() == Ways::Repeated { writer.number("/", "cycles", scene.cycles as f64) } else { Ok(()) }
 }
 
 /// Writes the parameters that say by which models the asperities can be described.
@@ -136,8 +142,8 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     if scene.cycle {
         writer.text("/", "unloading", scene.unloading.name())?;
         writer.text("/", "unloaded_radius", scene.unloading.radius().name())?;
-        writer.number("/", "cycles", scene.cycles as f64)?;
     }
+    write_cycles(writer, scene)?;
     write_parameters(writer, scene)?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
     if let Some(critical_approach) = scene.critical_approach {

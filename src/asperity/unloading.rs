@@ -393,7 +393,7 @@ impl Loop {
         }
     }
 
-    /// The loop of the second approach, whose laws are those of asperities that are brought close again, if there is one.
+    /// The loop of the second approach, if there is one: its retraction is the way of asperities that come close again.
     pub fn again(&self) -> Option<&Self> {
         self.again.as_deref()
     }

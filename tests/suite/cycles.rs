@@ -3,6 +3,7 @@
 
 use crate::common::program::{Folder, assert_exit, small};
 use crate::common::{case, respond};
+use crate::md_plastic::metal;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, Unloading};
@@ -60,16 +61,7 @@ fn each_cycle_of_a_jkr_contact_loses_its_jumps() {
 /// A top that has flowed is a sphere of its radius from then on, with its own touch.
 #[test]
 fn a_flattened_top_is_an_elastic_sphere_of_its_radius() {
-    let metal = Asperity {
-        radius: 1e-6,
-        reduced_modulus: 45e9,
-        work_of_adhesion: 1.0,
-        equilibrium_spacing: 0.3e-9,
-        hardness: 1e9,
-        poisson_ratio: 0.42,
-        lubricant_thickness: 0.0,
-    };
-    for asperity in [dry("II").0, metal] {
+    for asperity in [dry("II").0, metal()] {
         let cycle = repeated("md_plastic", &asperity, Unloading::FlattenedTop);
         let again = cycle.again().unwrap();
         let unit = Scale::new(&asperity).unwrap().force;

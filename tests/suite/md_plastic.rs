@@ -7,7 +7,7 @@ use stiction::asperity::scale::{Asperity, pressure_factor};
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime, Unloading};
 
 /// A soft and sticky metal, of which adhesion alone makes contacts flow.
-fn metal() -> Asperity {
+pub fn metal() -> Asperity {
     Asperity {
         radius: 1e-6,
         reduced_modulus: 45e9,

@@ -238,29 +238,27 @@ impl Turned {
                 scaled[lane] = self.largest[*i as usize] / ratio(lane);
             }
             plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
-            return self.fade((cycle, plastic), (which, distance), out, stats);
+            let largest = &scaled[..which.len()];
+            return self.fade((cycle, plastic), (which, largest, distance), out, stats);
         }
         let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
         let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
         cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
     }
 
-    /// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back.
+    /// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back; `largest` are
+    /// their ω_max over the ratio of their radius, m.
     fn fade(
         &self,
         (cycle, plastic): (&Loop, &PlasticUnloading),
-        (which, distance): (&[u32], f64),
+        (which, largest, distance): (&[u32], &[f64], f64),
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let (mut largest, mut shares, mut places) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        let count = which.len();
+        let (count, mut shares, mut places) = (which.len(), [0.0; BLOCK], [0.0; BLOCK]);
         let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
-        for lane in 0..count {
-            largest[lane] = self.largest[which[lane] as usize] / ratio(lane);
-            places[lane] = distance / ratio(lane);
-        }
-        plastic.elastic_places(&largest[..count], &mut shares[..count], &mut places[..count]);
+        (0..count).for_each(|lane| places[lane] = distance / ratio(lane));
+        plastic.elastic_places(largest, &mut shares[..count], &mut places[..count]);
         let (law, first) = (cycle.lanes(Path::Retraction), cycle.first_contact);
         for (lane, place) in places[..count].iter_mut().enumerate() {
             let own = &self.lanes[which[lane] as usize];

@@ -94,11 +94,7 @@ fn of_curve(results: &Results, coupled: &CoupledMoments, coupling: Coupling) -> 
     )];
     let s = results.scene.separations.len();
     let field = &results.mean_fields[state / s];
-    let integral = match &results.retraction {
-        Some(retraction) if state / s == 1 => &retraction.expectations,
-        Some(_) if state / s == 2 => results.reapproach.as_ref().unwrap_or(&results.expectations),
-        _ => &results.expectations,
-    };
+    let integral = results.integrals().nth(state / s).expect("every way has its integral");
     let by_field = field.force[state % s] - integral.expected[EXTERNAL][state % s];
     lines.push(match coupling {
         Coupling::Patch => format!(

@@ -317,10 +317,8 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
 }
 
 fn write_integral(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let retraction = results.retraction.as_ref().map(|retraction| &retraction.expectations);
-    let models = [&results.expectations].into_iter().chain(retraction).chain(&results.reapproach);
     let mut error = 0.0;
-    for (way, model) in results.scene.ways().prefixes().zip(models) {
+    for (way, model) in results.scene.ways().prefixes().zip(results.integrals()) {
         for quantity in Quantity::ALL {
             let name = quantity.name();
             writer.dataset(&format!("/integral/{way}{name}"), &model.expected[quantity.index()])?;

@@ -114,6 +114,12 @@ impl Results {
         prefixes.map(|(way, prefix)| (prefix, way * s..(way + 1) * s)).collect()
     }
 
+    /// The integral of each way.
+    pub fn integrals(&self) -> impl Iterator<Item = &Expectations> {
+        let retraction = self.retraction.as_ref().map(|retraction| &retraction.expectations);
+        [&self.expectations].into_iter().chain(retraction).chain(&self.reapproach)
+    }
+
     /// The mean of a scalar over the replicas, by its name in [`scalars`].
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         let place = scalars(self.scene.ways()).position(|scalar| scalar.name == name)?;

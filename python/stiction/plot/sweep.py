@@ -132,7 +132,7 @@ def sweep(
         ``peak_secant_stiffness``.
     x, by : str, optional
         The key for the axis, or a number of the points that follows from the keys, such as ``asperity_plasticity_index``; and the first
-        of the keys that the curves are told by. By default the first that varies, and the one with fewest values.
+        of the keys that tell the curves apart. By default the first that varies, and the one with fewest values.
     names : bool
         Whether the legend names the curves.
 

@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 import xarray
 
+from ..plot.run import WAYS
 from ..plot.sweep import QUANTITIES, of_points
 from ..results import Result, Sweep
 
 __all__ = ["tables"]
 
-_WAYS = ("", "retraction_", "reapproach_")
+_WAYS = tuple(prefix for _, prefix, _, _ in WAYS)
 _OVER_H = ("external_force_mean", "external_force_standard_error", "external_force_quantile")
 # Datasets of each figure; those that a file does not have are left out.
 _DATASETS: dict[str, list[str]] = {

@@ -48,7 +48,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document.sweep {
         None => {
-            let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
+            let task = Task { output, lock: &lock, policy, shard: None };
             summary(merge.scene(&task, &mut Progress::new(session.display))?.as_ref(), output)
         }
         Some(sweep) => {

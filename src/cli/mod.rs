@@ -13,14 +13,12 @@ mod finite_size;
 mod independence;
 mod info;
 mod instability;
-mod memory;
 mod merge;
 mod parent;
 mod progress;
 mod resources;
 mod rows;
 mod run;
-mod sandbox;
 mod session;
 mod shard;
 mod source;
@@ -28,8 +26,6 @@ mod summary;
 mod sweep;
 mod terminal;
 mod validate;
-
-pub use memory::Allocator;
 
 use self::arguments::RunArguments;
 use self::asperities::AsperitiesArguments;
@@ -64,9 +60,6 @@ Another NAME runs the program stiction-NAME from the folder of this program or f
 #[derive(Parser)]
 #[command(name = "stiction", version, after_help = AFTER_HELP, max_term_width = 110)]
 struct Cli {
-    /// Read a file with bounds on time and memory, for the program itself
-    #[arg(long, hide = true)]
-    reader: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -126,11 +119,8 @@ enum Command {
 pub fn main() -> ExitCode {
     parent::end_with_parent();
     let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
-        Ok(Cli { command: Command::External(named), .. }) => return external(&named[0]),
-        Ok(Cli { reader, command }) => {
-            sandbox::set(reader);
-            execute(command)
-        }
+        Ok(Cli { command: Command::External(named) }) => return external(&named[0]),
+        Ok(Cli { command }) => execute(command),
         Err(refused) if refused.use_stderr() => {
             let _ = refused.print();
             return ExitCode::from(2);
@@ -184,15 +174,14 @@ fn execute(command: Command) -> Result<(), Failure> {
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
         .context("cannot handle signals")?;
-    memory::watch().context("cannot handle signals")?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check(scene) => check::check(&scene),
-        Command::Validate { file } => sandbox::sandboxed(&file, validate::validate),
-        Command::Info(arguments) => sandbox::sandboxed(&arguments.file, |file| info::info(file, &arguments)),
+        Command::Validate { file } => validate::validate(&file),
+        Command::Info(arguments) => info::info(&arguments),
         Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
         Command::External(_) => unreachable!("programs are run before"),

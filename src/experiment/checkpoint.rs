@@ -9,7 +9,7 @@ use crate::output::partial::{Functionals, Kept, Partial};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN};
 use crate::output::shard_file::ShardFile;
-use crate::output::{OutputError, OutputLock, note_kept};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, difference, listed};
 use std::ops::Range;
 use std::path::Path;
@@ -237,7 +237,6 @@ impl Checkpointer {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotAPartial { path, problem: "is not of this scene".to_owned() }.into());
         };
-        note_kept(true);
         partial.resumptions += 1;
         let (done, seconds_before) = (tree.replicas.len() as u64, partial.seconds);
         let new = Self::new(partial, journal, interval);
@@ -282,7 +281,6 @@ impl Checkpointer {
             self.partial.seconds = self.seconds_before + self.begun.elapsed().as_secs_f64();
             self.journal.save(&mut self.partial)?;
             self.saved_done = self.done;
-            note_kept(true);
         }
         self.saved = Instant::now();
         Ok(())

@@ -182,7 +182,6 @@ pub struct FiniteSize {
 }
 
 fn found(points: &Points<'_>, counts: &[u64], integral: f64) -> Result<FiniteSize, OutputError> {
-    points.intact()?;
     let sizes = counts.iter().enumerate().map(|(point, &count)| size(&points.file(point), count, integral));
     let sizes = sizes.collect::<Result<Vec<PatchSize>, OutputError>>()?;
     let counts: Vec<f64> = counts.iter().map(|count| *count as f64).collect();

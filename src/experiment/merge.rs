@@ -48,7 +48,7 @@ impl Merge<'_> {
             let output = points.file(point);
             let lock = OutputLock::within(output.clone())?;
             let policy = OverwritePolicy { resume: false, force: false };
-            let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
+            let task = Task { output: &output, lock: &lock, policy, shard: None };
             let merged = self.point(points.scene(point)?, places, &task, points.observer(point).as_mut());
             merged.map_err(|failure| points.at(point, failure))?;
         }

@@ -1,7 +1,7 @@
 //! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of
 //! all.
 //!
-//! The folder `out.h5.points` holds `0001.h5` and so on with their checksums, and beside the point that is
+//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is
 //! being computed its checkpoint. It stays when the sweep is interrupted, and goes when the output of all is
 //! complete. Points can be computed in any order, and a range of them by itself.
 
@@ -11,12 +11,11 @@ use super::sampling::set_ensemble;
 use super::{Error, Observer};
 use crate::engine::Shard;
 use crate::estimate::Estimate;
-use crate::output::checksum::{self, Finding};
 use crate::output::identity::Identity;
 use crate::output::journal::forget;
 use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::schema::{Layout, RUN};
-use crate::output::{OutputError, OutputLock, beside, note_kept};
+use crate::output::{OutputError, OutputLock, beside};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
 use std::ffi::OsString;
@@ -152,7 +151,6 @@ impl Points<'_> {
         for point in 0..self.sweep.count() {
             let (file, checkpoint) = (self.file(point), self.checkpoint(point));
             let scene = self.scene(point)?;
-            self.drop_damaged(point)?;
             if file.exists()
                 && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false)
             {
@@ -169,43 +167,10 @@ impl Points<'_> {
         Ok(())
     }
 
-    /// Drops the result of a point that is not what it was when it was finished, and says so: it is computed
-    /// again.
-    fn drop_damaged(&self, point: usize) -> Result<(), Error> {
-        let file = self.file(point);
-        if file.symlink_metadata().is_err() {
-            return Ok(());
-        }
-        // A link is refused here.
-        let lock = OutputLock::within(file)?;
-        let problem = match checksum::check(lock.output())? {
-            Finding::Intact => return Ok(()),
-            Finding::Damaged => "is damaged: it does not have its checksum",
-            Finding::Unknown => "has no checksum",
-        };
-        let (point, file) = (self.sweep.name(point), lock.output().display());
-        self.session.host.notice(&format!("{point}: {file} {problem}; it is computed again"));
-        let removed = std::fs::remove_file(lock.output());
-        let path = lock.output().to_owned();
-        removed.map_err(|error| OutputError::Io { action: "cannot remove", path, error }.into())
-    }
-
-    /// The results of the points that are there, each as it was when it was finished.
-    ///
-    /// # Errors
-    /// When one is not.
-    pub fn intact(&self) -> Result<Vec<Option<PathBuf>>, OutputError> {
-        let there = (0..self.sweep.count()).map(|point| Some(self.file(point)).filter(|file| file.exists()));
-        let is_intact = |file: &PathBuf| match checksum::check(file)? {
-            Finding::Intact => Ok(()),
-            Finding::Damaged | Finding::Unknown => {
-                let error = std::io::Error::other(
-                    "it does not have its checksum any more; it is computed again by a run that goes on",
-                );
-                Err(OutputError::Io { action: "cannot read", path: file.clone(), error })
-            }
-        };
-        there.map(|file| file.as_ref().map_or(Ok(()), is_intact).map(|()| file)).collect()
+    /// The results of the points that are there.
+    pub fn files(&self) -> Vec<Option<PathBuf>> {
+        let file = |point| Some(self.file(point)).filter(|file| file.exists());
+        (0..self.sweep.count()).map(file).collect()
     }
 
     /// Points that are complete, or of which a shard has kept anything.
@@ -239,12 +204,9 @@ impl Points<'_> {
         if session.stop.load(Ordering::Relaxed) {
             return Err(Error::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
         }
-        if self.done() > 0 {
-            note_kept(true);
-        }
         let lock = OutputLock::within(output.clone())?;
         let policy = OverwritePolicy { resume: true, force: false };
-        let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
+        let task = Task { output: &output, lock: &lock, policy, shard: None };
         let laws =
             SceneLaws::fitting(&scene, scene.replicas, &task, session, session.pool.current_num_threads());
         let laws = laws.map_err(|error| error.in_scene(self.source))?;
@@ -303,7 +265,6 @@ impl Points<'_> {
         let failed =
             |error| Error::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
         let Entries { own, mut foreign } = self.entries()?;
-        note_kept(false);
         own.iter().try_for_each(std::fs::remove_file).map_err(failed)?;
         if foreign.is_empty() {
             return match std::fs::remove_dir(&folder) {
@@ -334,16 +295,7 @@ struct Entries {
 fn is_of_point(name: &str) -> bool {
     let name = name.strip_prefix('.').unwrap_or(name);
     let Some((number, rest)) = name.split_once(".h5") else { return false };
-    let suffixes = [
-        "",
-        ".lock",
-        ".partial",
-        ".checkpoint",
-        ".checkpoint.partial",
-        ".checkpoint.replicas",
-        ".checksum",
-        ".checksum.partial",
-    ];
+    let suffixes = ["", ".lock", ".partial", ".checkpoint", ".checkpoint.partial", ".checkpoint.replicas"];
     number.len() >= 4 && number.bytes().all(|byte| byte.is_ascii_digit()) && suffixes.contains(&rest)
 }
 

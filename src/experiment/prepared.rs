@@ -16,7 +16,7 @@ use crate::math::control_variates::controlled_means;
 use crate::output::partial::Functionals;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
-use crate::output::{OutputError, OutputLock, checksum};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -65,8 +65,6 @@ pub(crate) struct Task<'a> {
     pub policy: OverwritePolicy,
     /// The shard that it is of the run, if not all of it.
     pub shard: Option<Shard>,
-    /// Whether the result is read back later, and so has a checksum beside it.
-    pub is_read_back: bool,
 }
 
 /// Computes a scene into its output; what it has found out, or none where the output was complete before.
@@ -353,8 +351,5 @@ pub(crate) fn write(
     }
     write_results(&mut writer, results)?;
     writer.finish()?;
-    if task.is_read_back {
-        checksum::keep(task.lock)?;
-    }
     Ok(true)
 }

@@ -152,7 +152,7 @@ impl<'a> Builder<'a> {
         let laws = SceneLaws::new(scene)?;
         let lock = OutputLock::new(output, &[])?;
         let policy = OverwritePolicy { resume: true, force: false };
-        let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
+        let task = Task { output, lock: &lock, policy, shard: None };
         let Self { threads, observer, stop, .. } = self;
         let session = Session { stop, ..session(threads)? };
         let mut nobody = ();
@@ -284,7 +284,7 @@ impl RunResult {
         let lock = OutputLock::new(output, &[])?;
         lock.check(false)?;
         let policy = OverwritePolicy { resume: false, force: false };
-        let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
+        let task = Task { output, lock: &lock, policy, shard: None };
         let mut records = |visit: &mut Visit<'_>| {
             for records in &self.records {
                 if !visit(records)? {

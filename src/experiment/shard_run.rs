@@ -135,7 +135,7 @@ impl ShardRun<'_> {
         let count = part.count();
         self.with_lock(part, |lock| {
             let output = part.name.as_deref().unwrap_or(self.output);
-            let task = Task { output, lock, policy, shard: Some(self.shard), is_read_back: false };
+            let task = Task { output, lock, policy, shard: Some(self.shard) };
             let threads = self.session.pool.current_num_threads();
             let laws = SceneLaws::fitting(&part.scene, count, &task, self.session, threads);
             let laws = laws.map_err(|error| error.in_scene(self.source))?;

@@ -106,7 +106,7 @@ fn assembled(
     partial: bool,
 ) -> Result<Option<Vec<SweepPoint>>, OutputError> {
     let sweep = points.sweep;
-    let files = points.intact()?;
+    let files = points.files();
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
     let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
     write_about(&writer, scene, &identity.scene)?;

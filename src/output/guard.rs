@@ -15,16 +15,6 @@ const LARGEST_EXPANSION: u64 = 1032;
 /// How every HDF5 file begins, where nothing is prepended to it.
 pub(super) const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// Bytes that libhdf5 has to be able to get before it is asked for anything: where an allocation is refused
-/// in its midst it may crash. Above the largest of those that the allocator of the GNU C library takes as a
-/// measure of what to keep.
-const HEADROOM: usize = 40 << 20;
-
-/// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
-pub(super) fn require_headroom() {
-    drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
-}
-
 /// Refuses to go on where libhdf5 does not start, as it does not with drivers, connectors or plugins that it
 /// cannot find.
 ///
@@ -32,7 +22,6 @@ pub(super) fn require_headroom() {
 /// The message says which variables of the environment may be why.
 pub(super) fn require_start() -> Result<(), String> {
     static STARTS: LazyLock<bool> = LazyLock::new(scales::starts);
-    require_headroom();
     if *STARTS {
         return Ok(());
     }
@@ -114,7 +103,6 @@ fn not_opened(path: &Path) -> String {
 /// # Errors
 /// The message says what is there instead.
 pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
-    require_headroom();
     let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
     let root = file.as_group().map_err(|_| missing())?;
     names(path).try_fold(root, |group, name| {

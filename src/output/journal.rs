@@ -8,7 +8,6 @@
 use super::OutputError;
 use super::lock::{OutputLock, made_anew, replace, unlinked};
 use super::partial::{AT_ONCE, Extent, Kept, Partial, RECORDS, RecordFile, Visit, frame, is_checkpoint};
-use super::register::{Registered, note_kept};
 use crate::engine::Records;
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -27,8 +26,6 @@ pub struct Journal {
     spent: Duration,
     /// Whether a checkpoint counts on the records.
     counted: bool,
-    /// The records as long as none does.
-    registered: Option<Registered>,
 }
 
 impl Journal {
@@ -39,10 +36,9 @@ impl Journal {
     pub fn begin(lock: &OutputLock) -> Result<Self, OutputError> {
         let records = RecordFile::beside(lock, Extent::default());
         let path = records.path.clone();
-        let registered = Some(Registered::new(&path));
         let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
         let file = made.map_err(|error| OutputError::Io { action: "cannot make", path, error })?;
-        Ok(Self::new(lock, records, file, registered))
+        Ok(Self::new(lock, records, file, false))
     }
 
     /// Takes the records up again that a checkpoint counts, which have been read; those beyond are dropped.
@@ -57,11 +53,10 @@ impl Journal {
         });
         let failed = |error| OutputError::Io { action: "cannot write", path: records.path.clone(), error };
         let file = opened.map_err(failed)?;
-        Ok(Self::new(lock, records, file, None))
+        Ok(Self::new(lock, records, file, true))
     }
 
-    /// `registered` are records that no checkpoint counts on.
-    fn new(lock: &OutputLock, records: RecordFile, file: File, registered: Option<Registered>) -> Self {
+    fn new(lock: &OutputLock, records: RecordFile, file: File, counted: bool) -> Self {
         let unfinished = lock.hidden(".checkpoint.partial");
         // Of a run that was killed.
         let _ = std::fs::remove_file(&unfinished);
@@ -72,8 +67,7 @@ impl Journal {
             file: BufWriter::with_capacity(AT_ONCE, file),
             saved: 0,
             spent: Duration::ZERO,
-            counted: registered.is_none(),
-            registered,
+            counted,
         }
     }
 
@@ -99,8 +93,6 @@ impl Journal {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
         flushed.map_err(|error| self.not_written(error))?;
         partial.records = self.records.extent;
-        // Before there is a checkpoint: no records go that one counts on.
-        self.registered = None;
         let saved = partial.encode().and_then(|bytes| replace(&self.checkpoint, &self.unfinished, &bytes));
         let path = self.checkpoint.clone();
         saved.map_err(|error| OutputError::Io { action: "cannot write", path, error })?;
@@ -141,7 +133,6 @@ impl Journal {
             let _ = std::fs::remove_file(&self.checkpoint);
         }
         self.counted = false;
-        note_kept(false);
     }
 }
 

@@ -2,7 +2,6 @@
 //! it at the same time.
 
 use super::partial::{CHECKPOINT, RECORDS};
-use super::register::{Name, Registered};
 use super::shard_file::SHARD;
 use super::{OutputError, guard};
 use std::ffi::OsString;
@@ -36,7 +35,6 @@ pub struct OutputLock {
     output: PathBuf,
     lock: PathBuf,
     locked: File,
-    _registered: Registered,
 }
 
 impl OutputLock {
@@ -83,12 +81,8 @@ impl OutputLock {
             return Err(OutputError::OtherFileSystem(output));
         }
         let lock = named(&output, ".", ".lock");
-        // Before there is a file, as there may be no memory for it.
-        let name = Name::of(&lock);
-        let (made, registered) =
-            Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
-        match made.map_err(not_writable)? {
-            Ok(file) => Ok(Self { output, lock, locked: file, _registered: registered }),
+        match locked(&lock).map_err(not_writable)? {
+            Ok(file) => Ok(Self { output, lock, locked: file }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -150,7 +144,6 @@ impl Drop for OutputLock {
 /// Puts a file in the place of another one, or of none, as a whole or not at all: it is `unfinished` until it
 /// has reached the disk.
 pub(super) fn replace(name: &Path, unfinished: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let _registered = Registered::new(unfinished);
     let write = || {
         let mut file = made_anew(unfinished)?;
         file.write_all(bytes)?;

@@ -6,8 +6,6 @@
 
 pub mod asperities;
 pub(crate) mod attributes;
-#[doc(hidden)]
-pub mod checksum;
 pub(crate) mod guard;
 #[doc(hidden)]
 pub mod identity;
@@ -18,7 +16,6 @@ mod lock;
 pub mod partial;
 #[doc(hidden)]
 pub mod reader;
-mod register;
 mod scales;
 #[doc(hidden)]
 pub mod schema;
@@ -32,8 +29,6 @@ pub mod writer;
 #[doc(hidden)]
 pub use lock::{OutputLock, beside};
 pub use reader::Reader;
-#[doc(hidden)]
-pub use register::{is_kept, note_kept, remove_registered};
 pub use schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, RUN, SWEEP};
 
 use std::path::{Path, PathBuf};

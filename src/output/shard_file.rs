@@ -4,7 +4,6 @@
 use super::identity::Identity;
 use super::lock::{OutputLock, made_anew};
 use super::partial::{AT_ONCE, Frames, Kept, Partial, RecordFile, VERSION, begins_as, frame, unreadable};
-use super::register::Registered;
 use super::{OutputError, guard};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -133,7 +132,6 @@ impl ShardFile {
     ) -> Result<bool, OutputError> {
         lock.check(force)?;
         let temporary = lock.hidden(".partial");
-        let _registered = Registered::new(&temporary);
         let failed =
             |error| OutputError::Io { action: "cannot write", path: lock.output().to_owned(), error };
         let mut file = BufWriter::with_capacity(AT_ONCE, made_anew(&temporary).map_err(failed)?);

@@ -238,7 +238,7 @@ impl Target<'_, '_> {
         self.made::<T>()?;
         let shape = self.writer.shape_of_point(self.path);
         let mut values = vec![absent; shape.iter().product()];
-        for (i, value) in dataset.read_raw::<T>()?.into_iter().enumerate() {
+        for (i, value) in dataset.read_raw::<T>().map_err(|_| damaged(dataset))?.into_iter().enumerate() {
             values[moved(i, maps, &shape)] = value;
         }
         self.writer.at_point(self.path, self.place, 0, &values)
@@ -249,12 +249,20 @@ impl Target<'_, '_> {
         self.made::<f64>()?;
         let replicas = dataset.shape()[0];
         for first in (0..replicas).step_by(CURVE_CHUNK) {
-            let rows = dataset.read_slice_2d::<f64, _>((first..(first + CURVE_CHUNK).min(replicas), ..))?;
+            let rows = dataset.read_slice_2d::<f64, _>((first..(first + CURVE_CHUNK).min(replicas), ..));
+            let rows = rows.map_err(|_| damaged(dataset))?;
             let values: Vec<f64> = rows.into_iter().collect();
             self.writer.at_point(self.path, self.place, first, &values)?;
         }
         Ok(())
     }
+}
+
+/// The error of a dataset that cannot be read.
+fn damaged(dataset: &Dataset) -> OutputError {
+    let problem =
+        format!("has a dataset {} that is damaged; remove the file, it is computed again", dataset.name());
+    OutputError::NotAResult { path: dataset.filename().into(), problem }
 }
 
 /// Where the element `index` of an array goes whose indices along each dimension go to those of `maps`, in an

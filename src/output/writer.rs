@@ -2,15 +2,14 @@
 //! complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
-use super::guard::{access, require_headroom};
+use super::guard::access;
 use super::lock::made_anew;
 use super::reader::Reader;
-use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
 use super::{OutputError, OutputLock};
-use hdf5::types::VarLenUnicode;
-use hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
+use hdf5::{Dataset, DatasetBuilderEmptyShape, File, H5Type, Hyperslab, SliceOrIndex};
 use std::str::FromStr;
 use tempfile::TempPath;
 
@@ -27,7 +26,6 @@ pub struct Writer<'c> {
     lock: &'c OutputLock,
     file: File,
     temporary: TempPath,
-    _registered: Registered,
     force: bool,
     /// Scales before what stands beside them; those of points slowest first.
     coordinates: Vec<Coordinate>,
@@ -54,11 +52,23 @@ struct Coordinate {
     make: MakeDataset,
 }
 
+/// A dataset whose chunks have checksums; without where it has no extent, or holds texts, which HDF5 keeps
+/// elsewhere.
+fn checked<T: H5Type>(file: &File, shape: &[usize], chunk: &[usize]) -> DatasetBuilderEmptyShape {
+    let builder = file.new_dataset::<T>().shape(shape);
+    let is_text = matches!(T::type_descriptor(), TypeDescriptor::VarLenUnicode);
+    if is_text || chunk.iter().product::<usize>() == 0 || chunk.is_empty() {
+        builder
+    } else {
+        builder.chunk(chunk).fletcher32()
+    }
+}
+
 /// A dataset of numbers or of texts.
 fn made_of<T: H5Type + Clone>(values: &[T]) -> MakeDataset {
     let values = values.to_vec();
     Box::new(move |file, path| {
-        let dataset = file.new_dataset::<T>().shape(values.len()).create(path)?;
+        let dataset = checked::<T>(file, &[values.len()], &[values.len()]).create(path)?;
         dataset.write_raw(&values)?;
         Ok(dataset)
     })
@@ -75,25 +85,17 @@ impl<'c> Writer<'c> {
         let temporary = lock.hidden(".partial");
         let failed = |error| OutputError::Io { action: "cannot make", path: lock.output().to_owned(), error };
         // HDF5 follows links; what it opens then is the file of that very name.
-        let registered = Registered::new(&temporary);
         made_anew(&temporary).map_err(failed)?;
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
-        require_headroom();
         // Nobody else opens what has no name of its own yet. A lock of libhdf5 on it would go over to every
         // program that this process starts meanwhile, and stay on the finished file as long as that runs.
-        let file = File::with_options().with_fapl(access).create(&temporary)?;
+        let file = File::with_options().with_fapl(|list| access(list).libver_v110()).create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { layout, lock, file, temporary, _registered: registered, force, coordinates: Vec::new() })
-    }
-
-    /// The file, with all that libhdf5 needs to do something in it.
-    fn file(&self) -> &File {
-        require_headroom();
-        &self.file
+        Ok(Self { layout, lock, file, temporary, force, coordinates: Vec::new() })
     }
 
     /// The layout of the file.
@@ -106,7 +108,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails; likewise below.
     pub fn group(&self, name: &str) -> Result<(), OutputError> {
-        Ok(self.file().create_group(name).map(|_| ())?)
+        Ok(self.file.create_group(name).map(|_| ())?)
     }
 
     /// Writes a text attribute of a group.
@@ -114,7 +116,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn text(&self, group: &str, name: &str, text: &str) -> Result<(), OutputError> {
-        let group = self.file().group(group)?;
+        let group = self.file.group(group)?;
         Ok(write_text(&group, name, text)?)
     }
 
@@ -123,7 +125,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn number<T: H5Type>(&self, group: &str, name: &str, value: T) -> Result<(), OutputError> {
-        let group = self.file().group(group)?;
+        let group = self.file.group(group)?;
         Ok(write_number(&group, name, value)?)
     }
 
@@ -132,7 +134,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn numbers<T: H5Type>(&self, group: &str, name: &str, values: &[T]) -> Result<(), OutputError> {
-        let group = self.file().group(group)?;
+        let group = self.file.group(group)?;
         Ok(write_numbers(&group, name, values)?)
     }
 
@@ -165,7 +167,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
         dataset.write_raw(&unicode(texts))?;
         self.describe(path, &dataset, false)
     }
@@ -176,7 +178,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         let shape = self.shape(path);
-        let dataset = self.file().new_dataset::<T>().shape(shape).create(path)?;
+        let dataset = checked::<T>(&self.file, &shape, &shape).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
     }
@@ -188,8 +190,8 @@ impl<'c> Writer<'c> {
     pub fn compressed(&self, path: &str, values: &[f64]) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk: Vec<usize> = shape.iter().map(|length| (*length).min(MAP_CHUNK)).collect();
-        let dataset =
-            self.file().new_dataset::<f64>().shape(shape).chunk(chunk).shuffle().deflate(1).create(path)?;
+        let builder = self.file.new_dataset::<f64>().shape(shape).chunk(chunk);
+        let dataset = builder.shuffle().deflate(1).fletcher32().create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
     }
@@ -247,12 +249,14 @@ impl<'c> Writer<'c> {
     pub fn point_dataset<T: H5Type>(&self, path: &str, curves: bool) -> Result<(), OutputError> {
         let (points, own) = (self.point_shape(), self.shape_of_point(path));
         let shape = [points.as_slice(), &own].concat();
-        let builder = self.file().new_dataset::<T>().shape(shape);
+        let at_point = vec![1; points.len()];
         let dataset = if curves {
-            let chunk = [vec![1; points.len()], vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
-            builder.chunk(chunk).deflate(DEFLATE).fill_value(f64::NAN).create(path)?
+            let chunk = [at_point, vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
+            let builder = self.file.new_dataset::<T>().shape(shape).chunk(chunk).deflate(DEFLATE);
+            builder.fletcher32().fill_value(f64::NAN).create(path)?
         } else {
-            builder.create(path)?
+            let chunk = if own.is_empty() { points } else { [at_point, own].concat() };
+            checked::<T>(&self.file, &shape, &chunk).create(path)?
         };
         self.describe(path, &dataset, true)
     }
@@ -283,7 +287,7 @@ impl<'c> Writer<'c> {
             .unzip();
         let view = ndarray::ArrayViewD::from_shape(shape, values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
-        Ok(self.file().dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
+        Ok(self.file.dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
     }
 
     /// Writes a dataset over the points alone, in their order.
@@ -292,7 +296,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn over_points<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.point_dataset::<T>(path, false)?;
-        Ok(self.file().dataset(path)?.write_raw(values)?)
+        Ok(self.file.dataset(path)?.write_raw(values)?)
     }
 
     /// Writes a dataset of texts over the points.
@@ -301,7 +305,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn point_texts(&self, path: &str, texts: &[String]) -> Result<(), OutputError> {
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
         dataset.write_raw(&unicode(&texts))?;
         self.describe(path, &dataset, true)
     }
@@ -314,8 +318,8 @@ impl<'c> Writer<'c> {
     pub fn curve_dataset(&self, path: &str) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
-        let dataset =
-            self.file().new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
+        let builder = self.file.new_dataset::<f64>().shape(shape).chunk(chunk);
+        let dataset = builder.deflate(DEFLATE).fletcher32().create(path)?;
         self.describe(path, &dataset, false)
     }
 
@@ -327,7 +331,7 @@ impl<'c> Writer<'c> {
         if values.is_empty() {
             return Ok(());
         }
-        let dataset = self.file().dataset(path)?;
+        let dataset = self.file.dataset(path)?;
         let length = dataset.shape()[1];
         let rows = values.len() / length;
         let view = ndarray::ArrayView2::from_shape((rows, length), values)
@@ -356,7 +360,7 @@ impl<'c> Writer<'c> {
         let mut scales: Vec<Dataset> = Vec::new();
         for own in self.along(along) {
             let path = format!("{group}/{}", own.name);
-            if self.file().link_exists(&path) {
+            if self.file.link_exists(&path) {
                 scales.extend(own.is_scale.then(|| self.file.dataset(&path)).transpose()?);
                 continue;
             }
@@ -413,7 +417,6 @@ impl<'c> Writer<'c> {
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
         let Self { layout, file, lock, temporary, force, .. } = self;
-        require_headroom();
         file.flush()?;
         file.close()?;
         Reader::open(&temporary, &[layout])?;

@@ -1,7 +1,6 @@
 """`stiction info` and `stiction validate` on HDF5 files of other programs: one line, exit code 2, and soon."""
 
 import os
-import resource
 import shutil
 import subprocess
 import tempfile
@@ -259,15 +258,3 @@ def test_an_unreadable_file(result):
             answer = subprocess.run([*nobody, program, command, file], capture_output=True, text=True)
             assert answer.returncode == 2 and answer.stdout == "", answer
             assert "cannot be read: Permission denied" in answer.stderr and answer.stderr.count("\n") == 1, answer
-
-
-def test_the_reader_has_little_memory(result):
-    """Within a limit that is tighter than its own it works, or says so in a line."""
-    for limit in (2**26, 2**27, 2**28, 2**29):
-        answer = subprocess.run(
-            [PROGRAM, "validate", str(result)],
-            capture_output=True,
-            preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
-        )
-        assert answer.returncode in (0, 1, 2), answer
-        assert answer.stderr.count(b"\n") <= 1, answer

@@ -903,22 +903,3 @@ fn columns_are_counted_from_one() {
     }
     assert!(beside.column("few.csv", &Column::Numbered(4)).is_err());
 }
-
-/// No variable of the environment has the program take itself for the process that only reads a map.
-#[test]
-fn the_environment_does_not_stop_the_search() {
-    let folder = Folder::new("");
-    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
-    assert_exit(&folder.stiction(&["asperities", map, "-o", "map.h5"]), 0);
-    let search =
-        ["asperities", "map.h5", "--dataset", "/map/height", "--pixel", "9.8 nm", "--height-unit", "m"];
-    let plain = folder.stiction(&search);
-    let searched = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"))
-        .args(search)
-        .env("STICTION_READER", "1")
-        .current_dir(folder.path(""))
-        .output()
-        .unwrap();
-    assert_exit(&searched, 0);
-    assert!(!searched.stdout.is_empty() && searched.stdout == plain.stdout);
-}

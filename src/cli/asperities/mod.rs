@@ -10,10 +10,9 @@ pub(super) use arguments::AsperitiesArguments;
 use self::surface::surface;
 use super::failure::Failure;
 use super::resources;
-use super::sandbox::{is_sandboxed, sandboxed_within};
 use super::terminal::{print, print_of};
 use crate::experiment::Error;
-use crate::input::maps::{self, MOST_PIXELS, MapFormat};
+use crate::input::maps::MOST_PIXELS;
 use crate::output::OutputLock;
 use crate::output::schema::ASPERITIES;
 use crate::output::writer::Writer;
@@ -21,9 +20,6 @@ use crate::output::writer::Writer;
 /// Bytes that a pixel takes at most while a map is read, levelled and searched; while it is smoothed; and while
 /// its summits are sorted out by prominence.
 const PIXEL: (f64, f64, f64) = (24.0, 56.0, 32.0);
-/// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes
-/// some 8.
-const PROCESSOR_SECONDS: u64 = 40;
 
 pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure> {
     let (map, output) = (&arguments.map, arguments.output.as_ref());
@@ -31,13 +27,6 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
     let of_filter = if is_smoothed { PIXEL.1 } else { PIXEL.0 };
     let of_search = if arguments.prominence.is_some() { PIXEL.2 } else { PIXEL.0 };
     let most = resources::fitting(of_filter.max(of_search), MOST_PIXELS);
-    if MapFormat::of(map)? == MapFormat::Hdf5 {
-        let dataset = arguments.dataset.as_deref();
-        sandboxed_within(map, PROCESSOR_SECONDS, |map| Ok(maps::try_dataset(map, dataset, most)?))?;
-        if is_sandboxed() {
-            return Ok(());
-        }
-    }
     let lock = output.map(|output| OutputLock::new(output, std::slice::from_ref(map))).transpose()?;
     lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.force))?;
     let surface = surface(arguments, most)?;

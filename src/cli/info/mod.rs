@@ -44,7 +44,8 @@ pub(super) struct InfoArguments {
     by: Option<String>,
 }
 
-pub(super) fn info(path: &Path, arguments: &InfoArguments) -> Result<(), Failure> {
+pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
+    let path = arguments.file.as_path();
     if arguments.json || arguments.csv {
         return print(&told(path, arguments)?);
     }

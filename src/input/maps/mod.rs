@@ -95,9 +95,6 @@ pub struct RawMap {
 /// Reads a map of at most `most` pixels. Of an HDF5 file the dataset is named, unless it has a single one of
 /// two dimensions in its root.
 ///
-/// libhdf5 is not proof against a file whose structure is broken, so [`try_dataset`] reads it first in a
-/// process that can be ended.
-///
 /// # Errors
 /// [`MapFileError::NotAMap`] with the reason, [`MapFileError::WhichDataset`] where a dataset has to be named.
 pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, MapFileError> {
@@ -126,14 +123,6 @@ pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, Map
         MapFormat::Text => text::read(open()?, length, most),
     }
     .map_err(refused)
-}
-
-/// Reads a map of an HDF5 file and drops it.
-///
-/// # Errors
-/// As [`read`].
-pub fn try_dataset(path: &Path, dataset: Option<&str>, most: u64) -> Result<(), MapFileError> {
-    read(path, dataset, most).map(drop)
 }
 
 /// Refuses a shape of too many pixels.

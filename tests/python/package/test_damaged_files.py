@@ -194,18 +194,3 @@ def test_texts_of_the_programs_tables_are_no_formulas(result, folder):
                 opened[f"{group}/law"][...] = laws
     rows = list(csv.reader(call(["info", "--csv", "--by", "law", str(file)]).splitlines()))
     assert [row[0] for row in rows[1:]] == ["'=1+1", "'-a", "-1"]
-
-
-@pytest.mark.skipif(
-    COUNT <= 4, reason="slow: five seconds and more of a processor; STICTION_DAMAGES=all has it"
-)
-def test_a_file_that_makes_libhdf5_loop_is_given_up(result, folder, capsys):
-    """The first object of a global heap has a length that, rounded up, is none."""
-    content = bytearray(result("run").path.read_bytes())
-    heap = content.index(b"GCOL")
-    content[heap + 16 : heap + 18] = (1).to_bytes(2, "little")
-    content[heap + 24 : heap + 32] = (2**64 - 16).to_bytes(8, "little")
-    (folder / "looping.h5").write_bytes(content)
-    for main, ending in ((plot, ".png"), (report, ".html")):
-        code, line = said(main, folder / "looping.h5", folder / f"a{ending}", capsys)
-        assert code == 2 and "is damaged: reading it takes too long" in line

@@ -84,6 +84,8 @@ pub mod surface;
 pub mod validation;
 
 #[cfg(feature = "hdf5")]
+pub use experiment::layouts;
+#[cfg(feature = "hdf5")]
 #[doc(inline)]
 pub use experiment::{
     Builder, ComparedLaw, Comparison, Error, FiniteSize, Integral, Mean, Observer, PatchSize, PathIntegral,

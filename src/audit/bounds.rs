@@ -312,12 +312,12 @@ fn stands_for(pattern: &str, path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::schema::Layout;
+    use crate::experiment::layouts::LAYOUTS;
 
     /// A new dataset is bounded, by what somebody thought of: a row that nothing needs is none.
     #[test]
     fn every_dataset_of_every_file_has_its_bound() {
-        let known: Vec<&Variable> = Layout::ALL.iter().flat_map(|layout| layout.known()).collect();
+        let known: Vec<&Variable> = LAYOUTS.iter().flat_map(|layout| layout.known()).collect();
         for variable in &known {
             assert!(bound_of(variable).is_some(), "{} is not checked by `validate`", variable.path);
         }

@@ -24,12 +24,13 @@ mod sweep;
 
 pub use self::answer::{Audit, Content};
 pub use self::cross_check::CrossCheck;
+use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, LAYOUTS, SWEEP};
 use crate::format::replicas as shown;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::partial::{Kept, Partial};
 use crate::output::reader::Reader;
-use crate::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, SWEEP};
+use crate::output::schema::{ASPERITIES, Layout};
 use crate::output::shard_file::{ShardFile, is_shard};
 use crate::validation::Verdict;
 use std::path::Path;
@@ -42,7 +43,7 @@ pub fn audit(path: &Path) -> Result<Audit, OutputError> {
     if is_shard(path) {
         return shard(path);
     }
-    let reader = Reader::open(path, &Layout::ALL)?;
+    let reader = Reader::open(path, &LAYOUTS)?;
     let is = |layout: &Layout| reader.layout().format == layout.format;
     match () {
         () if is(&SWEEP) => sweep::audit(&reader),

@@ -30,7 +30,7 @@ pub(super) fn instability(results: &Results) -> String {
     }
     for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
         text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
-        let taken = snaps.pull_off(turn).2;
+        let taken = snaps.pull_off(turn).count();
         for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
             let counts = snaps.counts(snaps.place_off(p, i));
             let stiffness = spring(&results.scene, loading.stiffness[i]);
@@ -54,7 +54,8 @@ fn shown(all: usize) -> Vec<usize> {
 
 /// Where the replicas turn back, and what pulls them off.
 fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> String {
-    let (mean, std, count) = snaps.pull_off(turn);
+    let taken = snaps.pull_off(turn);
+    let (mean, std, count) = (taken.mean()[0], taken.std()[0], taken.count());
     let place = match snaps.loading.preload.get(retraction) {
         Some(preload) => format!("at {}, which {count} of {replicas} replicas reach", si(*preload, "N")),
         None => "at the smallest separation".to_owned(),

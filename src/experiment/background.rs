@@ -5,9 +5,9 @@ use crate::output::OutputError;
 use crate::output::writer::Writer;
 
 /// A quantity of a background per nominal area at a separation, by the name of its dataset.
-type Column = (&'static str, fn(&Background, f64) -> f64);
+pub(super) type Column = (&'static str, fn(&Background, f64) -> f64);
 
-const COLUMNS: [Column; 5] = [
+pub(super) const COLUMNS: [Column; 5] = [
     ("force", Background::pressure),
     ("van_der_waals_force", |own, h| own.dispersion(h).pressure),
     ("electrostatic_force", |own, h| own.electrostatic(h).pressure),

@@ -1,13 +1,14 @@
 //! Checkpoints: how a run keeps what it has done, and how it goes on after an interruption.
 
 use super::Error;
+use super::layouts::RUN;
 use super::sampling::loading;
 use crate::engine::{Batch, Job, RecordShape, ReductionTree, Shard};
 use crate::output::identity::Identity;
 use crate::output::journal::{Journal, forget, forget_records};
 use crate::output::partial::{Functionals, Kept, Partial};
 use crate::output::reader::Reader;
-use crate::output::schema::{Layout, RUN};
+use crate::output::schema::Layout;
 use crate::output::shard_file::ShardFile;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, difference, listed};

@@ -1,14 +1,9 @@
-//! What coupling makes of an ensemble, under the names of the file layout.
+//! The mean field of coupled asperities.
 
 use super::integral::{Integral, RESOLVING};
 use super::results::Results;
 use crate::asperity::{Laws, Loop, Path, Quantity};
-use crate::coupled::{CLASSES, ENERGY_CLASSES, least_energy};
-use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
 use crate::integral::{MeanField, Model, RetractionModel, substrate_stiffness};
-use crate::output::OutputError;
-use crate::output::schema::Dimension;
-use crate::output::writer::Writer;
 use crate::scene::Scene;
 use crate::substrate::Coupling;
 use crate::validation::z_scores;
@@ -71,129 +66,4 @@ pub(crate) fn deviations(results: &Results, field: &MeanField, states: Range<usi
     let error = &results.ensemble.groups.curves[EXTERNAL].standard_error()[states];
     let difference = mean.iter().zip(&field.force).map(|(mean, force)| mean - force).collect();
     [difference, error.to_vec(), z_scores(mean, &field.force, error, 1)]
-}
-
-/// Writes the curves with coupling against their mean field.
-pub(crate) fn write_mean_fields(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    for ((way, states), field) in results.paths().into_iter().zip(&results.mean_fields) {
-        let [difference, error, z] = deviations(results, field, states);
-        let all = [
-            ("separation", &field.separations),
-            ("external_force", &field.force),
-            ("difference", &difference),
-            ("standard_error", &error),
-            ("z", &z),
-        ];
-        for (name, values) in all {
-            writer.dataset(&format!("/validation/{way}mean_field_{name}"), values)?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes the curves without coupling, the differences that it makes, and avalanches; nothing where asperities are
-/// independent.
-pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
-        return Ok(());
-    };
-    writer.group("coupling")?;
-    let smallest: Vec<f64> = (0..CLASSES).map(|class| f64::from(1_u32 << class)).collect();
-    writer.scale(Dimension::AvalancheSize, &smallest);
-    let least: Vec<f64> = (0..ENERGY_CLASSES).map(least_energy).collect();
-    writer.scale(Dimension::EnergyClass, &least);
-    writer.text("/coupling", "coupling", substrate.coupling.name())?;
-    writer.text("/coupling", "kernel", substrate.kernel.name())?;
-    writer.text("/coupling", "positions", substrate.places.name())?;
-    if let Some(distance) = substrate.places.minimum_distance() {
-        writer.number("/coupling", "minimum_distance", distance)?;
-    }
-    writer.number("/coupling", "tolerance", substrate.tolerance)?;
-    writer.number("/coupling", "energy_unit", results.scene.scale().energy())?;
-    write_curves(writer, results, coupled)?;
-    write_scalars(writer, results, coupled)?;
-    let replicas = &results.ensemble.replicas;
-    let of = |replica: &Replica, of: fn(&CoupledReplica) -> u64| replica.coupled.as_deref().map_or(0, of);
-    let counts =
-        |count: fn(&CoupledReplica) -> u64| replicas.iter().map(|own| of(own, count)).collect::<Vec<u64>>();
-    writer.dataset("/replicas/unsettled_count", &counts(|replica| replica.unsettled))?;
-    writer.dataset("/replicas/largest_avalanche", &counts(|replica| replica.largest_avalanche))?;
-    writer.dataset("/replicas/overlapping_count", &counts(|replica| replica.overlapping))?;
-    let crowding = |replica: &Replica| replica.coupled.as_deref().map_or(0.0, |own| own.largest_crowding);
-    writer.dataset("/replicas/largest_crowding", &replicas.iter().map(crowding).collect::<Vec<f64>>())?;
-    let lost = |replica: &Replica| replica.coupled.as_deref().map_or(0.0, |own| own.energy_lost);
-    writer.dataset("/replicas/energy_lost", &replicas.iter().map(lost).collect::<Vec<f64>>())?;
-    write_classes(writer, replicas, "avalanche_size_count", |own| &own.avalanche_sizes)?;
-    write_classes(writer, replicas, "energy_lost_count", |own| &own.energy_classes)
-}
-
-/// Writes how many there are in each class, of each replica and of all.
-fn write_classes<const CLASSES: usize>(
-    writer: &Writer<'_>,
-    replicas: &[Replica],
-    name: &str,
-    of: fn(&CoupledReplica) -> &[u64; CLASSES],
-) -> Result<(), OutputError> {
-    let counts = |replica: &Replica| replica.coupled.as_deref().map_or([0; CLASSES], |own| *of(own));
-    let counts: Vec<[u64; CLASSES]> = replicas.iter().map(counts).collect();
-    let total: Vec<u64> = (0..CLASSES).map(|class| counts.iter().map(|own| own[class]).sum()).collect();
-    writer.dataset(&format!("/coupling/{name}"), &total)?;
-    writer.dataset(&format!("/replicas/{name}"), &counts.concat())
-}
-
-fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments) -> Result<(), OutputError> {
-    let replicas = results.ensemble.replicas.len() as f64;
-    for (way, states) in results.paths() {
-        for quantity in Quantity::ALL {
-            let q = quantity.index();
-            let independent = (coupled.independent[q].mean(), coupled.groups.independent[q].standard_error());
-            let difference = &coupled.groups.difference[q];
-            let all = [
-                ("independent", independent.0, independent.1),
-                ("difference", difference.mean(), difference.standard_error()),
-            ];
-            for (kind, mean, error) in all {
-                let name = format!("/coupling/{way}{kind}_{}", quantity.name());
-                writer.dataset(&format!("{name}_mean"), &mean[states.clone()])?;
-                writer.dataset(&format!("{name}_standard_error"), &error[states.clone()])?;
-            }
-            let name = format!("/coupling/{way}independent_{}_std", quantity.name());
-            writer.dataset(&name, &coupled.independent[q].std()[states.clone()])?;
-        }
-        for (name, moments) in [
-            ("avalanche_count", &coupled.avalanche_count),
-            ("largest_avalanche", &coupled.largest_avalanche),
-            ("energy_lost", &coupled.energy_lost),
-        ] {
-            writer.dataset(&format!("/coupling/{way}{name}_mean"), &moments.mean()[states.clone()])?;
-        }
-        for (name, moments) in [("unsettled", &coupled.unsettled), ("overlapping", &coupled.overlapping)] {
-            let shares = moments.mean()[states.clone()].iter();
-            let counts = shares.map(|share| (share * replicas).round() as u64);
-            writer.dataset(&format!("/coupling/{way}{name}_count"), &counts.collect::<Vec<u64>>())?;
-        }
-    }
-    Ok(())
-}
-
-fn write_scalars(
-    writer: &Writer<'_>,
-    results: &Results,
-    coupled: &CoupledMoments,
-) -> Result<(), OutputError> {
-    let ways = results.scene.ways();
-    let units: Vec<&str> = scalars(ways).map(|scalar| scalar.units).collect();
-    writer.texts("/coupling/scalar_units", &units)?;
-    for (kind, moments) in ["independent", "difference"].into_iter().zip(&coupled.groups.scalars) {
-        writer.dataset(&format!("/coupling/scalar_{kind}_mean"), moments.mean())?;
-        writer.dataset(&format!("/coupling/scalar_{kind}_standard_error"), &moments.standard_error())?;
-    }
-    for scalar in scalars(ways) {
-        let of = |replica: &Replica| {
-            replica.coupled.as_ref().map_or(f64::NAN, |own| (scalar.of)(&own.independent))
-        };
-        let values: Vec<f64> = results.ensemble.replicas.iter().map(of).collect();
-        writer.dataset(&format!("/replicas/independent_{}", scalar.name), &values)?;
-    }
-    Ok(())
 }

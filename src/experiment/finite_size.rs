@@ -3,6 +3,7 @@
 use super::Error;
 use super::independence::{read_independence, write_independences};
 use super::integral::PathIntegral;
+use super::layouts::{FINITE_SIZE, RUN};
 use super::points::Points;
 use super::prepared::SceneLaws;
 use super::result_file::{write_about, write_model, write_parameters};
@@ -10,7 +11,7 @@ use crate::integral::Independence;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::reader::Reader;
-use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
+use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
 use crate::scene::sweep::without;
 use crate::scene::{Scene, Sweep};

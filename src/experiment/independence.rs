@@ -6,10 +6,10 @@ use crate::output::reader::Reader;
 use crate::output::schema::VERDICT;
 use crate::output::writer::Writer;
 
-const GROUP: &str = "/independence";
+pub(super) const GROUP: &str = "/independence";
 
 /// A figure of a file.
-type Figure = (&'static str, fn(&Independence) -> f64);
+pub(crate) type Figure = (&'static str, fn(&Independence) -> f64);
 
 /// The figures, by the names of their datasets.
 pub(crate) const FIGURES: [Figure; 13] = [
@@ -27,12 +27,6 @@ pub(crate) const FIGURES: [Figure; 13] = [
     ("relative_closest_shift", Independence::relative_closest_shift),
     ("independent_from", |own| own.independent_from),
 ];
-
-/// Writes the verdict of a run.
-pub(crate) fn write_independence(writer: &Writer<'_>, own: &Independence) -> Result<(), OutputError> {
-    write_figures(writer, &[*own])?;
-    writer.text(GROUP, "verdict", own.verdict().name())
-}
 
 /// Writes those of several laws or sizes.
 pub(crate) fn write_independences(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {

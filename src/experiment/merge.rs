@@ -1,6 +1,7 @@
 //! The shards of a run put together into the result of one run of all.
 
 use super::checkpoint::{OverwritePolicy, Run, beginning, read_records};
+use super::layouts::SWEEP;
 use super::points::Points;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Partial, Results, RunMetadata};
@@ -11,7 +12,6 @@ use super::{Error, Observer, Phases};
 use crate::engine::ReductionTree;
 use crate::output::OutputLock;
 use crate::output::partial::{Kept, Visit};
-use crate::output::schema::SWEEP;
 use crate::scene::Scene;
 use std::sync::atomic::Ordering;
 

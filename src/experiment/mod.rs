@@ -1,18 +1,19 @@
 //! Experiments on scenes: the integral, the ensemble, its cross-check, and what is found out, kept and
 //! written.
 
-mod asperities;
 mod background;
 pub(crate) mod capillary;
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 pub(crate) mod coupling;
+mod datasets;
 mod error;
 pub(crate) mod files;
 pub(crate) mod finite_size;
 mod host;
 pub(crate) mod independence;
 pub(crate) mod integral;
+pub mod layouts;
 pub(crate) mod merge;
 mod observer;
 pub(crate) mod points;
@@ -25,6 +26,7 @@ pub(crate) mod scene_file;
 pub(crate) mod shard_run;
 pub(crate) mod shard_set;
 pub(crate) mod snaps;
+mod stack;
 pub(crate) mod stacked;
 
 pub use compare::{ComparedLaw, Comparison, Mean};

@@ -6,6 +6,7 @@
 //! complete. Points can be computed in any order, and a range of them by itself.
 
 use super::checkpoint::{OverwritePolicy, Run, identity, is_result_of};
+use super::layouts::RUN;
 use super::prepared::{SceneLaws, Session, Task, run_scene};
 use super::sampling::set_ensemble;
 use super::{Error, Observer};
@@ -14,7 +15,7 @@ use crate::estimate::Estimate;
 use crate::output::identity::Identity;
 use crate::output::journal::forget;
 use crate::output::partial::{Partial, is_checkpoint};
-use crate::output::schema::{Layout, RUN};
+use crate::output::schema::Layout;
 use crate::output::{OutputError, OutputLock, beside};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};

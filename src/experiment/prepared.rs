@@ -2,9 +2,11 @@
 
 use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
 use super::coupling::mean_fields;
+use super::datasets::write_results;
 use super::host::Host;
 use super::integral::{Integral, PathIntegral};
-use super::result_file::{AllRecords, write_curves, write_head, write_results};
+use super::layouts::RUN;
+use super::result_file::{AllRecords, write_curves, write_head};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
@@ -14,7 +16,6 @@ use crate::estimate::{Estimate, Plan};
 use crate::integral::{Expectations, controls};
 use crate::math::control_variates::controlled_means;
 use crate::output::partial::Functionals;
-use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};

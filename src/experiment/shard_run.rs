@@ -2,6 +2,7 @@
 //! merge.
 
 use super::checkpoint::{Beginning, OverwritePolicy, Run, beginning, identity};
+use super::layouts::SWEEP;
 use super::points::Points;
 use super::prepared::{PreparedRun, Sampled, SceneLaws, Session, Task};
 use super::{Error, Observer, Phases};
@@ -9,7 +10,6 @@ use crate::engine::{Shard, batches_of, replicas_of};
 use crate::output::identity::Identity;
 use crate::output::journal::forget;
 use crate::output::partial::{Kept, is_checkpoint};
-use crate::output::schema::SWEEP;
 use crate::output::shard_file::{Head, ShardFile, ShardPiece};
 use crate::output::{OutputError, OutputLock};
 use crate::scene::Scene;

@@ -6,9 +6,6 @@ use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
 use crate::math::moments::Moments;
 use crate::math::proportion::wilson_interval;
-use crate::output::OutputError;
-use crate::output::schema::Dimension;
-use crate::output::writer::Writer;
 
 /// One of the numbers that are kept of every replica.
 struct Column<'a> {
@@ -88,12 +85,12 @@ impl<'a> Snaps<'a> {
     }
 
     /// Number `offset` behind each of the places, for every replica.
-    fn table(&self, places: &[usize], offset: usize) -> Vec<f64> {
+    pub fn table(&self, places: &[usize], offset: usize) -> Vec<f64> {
         let replicas = self.snaps.chunks_exact(self.loading.length());
         replicas.flat_map(|numbers| places.iter().map(move |place| numbers[place + offset])).collect()
     }
 
-    fn places_in(&self) -> Vec<usize> {
+    pub fn places_in(&self) -> Vec<usize> {
         (0..self.loading.snaps_in()).map(|stiffness| self.place_in(stiffness)).collect()
     }
 
@@ -101,78 +98,14 @@ impl<'a> Snaps<'a> {
         (0..self.loading.retractions()).map(|retraction| self.place_of_turn(retraction)).collect()
     }
 
-    fn places_off(&self) -> Vec<usize> {
+    pub fn places_off(&self) -> Vec<usize> {
         let stiffnesses = self.loading.stiffness.len();
         let of = |retraction| (0..stiffnesses).map(move |stiffness| self.place_off(retraction, stiffness));
         (0..self.loading.retractions()).flat_map(of).collect()
     }
 
-    /// Mean and standard deviation of the pull-off after a turn, over the replicas that turn, and how many
-    /// these are.
-    pub fn pull_off(&self, turn: usize) -> (f64, f64, u64) {
-        let moments = Moments::of(self.column(turn + 1).values().filter(|force| !force.is_nan()));
-        let mean = if moments.count() == 0 { f64::NAN } else { moments.mean()[0] };
-        (mean, moments.std()[0], moments.count())
+    /// Moments of the pull-off after a turn, over the replicas that turn.
+    pub fn pull_off(&self, turn: usize) -> Moments {
+        Moments::of(self.column(turn + 1).values().filter(|force| !force.is_nan()))
     }
-}
-
-/// Writes the snaps, if they were asked for.
-pub(crate) fn write_instability(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let snaps = Snaps::of(results);
-    let loading = snaps.loading;
-    if loading.length() == 0 {
-        return Ok(());
-    }
-    writer.group("instability")?;
-    writer.number("/instability", "smallest_snap", loading.smallest_snap)?;
-    writer.scale(Dimension::Stiffness, loading.stiffness);
-    if loading.ways.0 {
-        write_snaps(writer, "in", &snaps, &snaps.places_in())?;
-    }
-    if loading.retractions() > 0 {
-        let preload = if loading.preload.is_empty() { &[f64::NAN] } else { loading.preload };
-        writer.scale(Dimension::Preload, preload);
-        write_turns(writer, &snaps)?;
-        let places = snaps.places_off();
-        write_snaps(writer, "off", &snaps, &places)?;
-        let unstopped: Vec<u64> = places.iter().map(|place| snaps.counts(*place).unstopped).collect();
-        writer.dataset("/instability/fly_off_count", &unstopped)?;
-    }
-    Ok(())
-}
-
-fn write_snaps(
-    writer: &Writer<'_>,
-    name: &str,
-    snaps: &Snaps<'_>,
-    places: &[usize],
-) -> Result<(), OutputError> {
-    for (offset, number) in ["", "_separation", "_distance"].into_iter().enumerate() {
-        writer.dataset(&format!("/replicas/snap_{name}{number}"), &snaps.table(places, offset))?;
-    }
-    let counts: Vec<Counts> = places.iter().map(|place| snaps.counts(*place)).collect();
-    let all = |of: fn(&Counts) -> f64| counts.iter().map(of).collect::<Vec<f64>>();
-    let group = format!("/instability/snap_{name}");
-    writer
-        .dataset(&format!("{group}_count"), &counts.iter().map(|counts| counts.snap).collect::<Vec<u64>>())?;
-    writer.dataset(&format!("{group}_probability"), &all(|counts| counts.share()))?;
-    writer.dataset(&format!("{group}_probability_low"), &all(|counts| counts.interval().0))?;
-    writer.dataset(&format!("{group}_probability_high"), &all(|counts| counts.interval().1))
-}
-
-fn write_turns(writer: &Writer<'_>, snaps: &Snaps<'_>) -> Result<(), OutputError> {
-    let turns = snaps.places_of_turns();
-    let names = ["preload_separation", "pull_off_after_preload", "pull_off_after_preload_separation"];
-    for (offset, name) in names.into_iter().enumerate() {
-        writer.dataset(&format!("/replicas/{name}"), &snaps.table(&turns, offset))?;
-    }
-    let pull_off: Vec<(f64, f64, u64)> = turns.iter().map(|turn| snaps.pull_off(*turn)).collect();
-    writer.dataset(
-        "/instability/preload_reached_count",
-        &pull_off.iter().map(|(.., count)| *count).collect::<Vec<u64>>(),
-    )?;
-    let mean: Vec<f64> = pull_off.iter().map(|(mean, ..)| *mean).collect();
-    writer.dataset("/instability/pull_off_after_preload_mean", &mean)?;
-    let std: Vec<f64> = pull_off.iter().map(|(_, std, _)| *std).collect();
-    writer.dataset("/instability/pull_off_after_preload_std", &std)
 }

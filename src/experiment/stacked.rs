@@ -3,8 +3,10 @@
 
 use super::Error;
 use super::independence::{read_independence, write_limits};
+use super::layouts::{RUN, SWEEP};
 use super::points::Points;
 use super::result_file::{write_about, write_model};
+use super::stack::{self, stack};
 use crate::engine::SCALARS;
 use crate::integral::Independence;
 use crate::math::interval::LEVEL;
@@ -12,8 +14,6 @@ use crate::math::sums::SUM_ROUNDING;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::reader::Reader;
-use crate::output::schema::{RUN, SWEEP};
-use crate::output::stack::{self, stack};
 use crate::output::writer::Writer;
 use crate::scene::{Mode, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, overall};

@@ -28,7 +28,7 @@ pub(crate) fn read_text(at: &Location, name: &str) -> hdf5::Result<String> {
 }
 
 /// The text of an attribute that is one.
-pub(super) fn text(attribute: &Attribute) -> hdf5::Result<String> {
+pub(crate) fn text(attribute: &Attribute) -> hdf5::Result<String> {
     Ok(lossy(attribute.read_scalar::<VarLenUnicode>()?.as_bytes()))
 }
 

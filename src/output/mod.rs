@@ -22,14 +22,12 @@ pub mod schema;
 #[doc(hidden)]
 pub mod shard_file;
 #[doc(hidden)]
-pub mod stack;
-#[doc(hidden)]
 pub mod writer;
 
 #[doc(hidden)]
 pub use lock::{OutputLock, beside};
 pub use reader::Reader;
-pub use schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, RUN, SWEEP};
+pub use schema::{ASPERITIES, Layout};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -38,7 +36,8 @@ use thiserror::Error;
 ///
 /// # Examples
 /// ```
-/// use stiction::output::{OutputError, RUN, Reader};
+/// use stiction::layouts::RUN;
+/// use stiction::output::{OutputError, Reader};
 ///
 /// let refused = Reader::open("Cargo.toml".as_ref(), &[&RUN]).err().unwrap();
 /// assert!(matches!(refused, OutputError::NotAResult { .. }));

@@ -167,6 +167,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
+        self.require_group(path)?;
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
         dataset.write_raw(&unicode(texts))?;
         self.describe(path, &dataset, false)
@@ -177,6 +178,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
+        self.require_group(path)?;
         let shape = self.shape(path);
         let dataset = checked::<T>(&self.file, &shape, &shape).create(path)?;
         dataset.write_raw(values)?;
@@ -339,6 +341,15 @@ impl<'c> Writer<'c> {
         Ok(dataset.write_slice(view, (first..first + rows, ..))?)
     }
 
+    /// Makes the group of a dataset that not every file of the layout has.
+    fn require_group(&self, path: &str) -> Result<(), OutputError> {
+        match self.layout.variable(path).group().trim_start_matches('/') {
+            "" => Ok(()),
+            group if self.file.link_exists(group) => Ok(()),
+            group => self.group(group),
+        }
+    }
+
     fn shape(&self, path: &str) -> Vec<usize> {
         let dimensions = &self.layout.variable(path).dimensions;
         dimensions.iter().map(|dimension| self.length(*dimension)).collect()
@@ -439,7 +450,7 @@ fn unicode(texts: &[&str]) -> Vec<VarLenUnicode> {
 mod tests {
     use super::*;
     use crate::output::guard;
-    use crate::output::schema::SWEEP;
+    use crate::output::schema::ASPERITIES;
 
     /// A file of which nothing has reached the disk is not given the name of the result of before.
     #[test]
@@ -448,13 +459,13 @@ mod tests {
         let output = folder.path().join("out.h5");
         let lock = OutputLock::new(&output, &[]).unwrap();
         std::fs::write(&output, "before").unwrap();
-        let writer = Writer::create(&SWEEP, &lock, true).unwrap();
+        let writer = Writer::create(&ASPERITIES, &lock, true).unwrap();
         std::fs::remove_file(lock.hidden(".partial")).unwrap();
         std::fs::write(lock.hidden(".partial"), "").unwrap();
         let failed = writer.finish().unwrap_err().to_string();
         assert!(failed.contains("is empty"), "{failed}");
         assert_eq!(std::fs::read(&output).unwrap(), b"before");
-        Writer::create(&SWEEP, &lock, true).and_then(Writer::finish).unwrap();
+        Writer::create(&ASPERITIES, &lock, true).and_then(Writer::finish).unwrap();
         assert!(guard::open(&output).is_ok());
     }
 
@@ -465,7 +476,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("out.h5");
         let lock = OutputLock::new(&output, &[]).unwrap();
-        let writer = Writer::create(&SWEEP, &lock, false).unwrap();
+        let writer = Writer::create(&ASPERITIES, &lock, false).unwrap();
         let mut started = std::process::Command::new("sleep").arg("60").spawn().unwrap();
         writer.finish().unwrap();
         let opened = guard::open(&output).map(|_| ());

@@ -15,7 +15,7 @@ pub mod echo;
 mod error;
 #[doc(hidden)]
 pub mod files;
-mod films;
+pub(crate) mod films;
 mod instability;
 mod keys;
 mod lookup;

@@ -9,8 +9,8 @@ use super::common::unlocked;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use stiction::layouts::{LAYOUTS, RUN};
 use stiction::output::reader::Reader;
-use stiction::output::schema::{Layout, RUN};
 use stiction::surface::map::{Asperities, HeightMap, Levelling};
 
 /// A reader of files: adding one here is all that it takes to fuzz it.
@@ -61,7 +61,7 @@ fn results(folder: &Folder) -> Vec<&'static str> {
 
 /// Everything that can be asked of a result.
 fn read_result(path: &Path) -> bool {
-    let Ok(reader) = Reader::open(path, &Layout::ALL) else { return false };
+    let Ok(reader) = Reader::open(path, &LAYOUTS) else { return false };
     let mut whole = reader.attributes("/").is_ok();
     for group in reader.groups() {
         whole &= reader.attributes(group).is_ok();

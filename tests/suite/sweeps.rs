@@ -9,8 +9,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
+use stiction::layouts::{RUN, SWEEP};
 use stiction::output::reader::Reader;
-use stiction::output::schema::{Dimension, RUN, SWEEP, name_of_key};
+use stiction::output::schema::{Dimension, name_of_key};
 use stiction::scene::files::NoFiles;
 use stiction::scene::{Document, KEYS, MOST_POINTS, Mode, Sweep};
 

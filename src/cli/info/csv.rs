@@ -1,8 +1,9 @@
 //! A result as a table: a row for each index of a dimension.
 
+use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, RUN};
 use crate::output::OutputError;
 use crate::output::reader::{Description, Reader, Stored};
-use crate::output::schema::{ASPERITIES, COMPARISON, Dimension, FINITE_SIZE, Layout, RUN};
+use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;
 
 /// What rows are by default, of files without points.

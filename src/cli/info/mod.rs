@@ -7,11 +7,11 @@ mod json;
 use super::failure::Failure;
 use super::rows::row;
 use super::terminal::print;
+use crate::experiment::layouts::{LAYOUTS, SWEEP};
 use crate::format::{duration, replicas as shown};
 use crate::output::identity::Identity;
 use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::reader::Reader;
-use crate::output::schema::{Layout, SWEEP};
 use crate::output::shard_file::{ShardFile, is_shard};
 use crate::output::{OutputError, beside};
 use crate::scene::echo::one_line;
@@ -64,7 +64,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
             return points(&folder);
         }
     }
-    let reader = Reader::open(path, &Layout::ALL)?;
+    let reader = Reader::open(path, &LAYOUTS)?;
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
     text += &completeness(&reader)?;
     let mut scene = String::new();
@@ -99,7 +99,7 @@ fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
         let problem = "is a part of a run; --json and --csv show results that are complete";
         return Err(refused(problem.to_owned()));
     }
-    let reader = Reader::open(path, &Layout::ALL)?;
+    let reader = Reader::open(path, &LAYOUTS)?;
     let text = match arguments.json {
         true => json::json(&reader, arguments.all)?,
         false => csv::csv(&reader, arguments.by.as_deref())?.map_err(refused)?,
@@ -209,8 +209,7 @@ fn scene_text(scene: &str) -> String {
 
 /// A row with room for the longest name of all layouts.
 fn wide(name: &str, value: &str) -> String {
-    let known =
-        Layout::ALL.iter().flat_map(|layout| layout.variables.iter()).map(|variable| variable.path.len());
+    let known = LAYOUTS.iter().flat_map(|layout| layout.variables.iter()).map(|variable| variable.path.len());
     let width = known.max().unwrap_or_default() + 2;
     row(&format!("{:<width$}", one_line(name)), &one_line(value))
 }

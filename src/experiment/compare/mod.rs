@@ -12,12 +12,12 @@ use crate::asperity::{FitReport, Laws, Quantity, Scratch, SolverStats, SurfaceLa
 use crate::background::Background;
 use crate::engine::{Ensemble, Summation};
 use crate::estimate::beyond;
+use crate::experiment::layouts::COMPARISON;
 use crate::format::percent;
 use crate::integral::Expectations;
 use crate::math::moments::Moments;
 use crate::math::proportion::agreeing;
 use crate::output::OutputLock;
-use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Warning, warnings_of_scene};
 use crate::validation::{Cumulants, JointTest};

@@ -30,7 +30,8 @@ const SHOWN_NUMBERS: usize = 16;
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = folder.path().join("result.h5");
-/// use stiction::output::{RUN, Reader};
+/// use stiction::layouts::RUN;
+/// use stiction::output::Reader;
 ///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
 /// let result = stiction::run(&scene)?;

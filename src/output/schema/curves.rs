@@ -2,31 +2,27 @@
 
 use super::{Dimension, N, Row, S, Variable, group, variable};
 use crate::asperity::Quantity;
-use crate::engine::{Scalar, Ways};
-
-/// Beginnings of the names of datasets, and what their meaning has behind the quantity: on approach, and on
-/// the retraction and the second approach of loops.
-pub(super) const DIRECTIONS: [(&str, &str); 3] = Ways::NAMES;
+use crate::engine::Scalar;
 
 /// Ends of the names of datasets, and the meaning of a quantity `{}`.
-pub(super) type Statistic<'a> = (&'a str, &'a str);
+pub(crate) type Statistic<'a> = (&'a str, &'a str);
 
 /// Statistics of an ensemble.
-pub(super) const OF_ENSEMBLE: [Statistic<'static>; 3] = [
+pub(crate) const OF_ENSEMBLE: [Statistic<'static>; 3] = [
     ("_mean", "{}, mean over replicas"),
     ("_standard_error", "{}, standard error of the mean"),
     ("_std", "{}, standard deviation of one replica"),
 ];
 /// Statistics by the integral.
-pub(super) const OF_INTEGRAL: [Statistic<'static>; 2] = [
+pub(crate) const OF_INTEGRAL: [Statistic<'static>; 2] = [
     ("", "{}, expectation by the integral"),
     ("_std", "{}, standard deviation of one replica by the integral"),
 ];
 /// The forces that ensemble and integral are compared by.
-pub(super) const FORCES: [&str; 2] = ["adhesion_force", "external_force"];
+pub(crate) const FORCES: [&str; 2] = ["adhesion_force", "external_force"];
 
 /// Every quantity of a group along its last dimension, in every statistic.
-pub(super) fn quantities(
+pub(crate) fn quantities(
     group: &str,
     dimensions: &[Dimension],
     (prefix, on): (&str, &str),
@@ -52,7 +48,7 @@ pub(super) fn quantities(
 }
 
 /// The share of each regime in a group.
-pub(super) fn regimes(
+pub(crate) fn regimes(
     group: &str,
     lead: &[Dimension],
     (prefix, on): (&str, &str),
@@ -72,7 +68,7 @@ pub(super) fn regimes(
 }
 
 /// Quantiles of the external force of a group.
-pub(super) fn quantile(group: &str, lead: &[Dimension], (prefix, on): (&str, &str)) -> Variable {
+pub(crate) fn quantile(group: &str, lead: &[Dimension], (prefix, on): (&str, &str)) -> Variable {
     let meaning =
         format!("external force{on} of single replicas, quantiles over the first 1000, compressive positive");
     let dimensions = [lead, &[Dimension::Quantile], S].concat();
@@ -80,7 +76,7 @@ pub(super) fn quantile(group: &str, lead: &[Dimension], (prefix, on): (&str, &st
 }
 
 /// A dataset of each of the forces that ensemble and integral are compared by.
-pub(super) fn forces(
+pub(crate) fn forces(
     prefix: &str,
     suffix: &str,
     dimensions: &[Dimension],
@@ -95,13 +91,13 @@ pub(super) fn forces(
 }
 
 /// The deviation of the ensemble from the integral.
-pub(super) fn scores(lead: &[Dimension], (prefix, on): (&str, &str)) -> Vec<Variable> {
+pub(crate) fn scores(lead: &[Dimension], (prefix, on): (&str, &str)) -> Vec<Variable> {
     let meaning = format!("deviation of the mean {{}}{on} from the integral, in standard errors");
     forces(&format!("/validation/{prefix}z_"), "", &[lead, S].concat(), "1", &meaning)
 }
 
 /// Features of the curve of each replica.
-pub(super) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>) -> Vec<Variable> {
+pub(crate) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>) -> Vec<Variable> {
     let dimensions = [lead, N].concat();
     let one = |scalar: Scalar| {
         variable(format!("/replicas/{}", scalar.name), &dimensions, scalar.units, scalar.meaning)
@@ -110,7 +106,7 @@ pub(super) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>)
 }
 
 /// The attraction between the mean planes.
-pub(super) fn background(lead: &[Dimension]) -> Vec<Variable> {
+pub(crate) fn background(lead: &[Dimension]) -> Vec<Variable> {
     let rows = [
         (
             "force",
@@ -128,7 +124,7 @@ pub(super) fn background(lead: &[Dimension]) -> Vec<Variable> {
 }
 
 /// Pull-off and stiffest point of a curve of a group.
-pub(super) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Variable> {
+pub(crate) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Variable> {
     let rows = [
         ("pull_off_force", "N", "pull-off force, minus the minimum of {}"),
         ("pull_off_separation", "m", "separation h at pull-off of {}"),
@@ -142,7 +138,7 @@ pub(super) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Vari
 }
 
 /// The joint test.
-pub(super) fn joint_test(lead: &[Dimension]) -> Vec<Variable> {
+pub(crate) fn joint_test(lead: &[Dimension]) -> Vec<Variable> {
     const ROWS: [Row; 5] = [
         ("statistic", &[], "1", "sum of squared scores of ensemble against integral"),
         ("degrees_of_freedom", &[], "1", "degrees of freedom of the joint test"),

@@ -8,12 +8,12 @@ const GROUP: &str = "/independence";
 pub const VERDICT: &str = "/independence/verdict";
 
 /// The figures, led by the dimensions of what has them.
-pub(super) fn independence(lead: &[Dimension]) -> Vec<Variable> {
+pub(crate) fn independence(lead: &[Dimension]) -> Vec<Variable> {
     group(GROUP, lead, ROWS)
 }
 
 /// The verdict, which a file of one run has as an attribute.
-pub(super) fn verdict(lead: &[Dimension]) -> Vec<Variable> {
+pub(crate) fn verdict(lead: &[Dimension]) -> Vec<Variable> {
     let row =
         ("verdict", NONE, "1", "what independence of the asperities is worth: good, a shift or invalid");
     group(GROUP, lead, &[row])

@@ -8,19 +8,16 @@
 //! version step.
 
 mod asperities;
-mod comparison;
 mod curves;
-mod finite_size;
 mod independence;
-mod run;
-mod sweep;
 
 pub use asperities::ASPERITIES;
-pub use comparison::COMPARISON;
-pub use finite_size::FINITE_SIZE;
+pub(crate) use curves::{
+    OF_ENSEMBLE, OF_INTEGRAL, Statistic, background, features, forces, joint_test, quantile, quantities,
+    regimes, scalars, scores,
+};
 pub use independence::VERDICT;
-pub use run::RUN;
-pub use sweep::SWEEP;
+pub(crate) use independence::{independence, verdict};
 
 use std::sync::LazyLock;
 
@@ -28,12 +25,13 @@ use std::sync::LazyLock;
 ///
 /// # Examples
 /// ```
-/// use stiction::output::{Layout, RUN};
+/// use stiction::layouts::{LAYOUTS, RUN};
+/// use stiction::output::Layout;
 ///
 /// let run: &Layout = &RUN;
 /// assert_eq!(run.command, "stiction run");
 /// assert!(run.variables.iter().any(|variable| variable.path == "/ensemble/adhesion_force_mean"));
-/// assert_eq!(Layout::ALL.len(), 5);
+/// assert_eq!(LAYOUTS.len(), 5);
 /// ```
 #[derive(Debug)]
 pub struct Layout {
@@ -56,9 +54,6 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// All kinds of files.
-    pub const ALL: [&'static Self; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
-
     /// All datasets that a file may hold, those of points included.
     pub fn known(&'static self) -> impl Iterator<Item = &'static Variable> {
         let of_points: &[Variable] = self.of_points.map_or(&[], |layout| &layout.variables);
@@ -276,23 +271,24 @@ const BESIDE_SEPARATION: [(&str, &str, &str); 2] = [
     ("asperity_separation", "m", "separation d = h - y_s of flat and asperity mean plane"),
 ];
 
-const NONE: &[Dimension] = &[];
+pub(crate) const NONE: &[Dimension] = &[];
 const S: &[Dimension] = &[Dimension::Separation];
 const N: &[Dimension] = &[Dimension::Replica];
 
 /// Name, dimensions, units and meaning of a dataset of a group. Units that end with `_units` name the dataset
 /// that lists those of each row.
-type Row = (&'static str, &'static [Dimension], &'static str, &'static str);
+pub(crate) type Row = (&'static str, &'static [Dimension], &'static str, &'static str);
 
 /// The datasets of a group, their dimensions led by others.
-fn group(group: &str, lead: &[Dimension], rows: &[Row]) -> Vec<Variable> {
+pub(crate) fn group(group: &str, lead: &[Dimension], rows: &[Row]) -> Vec<Variable> {
     let own = |(name, dimensions, units, long_name): &Row| {
         variable(format!("{group}/{name}"), &[lead, dimensions].concat(), units, *long_name)
     };
     rows.iter().map(own).collect()
 }
 
-fn variable(
+/// A dataset by its path.
+pub(crate) fn variable(
     path: String,
     dimensions: &[Dimension],
     units: &'static str,
@@ -313,13 +309,13 @@ fn variable(
 }
 
 /// The scale of a dimension in a group.
-fn scale(group: &str, dimension: Dimension) -> Variable {
+pub(crate) fn scale(group: &str, dimension: Dimension) -> Variable {
     let (name, units, long_name) = dimension.scale();
     variable(format!("{group}/{name}"), &[dimension], units, long_name)
 }
 
 /// The datasets, each group of them behind the coordinates of its dimensions.
-fn with_coordinates(variables: Vec<Variable>) -> Vec<Variable> {
+pub(crate) fn with_coordinates(variables: Vec<Variable>) -> Vec<Variable> {
     let mut all: Vec<Variable> = Vec::new();
     for own in variables.chunk_by(|one, next| one.group() == next.group()) {
         let group = own[0].group();
@@ -339,29 +335,4 @@ fn with_coordinates(variables: Vec<Variable>) -> Vec<Variable> {
         all.extend_from_slice(own);
     }
     all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_unique_and_every_group_has_the_scales_of_its_dimensions() {
-        for layout in Layout::ALL {
-            for variable in layout.variables.iter() {
-                let same = layout.known().filter(|other| other.path == variable.path);
-                assert_eq!(same.count(), 1, "{}", variable.path);
-                for dimension in &variable.dimensions {
-                    let scale = layout.variable(&format!("{}/{}", variable.group(), dimension.name()));
-                    assert_eq!(scale.scales(), Some(*dimension));
-                }
-                for name in &variable.coordinates {
-                    layout.variable(&format!("{}/{name}", variable.group()));
-                }
-                let group = variable.group().trim_start_matches('/');
-                let mut groups = layout.groups.iter().chain(layout.optional_groups);
-                assert!(group.is_empty() || groups.any(|known| *known == group), "{}", variable.path);
-            }
-        }
-    }
 }

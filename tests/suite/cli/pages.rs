@@ -4,7 +4,8 @@
 use std::ops::Bound;
 use std::path::Path;
 use std::process::Command;
-use stiction::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, RUN, SWEEP, Variable};
+use stiction::layouts::{COMPARISON, FINITE_SIZE, RUN, SWEEP};
+use stiction::output::schema::{ASPERITIES, Layout, Variable};
 use stiction::scene::{Absent, KEYS, Key, Scene, Sign, Value};
 
 /// The page with its blocks as `block` has them, each by what its comment says.

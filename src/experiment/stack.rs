@@ -5,10 +5,11 @@
 //! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after
 //! the other.
 
-use super::attributes::text;
-use super::schema::{Dimension, RUN, Variable};
-use super::writer::{CURVE_CHUNK, Writer};
-use super::{OutputError, guard};
+use super::layouts::RUN;
+use crate::output::attributes::text;
+use crate::output::schema::{Dimension, Variable};
+use crate::output::writer::{CURVE_CHUNK, Writer};
+use crate::output::{OutputError, guard};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, H5Type};
 use std::collections::BTreeMap;

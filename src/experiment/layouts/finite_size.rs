@@ -1,7 +1,6 @@
 //! The layout of a result of `stiction finite-size`.
 
-use super::independence::{independence, verdict};
-use super::{Dimension, Layout, NONE, Row, group, with_coordinates};
+use crate::output::schema::{Dimension, Layout, NONE, Row, group, independence, verdict, with_coordinates};
 use std::sync::LazyLock;
 
 const C: &[Dimension] = &[Dimension::AsperityCount];

@@ -1,11 +1,12 @@
 //! The layout of a result of `stiction run` for a sweep: what a run of every point has, over the points, and
 //! what only a sweep has.
 
-use super::curves::{features, joint_test};
-use super::independence::verdict;
-use super::run::OPTIONAL_GROUPS;
-use super::{Dimension, Layout, NONE, RUN, Row, Variable, group, scale, variable};
+use super::RUN;
 use crate::engine::SCALARS;
+use crate::experiment::datasets::OPTIONAL_GROUPS;
+use crate::output::schema::{
+    Dimension, Layout, NONE, Row, Variable, features, group, joint_test, scale, variable, verdict,
+};
 use std::sync::LazyLock;
 
 /// A result of `stiction run` for a scene with a table `[sweep]`.

@@ -1,12 +1,10 @@
 //! The layout of a result of `stiction compare`.
 
-use super::curves::{
-    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, background, features, forces, joint_test, quantile, quantities,
-    regimes, scalars, scores,
+use crate::engine::{SCALARS, Ways};
+use crate::output::schema::{
+    Dimension, Layout, NONE, OF_ENSEMBLE, OF_INTEGRAL, Row, Variable, background, features, forces, group,
+    independence, joint_test, quantile, quantities, regimes, scalars, scores, verdict, with_coordinates,
 };
-use super::independence::{independence, verdict};
-use super::{Dimension, Layout, NONE, Row, Variable, group, with_coordinates};
-use crate::engine::SCALARS;
 use std::sync::LazyLock;
 
 const L: &[Dimension] = &[Dimension::Law];
@@ -27,7 +25,7 @@ pub static COMPARISON: Layout = Layout {
 
 /// All datasets that a file may hold.
 fn variables() -> Vec<Variable> {
-    let approach = DIRECTIONS[0];
+    let approach = Ways::NAMES[0];
     let difference = "{} less that of the first law, by the integral";
     let of_one = "{} of one asperity less that of the first law";
     let all = [

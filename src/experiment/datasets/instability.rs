@@ -1,0 +1,195 @@
+//! Snaps of the replicas of a run, and pull-off after preloads.
+
+use super::replicas::GROUP as REPLICAS;
+use super::{Dataset, Results, Values, path};
+use crate::experiment::snaps::{Counts, Snaps};
+use crate::output::OutputError;
+use crate::output::schema::Dimension::{self, Preload, Replica, Stiffness};
+use crate::output::writer::Writer;
+
+const GROUP: &str = "/instability";
+const D: &[Dimension] = &[Stiffness];
+const P: &[Dimension] = &[Preload];
+const PD: &[Dimension] = &[Preload, Stiffness];
+const ND: &[Dimension] = &[Replica, Stiffness];
+const NP: &[Dimension] = &[Replica, Preload];
+const NPD: &[Dimension] = &[Replica, Preload, Stiffness];
+
+/// The places of some numbers among those that are kept of every replica; none where they are not kept.
+type Places = fn(&Snaps<'_>) -> Option<Vec<usize>>;
+
+fn inward(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
+    (snaps.loading.length() > 0 && snaps.loading.ways.0).then(|| snaps.places_in())
+}
+
+fn off(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
+    (snaps.loading.retractions() > 0).then(|| snaps.places_off())
+}
+
+fn turns(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
+    (snaps.loading.retractions() > 0).then(|| snaps.places_of_turns())
+}
+
+pub(super) fn datasets() -> Vec<Dataset> {
+    let stable = "share of replicas that snap in, of those that are stable at the last separation";
+    let retracted = "share of replicas that snap off, of those that were retracted and are stable at the first separation";
+    let mut all = snaps("in", D, stable, inward);
+    all.extend(snaps("off", PD, retracted, off));
+    let unstopped = "replicas that snap off and that nothing within the separations stops";
+    all.push(counted("fly_off_count", PD, unstopped, off, |counts| counts.unstopped));
+    all.extend([
+        Dataset::new(
+            path(GROUP, "preload_reached_count"),
+            P,
+            "1",
+            "replicas that reach the preload",
+            |results| {
+                let own = Snaps::of(results);
+                Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn).count()).collect::<Vec<u64>>())
+            },
+        ),
+        Dataset::new(
+            path(GROUP, "pull_off_after_preload_mean"),
+            P,
+            "N",
+            "pull-off force after the preload, mean over the replicas that reach it",
+            |results| {
+                let own = Snaps::of(results);
+                let mean = |turn: &usize| match own.pull_off(*turn) {
+                    moments if moments.count() == 0 => f64::NAN,
+                    moments => moments.mean()[0],
+                };
+                Some(turns(&own)?.iter().map(mean).collect::<Vec<f64>>())
+            },
+        ),
+        Dataset::new(
+            path(GROUP, "pull_off_after_preload_std"),
+            P,
+            "N",
+            "pull-off force after the preload, standard deviation of one replica",
+            |results| {
+                let own = Snaps::of(results);
+                Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn).std()[0]).collect::<Vec<f64>>())
+            },
+        ),
+    ]);
+    all
+}
+
+/// How often surfaces snap, with the interval of its probability.
+fn snaps(name: &str, dimensions: &'static [Dimension], share: &str, places: Places) -> Vec<Dataset> {
+    let end = |end: &str| format!("{end} end of the 95 % Wilson interval of the probability to snap {name}");
+    let own = |of: &str, meaning: &str, value: fn(&Counts) -> f64| {
+        counted(&format!("snap_{name}_{of}"), dimensions, meaning, places, value)
+    };
+    vec![
+        counted(
+            &format!("snap_{name}_count"),
+            dimensions,
+            &format!("replicas that snap {name}"),
+            places,
+            |counts| counts.snap,
+        ),
+        own("probability", share, |counts| counts.share()),
+        own("probability_low", &end("lower"), |counts| counts.interval().0),
+        own("probability_high", &end("upper"), |counts| counts.interval().1),
+    ]
+}
+
+/// A number by the counts at each place.
+fn counted<T: 'static>(
+    name: &str,
+    dimensions: &[Dimension],
+    meaning: &str,
+    places: Places,
+    of: fn(&Counts) -> T,
+) -> Dataset
+where
+    Vec<T>: Into<Values>,
+{
+    Dataset::new(path(GROUP, name), dimensions, "1", meaning, move |results| {
+        let own = Snaps::of(results);
+        Some(places(&own)?.iter().map(|place| of(&own.counts(*place))).collect::<Vec<T>>())
+    })
+}
+
+/// What is kept of the snaps of every replica.
+pub(super) fn of_replicas() -> [Dataset; 9] {
+    let own = |name: &str, dimensions: &[Dimension], units: &'static str, meaning: &str| {
+        // Numbers of a snap, and of a turn, in their order.
+        let (places, offset): (Places, usize) = match name {
+            "snap_in" => (inward, 0),
+            "snap_in_separation" => (inward, 1),
+            "snap_in_distance" => (inward, 2),
+            "snap_off" => (off, 0),
+            "snap_off_separation" => (off, 1),
+            "snap_off_distance" => (off, 2),
+            "preload_separation" => (turns, 0),
+            "pull_off_after_preload" => (turns, 1),
+            _ => (turns, 2),
+        };
+        Dataset::new(path(REPLICAS, name), dimensions, units, meaning, move |results: &Results| {
+            let own = Snaps::of(results);
+            Some(own.table(&places(&own)?, offset))
+        })
+    };
+    [
+        own(
+            "snap_in",
+            ND,
+            "1",
+            "whether the surface snaps in (1) or not (0), NaN where it is unstable at the last separation",
+        ),
+        own("snap_in_separation", ND, "m", "separation h where the largest snap-in begins, NaN without one"),
+        own(
+            "snap_in_distance",
+            ND,
+            "m",
+            "how far the surface snaps in, NaN where nothing within the separations stops it",
+        ),
+        own(
+            "snap_off",
+            NPD,
+            "1",
+            "whether the surface snaps off (1) or not (0), NaN where it was never retracted or is unstable at the first separation",
+        ),
+        own(
+            "snap_off_separation",
+            NPD,
+            "m",
+            "separation h where the largest snap-off begins, NaN without one",
+        ),
+        own(
+            "snap_off_distance",
+            NPD,
+            "m",
+            "how far the surface snaps off, NaN where nothing within the separations stops it",
+        ),
+        own(
+            "preload_separation",
+            NP,
+            "m",
+            "separation h where the preload is reached and the surface retracts, NaN where it is not reached",
+        ),
+        own("pull_off_after_preload", NP, "N", "pull-off force after that preload"),
+        own("pull_off_after_preload_separation", NP, "m", "separation h at that pull-off"),
+    ]
+}
+
+pub(super) fn scales(writer: &mut Writer<'_>, results: &Results) {
+    let loading = Snaps::of(results).loading;
+    if loading.length() > 0 {
+        writer.scale(Stiffness, loading.stiffness);
+    }
+    if loading.retractions() > 0 {
+        writer.scale(Preload, if loading.preload.is_empty() { &[f64::NAN] } else { loading.preload });
+    }
+}
+
+pub(super) fn attributes(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let loading = Snaps::of(results).loading;
+    if loading.length() == 0 {
+        return Ok(());
+    }
+    writer.number(GROUP, "smallest_snap", loading.smallest_snap)
+}

@@ -1,0 +1,45 @@
+//! Numbers of each replica of a run.
+
+use super::coupling::{of_replicas, per_replica};
+use super::instability;
+use super::{Dataset, History, Results, Values, path};
+use crate::engine::{self, Ways};
+use crate::output::schema::Dimension::{Replica, Separation};
+use crate::output::schema::scalars;
+
+pub(super) const GROUP: &str = "/replicas";
+
+pub(super) fn datasets() -> Vec<Dataset> {
+    let mut all = vec![
+        Dataset::new(path(GROUP, "asperity_count"), &[Replica], "1", "number of asperities", |results| {
+            Some(per_replica(results, |replica| replica.asperity_count))
+        }),
+        Dataset::new(
+            path(GROUP, "highest_asperity"),
+            &[Replica],
+            "m",
+            "highest asperity above the asperity mean plane",
+            |results| Some(per_replica(results, |replica| replica.highest_asperity)),
+        ),
+    ];
+    let known = engine::scalars(Ways::Repeated);
+    all.extend(known.zip(scalars(&[], engine::scalars(Ways::Repeated))).map(|(scalar, variable)| {
+        Dataset::of(variable, move |results: &Results| {
+            let has = engine::scalars(results.scene.ways()).any(|own| own.name == scalar.name);
+            has.then(|| per_replica(results, scalar.of))
+        })
+    }));
+    all.extend(History::all().flat_map(curves));
+    all.extend(of_replicas());
+    all.extend(instability::of_replicas());
+    all
+}
+
+/// Curves of each replica, which are written batch by batch.
+fn curves(history: History) -> [Dataset; 2] {
+    [("external_force", ", compressive positive"), ("adhesion_force", "")].map(|(force, sign)| {
+        let meaning = format!("{} of each replica{}{sign}", force.replace('_', " "), history.direction().1);
+        let dimensions = &[Replica, Separation];
+        Dataset::new(history.path(GROUP, force), dimensions, "N", meaning, |_| None::<Values>)
+    })
+}

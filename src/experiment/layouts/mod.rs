@@ -1,0 +1,40 @@
+//! Layouts of result files: of runs, sweeps, comparisons and finite sizes.
+
+mod comparison;
+mod finite_size;
+mod sweep;
+
+pub use super::datasets::RUN;
+pub use comparison::COMPARISON;
+pub use finite_size::FINITE_SIZE;
+pub use sweep::SWEEP;
+
+use crate::output::schema::{ASPERITIES, Layout};
+
+/// All kinds of files.
+pub static LAYOUTS: [&Layout; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
+
+#[cfg(test)]
+mod tests {
+    use super::LAYOUTS;
+
+    #[test]
+    fn paths_are_unique_and_every_group_has_the_scales_of_its_dimensions() {
+        for layout in LAYOUTS {
+            for variable in layout.variables.iter() {
+                let same = layout.known().filter(|other| other.path == variable.path);
+                assert_eq!(same.count(), 1, "{}", variable.path);
+                for dimension in &variable.dimensions {
+                    let scale = layout.variable(&format!("{}/{}", variable.group(), dimension.name()));
+                    assert_eq!(scale.scales(), Some(*dimension));
+                }
+                for name in &variable.coordinates {
+                    layout.variable(&format!("{}/{name}", variable.group()));
+                }
+                let group = variable.group().trim_start_matches('/');
+                let mut groups = layout.groups.iter().chain(layout.optional_groups);
+                assert!(group.is_empty() || groups.any(|known| *known == group), "{}", variable.path);
+            }
+        }
+    }
+}

@@ -18,7 +18,6 @@ mod sweep;
 pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use finite_size::FINITE_SIZE;
-pub use independence::VERDICT;
 pub use run::RUN;
 pub use sweep::SWEEP;
 

@@ -133,6 +133,15 @@ def test_means_are_those_of_the_replicas(tree):
         assert close(own, values.mean("replica", skipna=False), abs(values).max("replica")) or own.isnull().any(), scalar
 
 
+def test_differences_are_with_coupling_less_without(tree):
+    coupling = tree["coupling"] if "coupling" in tree.children else {}
+    for name in [name for name in coupling if "difference_" in name and not name.startswith("scalar_") and name.endswith("_mean")]:
+        with_coupling = tree["ensemble"][name.replace("difference_", "")]
+        without = coupling[name.replace("difference_", "independent_")]
+        there = ~without.isnull()
+        assert close(coupling[name].where(there, 0), (with_coupling - without).where(there, 0), abs(with_coupling) + abs(without)), name
+
+
 def test_pull_offs_are_no_less_than_those_of_the_curves(tree):
     """They are searched between the separations too, and the mean of minima is below the minimum of the mean."""
     way = "retraction_" if "retraction_external_force" in tree["integral"] else ""

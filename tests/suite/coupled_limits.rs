@@ -74,6 +74,13 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
     }
     for name in ["patch.h5", "periodic.h5"] {
         assert_exit(&folder.stiction(&["validate", name]), 0);
+        let of = |path: &str| values(name, &format!("{path}external_force_mean"));
+        let [with, without, difference] =
+            ["/ensemble/", "/coupling/independent_", "/coupling/difference_"].map(of);
+        for ((with, without), difference) in with.iter().zip(&without).zip(&difference) {
+            let rounding = 1e-9 * (with.abs() + without.abs());
+            assert!((with - without - difference).abs() <= rounding, "{name}: {difference:e}");
+        }
     }
 }
 

@@ -48,10 +48,10 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
 pub mod asperity;
+pub mod background;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
-pub mod audit;
-pub mod background;
+pub mod check;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

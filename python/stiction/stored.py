@@ -62,8 +62,6 @@ def try_first(path: Path) -> None:
 def check(path: Path) -> None:
     """Refuses an HDF5 file that leads to other files, in a circle, or claims more values than it holds.
 
-    As `stiction validate` does with what it reads, but of everything in the file.
-
     Raises
     ------
     FileError

@@ -19,7 +19,7 @@ pub(super) enum Failure {
     /// Ensemble and integral disagree.
     #[error("ensemble and integral disagree")]
     Disagree,
-    /// Datasets contradict each other.
+    /// A file contradicts itself.
     #[error("{0}")]
     Contradicts(String),
     /// Interrupted by the user.

@@ -48,7 +48,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
-3 validate: ensemble and integral disagree, or datasets contradict each other; 130 interrupted, what was done is kept: run --resume.
+3 validate: ensemble and integral disagree, or the file has another verdict; 130 interrupted, what was done is kept: run --resume.
 
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.
@@ -89,7 +89,7 @@ enum Command {
         after_help = "Example:\n  stiction check configs/case_ii.toml\n  stiction check configs/case_ii.toml --set 'material.work_of_adhesion=\"0.1 J/m^2\"'"
     )]
     Check(SceneArguments),
-    /// Check a finished run: its ensemble against its integral, and its datasets against each other
+    /// Check a finished run: whether its file is damaged, and its ensemble against its integral
     #[command(after_help = "Example:\n  stiction validate case_ii.h5")]
     Validate {
         /// A result of `stiction run`

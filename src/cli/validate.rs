@@ -1,25 +1,24 @@
-//! `stiction validate`: the cross-check of a result, computed anew from its datasets, and whether these fit
-//! together.
+//! `stiction validate`: whether a file is damaged, and its cross-check computed anew.
 
 use super::failure::Failure;
 use super::rows::row;
 use super::summary::verdict;
 use super::sweep::together;
 use super::terminal::print;
-use crate::audit::{Audit, Content, CrossCheck, audit};
+use crate::check::{Checked, Content, CrossCheck, SweptPoint, check};
 use crate::engine::Ways;
 use crate::scene::echo::one_line;
-use crate::validation::{JointTest, Verdict};
+use crate::validation::Verdict;
 use std::path::Path;
 
-/// Findings that are told; more are counted.
-const TOLD: usize = 20;
+/// Contradictions that are shown; more are counted.
+const SHOWN: usize = 20;
 /// Rows of the table; more separations are thinned out.
 const ROWS: usize = 25;
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
-    let audit = audit(path)?;
-    let content = match &audit.content {
+    let checked = check(path)?;
+    let content = match &checked.content {
         Content::Run { cross_check, ways } => table(cross_check, *ways),
         Content::Sweep { keys, points } => swept(keys, points),
         Content::Comparison { laws, p_values } => {
@@ -30,15 +29,15 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
         Content::Shard(replicas) => format!("a shard of {replicas} replicas\n"),
     };
-    concluded(format!("{}\n{content}", one_line(&path.display().to_string())), &audit)
+    concluded(format!("{}\n{content}", one_line(&path.display().to_string())), &checked)
 }
 
 /// The points of a sweep, a line each, and the verdict on all of them.
-fn swept(keys: &str, points: &[(Vec<usize>, Option<JointTest>)]) -> String {
+fn swept(keys: &str, points: &[SweptPoint]) -> String {
     let mut text =
         format!("{:>6}  {:<28}{:>10}{:>8}{:>10}  {}\n", "point", "indices", "chi2", "k", "p", "verdict");
     let mut p_values = Vec::with_capacity(points.len());
-    for (point, (place, joint)) in points.iter().enumerate() {
+    for (point, SweptPoint { place, joint }) in points.iter().enumerate() {
         text += &format!("{:>6}  ", point + 1);
         text += &match joint {
             None => "of which no replicas are there\n".to_owned(),
@@ -79,23 +78,22 @@ fn score(z: f64) -> String {
     if z.is_finite() { format!("{z:.2}") } else { "-".to_owned() }
 }
 
-/// Prints what was found, and what comes of it.
-fn concluded(text: String, Audit { findings, verdict, .. }: &Audit) -> Result<(), Failure> {
-    let more = findings.len().saturating_sub(TOLD);
-    let told = findings.iter().take(TOLD).enumerate();
+/// Prints what was found, and ends as it says.
+fn concluded(text: String, Checked { contradictions, verdict, .. }: &Checked) -> Result<(), Failure> {
+    let shown = contradictions.iter().take(SHOWN).enumerate();
     let mut rows: String =
-        told.map(|(i, finding)| row(if i == 0 { "contradictions" } else { "" }, finding)).collect();
-    if more > 0 {
-        rows += &row("", &format!("and {more} more"));
+        shown.map(|(i, own)| row(if i == 0 { "contradictions" } else { "" }, own)).collect();
+    if contradictions.len() > SHOWN {
+        rows += &row("", &format!("and {} more", contradictions.len() - SHOWN));
     }
-    if findings.is_empty() {
-        rows = row("datasets", "fit together");
+    if contradictions.is_empty() {
+        rows = row("file", "whole: all of it was read");
     }
     print(&(text + &rows))?;
-    match (findings.len(), verdict) {
-        (0, Verdict::Disagree) => Err(Failure::Disagree),
-        (0, _) => Ok(()),
-        (1, _) => Err(Failure::Contradicts("a dataset contradicts others or cannot be".to_owned())),
-        (count, _) => Err(Failure::Contradicts(format!("{count} datasets contradict others or cannot be"))),
+    match (&contradictions[..], verdict) {
+        ([], Verdict::Disagree) => Err(Failure::Disagree),
+        ([], _) => Ok(()),
+        ([one], _) => Err(Failure::Contradicts(one.clone())),
+        (more, _) => Err(Failure::Contradicts(format!("{} contradictions in the file", more.len()))),
     }
 }

@@ -27,7 +27,7 @@ const _: () = assert!(FIRST_CURVES.is_multiple_of(BATCH));
 /// Probabilities of the quantiles of an ensemble.
 pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Fewest curves that have quantiles: of fewer, none lies beyond the outermost ones.
-pub const FEWEST_CURVES: usize = 20;
+const FEWEST_CURVES: usize = 20;
 
 /// How many of a range of replicas are among those whose curves are kept.
 pub fn curves_of(replicas: &Range<u64>) -> u64 {
@@ -215,7 +215,7 @@ impl Ensemble {
 
 /// Quantiles of curves over so many states, row-major, in each state: a row for each probability, NaN of fewer than
 /// [`FEWEST_CURVES`].
-pub fn quantiles(curves: &[f64], states: usize, probabilities: &[f64]) -> Vec<Vec<f64>> {
+fn quantiles(curves: &[f64], states: usize, probabilities: &[f64]) -> Vec<Vec<f64>> {
     let count = curves.len() / states.max(1);
     let mut rows = vec![vec![f64::NAN; states]; probabilities.len()];
     if count < FEWEST_CURVES {

@@ -53,9 +53,7 @@ pub use crate::math::moments::Moments;
 pub use asperity_states::{AsperityState, AsperityStates};
 pub use batch::Ensemble;
 #[doc(hidden)]
-pub use batch::{
-    BATCH, Batch, FEWEST_CURVES, FIRST_CURVES, QUANTILES, batches_of, curves_of, quantiles, replicas_of,
-};
+pub use batch::{BATCH, Batch, FIRST_CURVES, QUANTILES, batches_of, curves_of, replicas_of};
 #[doc(hidden)]
 pub use chunks::{AHEAD, HELD};
 #[doc(hidden)]

@@ -3,7 +3,6 @@
 use crate::integral::Independence;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
-use crate::output::schema::VERDICT;
 use crate::output::writer::Writer;
 
 pub(super) const GROUP: &str = "/independence";
@@ -12,7 +11,7 @@ pub(super) const GROUP: &str = "/independence";
 pub(crate) type Figure = (&'static str, fn(&Independence) -> f64);
 
 /// The figures, by the names of their datasets.
-pub(crate) const FIGURES: [Figure; 13] = [
+const FIGURES: [Figure; 13] = [
     ("patch_side", |own| own.patch_side),
     ("substrate_stiffness", |own| own.substrate_stiffness),
     ("shift", |own| own.shift),
@@ -31,7 +30,7 @@ pub(crate) const FIGURES: [Figure; 13] = [
 /// Writes those of several laws or sizes.
 pub(crate) fn write_independences(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
     write_figures(writer, all)?;
-    writer.texts(VERDICT, &all.iter().map(|own| own.verdict().name()).collect::<Vec<&str>>())
+    writer.texts("/independence/verdict", &all.iter().map(|own| own.verdict().name()).collect::<Vec<&str>>())
 }
 
 fn write_figures(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {

@@ -203,7 +203,7 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
 }
 
 /// The numbers of a point that are compared.
-pub(crate) struct Compared {
+struct Compared {
     /// The values of each of the [`SCALARS`] for all replicas.
     values: [Vec<f64>; 4],
     /// The most that rounding may make of each: of a force its share of F_s + P, of a secant that of both
@@ -214,12 +214,9 @@ pub(crate) struct Compared {
 impl Compared {
     fn read(file: &Path) -> Result<Self, OutputError> {
         let reader = Reader::open(file, &[&RUN])?;
+        let read = |path: &str| reader.values::<f64>(path);
+        let span: f64 = reader.number("/", "stiffness_span")?;
         let is_loop = reader.optional_text("/", "history")?.as_deref() == Some("loop");
-        Self::new(&|path| reader.values::<f64>(path), reader.number("/", "stiffness_span")?, is_loop)
-    }
-
-    /// From the datasets of a run, its stiffness span, and whether it is of a loop.
-    pub fn new<E>(read: &dyn Fn(&str) -> Result<Vec<f64>, E>, span: f64, is_loop: bool) -> Result<Self, E> {
         let mut values: [Vec<f64>; 4] = Default::default();
         for (values, scalar) in values.iter_mut().zip(SCALARS) {
             *values = read(&format!("/replicas/{}", scalar.name))?;
@@ -244,12 +241,12 @@ impl Compared {
     }
 
     /// How many replicas there are.
-    pub fn replicas(&self) -> u64 {
+    fn replicas(&self) -> u64 {
         self.values[0].len() as u64
     }
 
     /// The difference of each scalar to that of the first point.
-    pub fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
+    fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
         std::array::from_fn(|i| {
             let rounding = first.rounding[i] + self.rounding[i];
             Difference::new(&first.values[i], &self.values[i], group, common, rounding)

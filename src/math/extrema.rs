@@ -179,7 +179,7 @@ pub fn downhill(
 }
 
 /// Most samples that are added to a curve.
-pub const MOST_ADDED: f64 = 400.0;
+const MOST_ADDED: f64 = 400.0;
 
 /// Samples of a curve with even ones added wherever they are further apart than `spacing`, or than what so
 /// many added ones leave.

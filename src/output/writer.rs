@@ -8,6 +8,8 @@ use super::reader::Reader;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
 use super::{OutputError, OutputLock};
+use hdf5::plist::dataset_create::AllocTime;
+use hdf5::plist::file_create::FileCreateBuilder;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, DatasetBuilderEmptyShape, File, H5Type, Hyperslab, SliceOrIndex};
 use std::str::FromStr;
@@ -17,6 +19,11 @@ use tempfile::TempPath;
 pub const CURVE_CHUNK: usize = 64;
 /// Rows, and columns, of a chunk of a map.
 const MAP_CHUNK: usize = 256;
+/// Most numbers of a chunk of other datasets, and of several points.
+const CHUNK: usize = 1 << 17;
+const CHUNK_OF_POINTS: usize = 512;
+/// Chunks of a node of the index of a dataset; most datasets have one.
+const CHUNKS_OF_NODE: u32 = 8;
 /// Deflate level of curves.
 const DEFLATE: u8 = 4;
 
@@ -52,26 +59,36 @@ struct Coordinate {
     make: MakeDataset,
 }
 
-/// A dataset whose chunks have checksums; without where it has no extent, or holds texts, which HDF5 keeps
-/// elsewhere.
-fn checked<T: H5Type>(file: &File, shape: &[usize], chunk: &[usize]) -> DatasetBuilderEmptyShape {
-    let builder = file.new_dataset::<T>().shape(shape);
-    let is_text = matches!(T::type_descriptor(), TypeDescriptor::VarLenUnicode);
-    if is_text || chunk.iter().product::<usize>() == 0 || chunk.is_empty() {
-        builder
-    } else {
-        builder.chunk(chunk).fletcher32()
-    }
-}
-
 /// A dataset of numbers or of texts.
 fn made_of<T: H5Type + Clone>(values: &[T]) -> MakeDataset {
     let values = values.to_vec();
     Box::new(move |file, path| {
-        let dataset = checked::<T>(file, &[values.len()], &[values.len()]).create(path)?;
+        let dataset = builder::<T>(file, &[values.len()], &[values.len().min(CHUNK)]).create(path)?;
         dataset.write_raw(&values)?;
         Ok(dataset)
     })
+}
+
+/// Has nodes of the indices of chunks be small.
+fn few_chunks(create: &mut FileCreateBuilder) -> &mut FileCreateBuilder {
+    create.istore_k(CHUNKS_OF_NODE / 2)
+}
+
+/// Begins a dataset. Chunks of numbers have checksums, which libhdf5 compares when it reads them; it has none for
+/// single numbers and texts.
+fn builder<T: H5Type>(file: &File, shape: &[usize], chunk: &[usize]) -> DatasetBuilderEmptyShape {
+    let builder = file.new_dataset::<T>().shape(shape);
+    if shape.is_empty() || shape.contains(&0) || T::type_descriptor() == TypeDescriptor::VarLenUnicode {
+        return builder;
+    }
+    builder.chunk(chunk).fletcher32()
+}
+
+/// The shape of chunks of so many numbers at most, unless a row of the array has more.
+fn chunk(shape: &[usize], most: usize) -> Vec<usize> {
+    let Some((length, row)) = shape.split_first() else { return Vec::new() };
+    let rows = most / row.iter().product::<usize>().max(1);
+    [&[rows.clamp(1, (*length).max(1))], row].concat()
 }
 
 impl<'c> Writer<'c> {
@@ -89,7 +106,7 @@ impl<'c> Writer<'c> {
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
         // Nobody else opens what has no name of its own yet. A lock of libhdf5 on it would go over to every
         // program that this process starts meanwhile, and stay on the finished file as long as that runs.
-        let file = File::with_options().with_fapl(|list| access(list).libver_v110()).create(&temporary)?;
+        let file = File::with_options().with_fapl(access).with_fcpl(few_chunks).create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
@@ -180,7 +197,7 @@ impl<'c> Writer<'c> {
     pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.require_group(path)?;
         let shape = self.shape(path);
-        let dataset = checked::<T>(&self.file, &shape, &shape).create(path)?;
+        let dataset = builder::<T>(&self.file, &shape, &chunk(&shape, CHUNK)).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
     }
@@ -192,8 +209,7 @@ impl<'c> Writer<'c> {
     pub fn compressed(&self, path: &str, values: &[f64]) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk: Vec<usize> = shape.iter().map(|length| (*length).min(MAP_CHUNK)).collect();
-        let builder = self.file.new_dataset::<f64>().shape(shape).chunk(chunk);
-        let dataset = builder.shuffle().deflate(1).fletcher32().create(path)?;
+        let dataset = builder::<f64>(&self.file, &shape, &chunk).shuffle().deflate(1).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
     }
@@ -251,14 +267,16 @@ impl<'c> Writer<'c> {
     pub fn point_dataset<T: H5Type>(&self, path: &str, curves: bool) -> Result<(), OutputError> {
         let (points, own) = (self.point_shape(), self.shape_of_point(path));
         let shape = [points.as_slice(), &own].concat();
-        let at_point = vec![1; points.len()];
         let dataset = if curves {
-            let chunk = [at_point, vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
-            let builder = self.file.new_dataset::<T>().shape(shape).chunk(chunk).deflate(DEFLATE);
-            builder.fletcher32().fill_value(f64::NAN).create(path)?
+            let chunk = [vec![1; points.len()], vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
+            let builder = builder::<T>(&self.file, &shape, &chunk);
+            builder.deflate(DEFLATE).fill_value(f64::NAN).create(path)?
         } else {
-            let chunk = if own.is_empty() { points } else { [at_point, own].concat() };
-            checked::<T>(&self.file, &shape, &chunk).create(path)?
+            let (slow, last) = points.split_at(points.len() - 1);
+            let chunk = [vec![1; slow.len()], chunk(&[last, &own].concat(), CHUNK_OF_POINTS)].concat();
+            let builder = builder::<T>(&self.file, &shape, &chunk);
+            // What no point has is in the file too: it holds what it claims.
+            builder.alloc_time(Some(AllocTime::Early)).create(path)?
         };
         self.describe(path, &dataset, true)
     }
@@ -320,8 +338,7 @@ impl<'c> Writer<'c> {
     pub fn curve_dataset(&self, path: &str) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
-        let builder = self.file.new_dataset::<f64>().shape(shape).chunk(chunk);
-        let dataset = builder.deflate(DEFLATE).fletcher32().create(path)?;
+        let dataset = builder::<f64>(&self.file, &shape, &chunk).deflate(DEFLATE).create(path)?;
         self.describe(path, &dataset, false)
     }
 

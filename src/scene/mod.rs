@@ -60,8 +60,6 @@ pub use keys::{Absent, Key, Sign, Value};
 #[doc(hidden)]
 pub use lookup::nearest;
 #[doc(hidden)]
-pub use reader::takes_heights;
-#[doc(hidden)]
 pub use spreading::Wet;
 pub use substrate::Substrate;
 pub use sweep::Sweep;

@@ -28,17 +28,6 @@ pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
     })
 }
 
-/// Whether the text of a scene takes heights out of a file; none where it is no scene.
-pub fn takes_heights(text: &str) -> Option<bool> {
-    let document = document(text).ok()?;
-    let DeValue::Table(surface) = document.get_ref().get("surface")?.get_ref() else { return None };
-    let names_a_file = |key: &str| match surface.get(key).map(Spanned::get_ref) {
-        Some(DeValue::Table(table)) => table.contains_key("path"),
-        _ => false,
-    };
-    Some(names_a_file("heights") || names_a_file("asperities"))
-}
-
 /// Whether a text begins with a number that has a decimal comma.
 fn has_decimal_comma(text: &str) -> bool {
     parse(text, Dimension::Length) == Err(QuantityError::DecimalComma)

@@ -407,10 +407,9 @@ fn nothing_is_added_where_nothing_acts() {
     assert_ne!(none, on);
 }
 
-/// Runs, sweeps and comparisons have the background in their files, by terms, which `validate` finds to fit; summary and
-/// description tell it.
+/// Runs, sweeps and comparisons have the background in their files, by terms; summary and description tell it.
 #[test]
-fn files_have_the_background_and_validate_them() {
+fn files_have_the_background() {
     let tables = "\n[van_der_waals]\nhamaker_constant = \"1e-19 J\"\nretarded = true\n\n[electrostatic]\nvoltage = \"3 V\"\n\
                   dielectric_thickness = [\"4 nm\", \"1 nm\"]\nrelative_permittivity = [4.0, 2.0]\n";
     let folder = Folder::new(&(small() + tables));

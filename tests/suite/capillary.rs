@@ -646,6 +646,12 @@ fn what_is_in_bridges_is_missing_from_the_film() {
             assert!(thickness.windows(2).all(|pair| pair[1] >= pair[0] * (1.0 - 1e-9)), "{thickness:?}");
         }
         assert!(most > 0.1e-9, "{history}: {most:e}");
+        // The law has the film with which the surfaces are pulled off.
+        let (last, _) = ways[ways.len() - 1];
+        let (films, forces) =
+            (values(&format!("film/{last}thickness")), values(&format!("film/{last}external_force")));
+        let deepest = (0..forces.len()).min_by(|a, b| forces[*a].total_cmp(&forces[*b])).unwrap();
+        assert_eq!(values("film/law_thickness"), [films[deepest]], "{history}");
     }
 }
 

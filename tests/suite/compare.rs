@@ -93,7 +93,7 @@ fn a_law_of_a_comparison_is_its_run() {
     );
     let validate = folder.stiction(&["validate", "all.h5"]);
     assert_exit(&validate, 0);
-    assert!(text(&validate.stdout).contains("fit together"), "{}", text(&validate.stdout));
+    assert!(text(&validate.stdout).contains("whole"), "{}", text(&validate.stdout));
 }
 
 /// A comparison honours the sampling scheme: its stratified surfaces are those of a run, and its errors those

@@ -4,7 +4,7 @@
 
 use crate::common::program::{Folder, QUICK, assert_exit, small, text};
 use crate::common::unlocked;
-use hdf5::types::VarLenUnicode;
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use std::process::Output;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
@@ -306,6 +306,77 @@ fn forged_datasets_are_refused() {
         forged(&folder, change);
         assert_refused(&folder.stiction(&["validate", "forged.h5"]), message);
     }
+}
+
+/// The datasets of a file that have checksums, with a byte of each.
+fn guarded(file: &hdf5::File) -> Vec<(String, usize)> {
+    let mut found = Vec::new();
+    for group in std::iter::once(file.as_group().unwrap()).chain(file.groups().unwrap()) {
+        for dataset in group.datasets().unwrap() {
+            let is_text = dataset.dtype().unwrap().to_descriptor().unwrap() == TypeDescriptor::VarLenUnicode;
+            if is_text || dataset.ndim() == 0 || dataset.size() == 0 {
+                continue;
+            }
+            assert!(!dataset.filters().is_empty(), "{} has no checksum", dataset.name());
+            let chunk = dataset.chunk_info(0).unwrap();
+            found.push((dataset.name(), (chunk.addr + chunk.size / 2) as usize));
+        }
+    }
+    found
+}
+
+/// Every array of numbers has checksums, by which a changed bit is found, in all kinds of results.
+#[test]
+fn a_changed_bit_is_found() {
+    let folder = with_result();
+    let curves = small().replace("curves = false", "curves = true");
+    let sweep = curves + "\n[sweep]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]\n";
+    std::fs::write(folder.path("sweep.toml"), sweep).unwrap();
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
+    let commands: [&[&str]; 4] = [
+        &["run", "sweep.toml", "-o", "sweep.h5"],
+        &["compare", "scene.toml", "--laws", "hybrid,gw", "--ensemble", "-o", "laws.h5"],
+        &["finite-size", "scene.toml", "--counts", "7,70", "-o", "sizes.h5"],
+        &["asperities", map, "-o", "map.h5"],
+    ];
+    commands.iter().for_each(|command| assert_exit(&folder.stiction(command), 0));
+    for name in ["scene.h5", "sweep.h5", "laws.h5", "sizes.h5", "map.h5"] {
+        let whole = std::fs::read(folder.path(name)).unwrap();
+        assert_exit(&folder.stiction(&["validate", name]), 0);
+        let all = guarded(&unlocked::open(folder.path(name)));
+        for (i, (path, place)) in all.iter().enumerate().step_by(all.len().div_ceil(12)) {
+            let mut changed = whole.clone();
+            changed[*place] ^= 1 << (i % 8);
+            std::fs::write(folder.path("changed.h5"), changed).unwrap();
+            let refused = folder.stiction(&["validate", "changed.h5"]);
+            assert_refused(&refused, &format!("has a dataset {path} that is damaged"));
+        }
+    }
+}
+
+/// A verdict that does not follow from the file is found, of a run and of a point.
+#[test]
+fn another_verdict_is_found() {
+    let folder = with_result();
+    forged(&folder, |file| {
+        let verdict = VarLenUnicode::from_str("disagree").unwrap();
+        file.group("validation").unwrap().attr("verdict").unwrap().write_scalar(&verdict).unwrap();
+    });
+    let said = folder.stiction(&["validate", "forged.h5"]);
+    assert_exit(&said, 3);
+    let expected = "/validation/verdict is \"disagree\", and \"agree\" follows";
+    assert!(text(&said.stdout).contains(expected), "{}", text(&said.stdout));
+    assert!(text(&said.stderr).contains(expected), "{}", text(&said.stderr));
+    let sweep = small() + "\n[sweep]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]\n";
+    std::fs::write(folder.path("scene.toml"), sweep).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+    forged(&folder, |file| {
+        let verdicts = ["agree", "not tested"].map(|own| VarLenUnicode::from_str(own).unwrap());
+        file.dataset("/validation/verdict").unwrap().write_raw(&verdicts).unwrap();
+    });
+    let said = folder.stiction(&["validate", "forged.h5"]);
+    assert_exit(&said, 3);
+    assert!(text(&said.stdout).contains("point 2: /validation/verdict is \"not tested\""));
 }
 
 /// One asperity in one replica is no mean of many, and is not tested.

@@ -48,7 +48,6 @@ mod sweep;
 mod sweeps;
 mod terminal;
 mod unloading;
-mod validate;
 mod validation;
 mod validity;
 mod wet_plastic;

@@ -16,7 +16,6 @@ use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout, name_of_key};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Attribute, Dataset, File, Group, H5Type, Hyperslab, SliceOrIndex};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Most dimensions of points that a file can have.
@@ -145,23 +144,6 @@ impl Reader {
             .and_then(|()| fits(&dataset, self.length))
             .map_err(|problem| self.broken(format!("has a dataset {path} that {problem}")))?;
         Ok(dataset)
-    }
-
-    /// Some rows of a dataset of the layout that has two dimensions, row-major.
-    ///
-    /// # Errors
-    /// As [`Reader::values`], and when it has no such rows.
-    pub fn rows<T: H5Type>(&self, path: &str, rows: Range<usize>) -> Result<Vec<T>, OutputError> {
-        let dataset = self.checked::<T>(path)?;
-        match dataset.shape()[..] {
-            [count, length] if rows.end <= count && length > 0 => {
-                let values = dataset.read_slice_2d::<T, _>((rows, ..));
-                let values =
-                    values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
-                Ok(values.into_iter().collect())
-            }
-            _ => Err(self.broken(format!("has no rows {} to {} of {path}", rows.start, rows.end))),
-        }
     }
 
     /// Where a coordinate of the layout is read, which every group has that needs it.

@@ -1,6 +1,6 @@
 //! What a file holds as it is, whatever its layout says of it.
 
-use super::{Dataset, Reader, lossy};
+use super::{Dataset, H5Type, Hyperslab, Reader, SliceOrIndex, lossy};
 use crate::output::attributes::read_text;
 use crate::output::guard::{self, fits};
 use crate::output::{OutputError, schema};
@@ -8,6 +8,10 @@ use hdf5::Container;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use schema::{Dimension, name_of_key};
 use serde::Serialize;
+use std::ops::Range;
+
+/// Most values that are read at once where a file is only read through.
+const MOST_AT_ONCE: usize = 1 << 20;
 
 /// The values of a dataset or an attribute, row by row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -179,5 +183,90 @@ impl Reader {
             Some((lossy(name.as_bytes()), is_one, value))
         };
         Ok(names.into_iter().filter_map(read).collect())
+    }
+
+    /// Reads every dataset, so that each of its checksums is compared.
+    ///
+    /// # Errors
+    /// When one is damaged, has another shape than the layout says, or claims more values than the file holds.
+    pub fn read_through(&self) -> Result<(), OutputError> {
+        let points = if self.layout.of_points.is_some() { self.point_shape()? } else { Vec::new() };
+        for (path, shape) in self.datasets() {
+            let own = self.layout.variable(path).dimensions.iter();
+            let own = own.map(|own| if points.is_empty() { *own } else { own.of_points() });
+            let own: Result<Vec<usize>, _> = own.map(|own| self.length(own)).collect();
+            let own = own?;
+            let led = [&points[..], &own].concat();
+            if shape != own && shape != led {
+                return Err(self.broken(format!("has a dataset {path} of the shape {shape:?}, not {led:?}")));
+            }
+            self.read_dataset_through(path, &shape)?;
+        }
+        if points.is_empty() {
+            return Ok(());
+        }
+        let groups = self.groups().into_iter().map(|name| format!("/{name}"));
+        std::iter::once(String::new()).chain(groups).try_for_each(|group| self.axes(&group).map(|_| ()))
+    }
+
+    fn read_dataset_through(&self, path: &str, shape: &[usize]) -> Result<(), OutputError> {
+        let dataset = self.opened(path)?;
+        let damaged = || self.broken(format!("has a dataset {path} that is damaged"));
+        let descriptor = dataset.dtype().and_then(|dtype| dtype.to_descriptor()).map_err(|_| damaged())?;
+        let read = match descriptor {
+            TypeDescriptor::Float(_) => read_piece::<f64>,
+            TypeDescriptor::Unsigned(_) => read_piece::<u64>,
+            TypeDescriptor::Integer(_) => read_piece::<i64>,
+            _ => return self.stored(path).map(|_| ()),
+        };
+        fits(&dataset, self.length)
+            .map_err(|problem| self.broken(format!("has a dataset {path} that {problem}")))?;
+        pieces(shape).into_iter().try_for_each(|piece| read(&dataset, piece)).map_err(|_| damaged())
+    }
+}
+
+/// Reads some of a dataset, and keeps nothing.
+fn read_piece<T: H5Type>(dataset: &Dataset, piece: Vec<Range<usize>>) -> hdf5::Result<()> {
+    if piece.is_empty() {
+        return dataset.read_raw::<T>().map(|_| ());
+    }
+    let slab = piece.into_iter().map(|own| {
+        let (start, count) = (own.start, own.len());
+        SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }
+    });
+    let slab = Hyperslab::from(slab.collect::<Vec<SliceOrIndex>>());
+    dataset.read_slice::<T, _, ndarray::IxDyn>(slab).map(|_| ())
+}
+
+/// The pieces of an array, of at most [`MOST_AT_ONCE`] values each; one for a single value, none where there are
+/// no values.
+fn pieces(shape: &[usize]) -> Vec<Vec<Range<usize>>> {
+    let mut pieces = vec![Vec::new()];
+    for (i, length) in shape.iter().enumerate() {
+        let behind = shape[i + 1..].iter().product::<usize>().max(1);
+        let step = (MOST_AT_ONCE / behind).clamp(1, (*length).max(1));
+        let cut = |piece: &Vec<Range<usize>>| -> Vec<Vec<Range<usize>>> {
+            let ranges = (0..*length).step_by(step).map(|first| first..(first + step).min(*length));
+            ranges.map(|own| [piece.clone(), vec![own]].concat()).collect()
+        };
+        pieces = pieces.iter().flat_map(cut).collect();
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Together the pieces are the whole, and none is too large.
+    #[test]
+    fn pieces_make_the_whole() {
+        for shape in [vec![], vec![0, 5], vec![7], vec![3, 700_000, 4], vec![2, 3, 1 << 21], vec![5, 1 << 19]]
+        {
+            let count = |piece: &Vec<Range<usize>>| piece.iter().map(Range::len).product::<usize>();
+            let pieces = pieces(&shape);
+            assert_eq!(pieces.iter().map(count).sum::<usize>(), shape.iter().product::<usize>(), "{shape:?}");
+            assert!(pieces.iter().all(|piece| (1..=MOST_AT_ONCE).contains(&count(piece))), "{shape:?}");
+        }
     }
 }

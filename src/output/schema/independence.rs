@@ -4,9 +4,6 @@ use super::{Dimension, NONE, Row, Variable, group};
 
 const GROUP: &str = "/independence";
 
-/// Path of the verdicts, of files of several.
-pub const VERDICT: &str = "/independence/verdict";
-
 /// The figures, led by the dimensions of what has them.
 pub(crate) fn independence(lead: &[Dimension]) -> Vec<Variable> {
     group(GROUP, lead, ROWS)

@@ -16,7 +16,6 @@ pub(crate) use curves::{
     OF_ENSEMBLE, OF_INTEGRAL, Statistic, background, features, forces, joint_test, quantile, quantities,
     regimes, scalars, scores,
 };
-pub use independence::VERDICT;
 pub(crate) use independence::{independence, verdict};
 
 use std::sync::LazyLock;

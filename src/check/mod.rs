@@ -1,0 +1,122 @@
+//! Checks of files: whether one is damaged, and the cross-check of its ensemble computed anew.
+
+mod cross_check;
+mod run;
+mod sweep;
+
+pub use cross_check::CrossCheck;
+
+use crate::format::replicas as shown;
+use crate::output::OutputError;
+use crate::output::identity::Identity;
+use crate::output::partial::{Kept, Partial};
+use crate::output::reader::Reader;
+use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, LAYOUTS, SWEEP};
+use crate::output::schema::{ASPERITIES, Dimension, Layout};
+use crate::output::shard_file::{ShardFile, is_shard};
+use crate::validation::{JointTest, Verdict, overall};
+use std::path::Path;
+
+/// A file that is not damaged.
+pub struct Checked {
+    pub content: Content,
+    /// The verdict of ensemble against integral.
+    pub verdict: Verdict,
+    /// Verdicts of the file that do not follow from it, a line each.
+    pub contradictions: Vec<String>,
+}
+
+/// The content of a file, with the cross-checks that were computed anew.
+pub enum Content {
+    /// One scene, which has curves of so many ways.
+    Run { cross_check: Box<CrossCheck>, ways: usize },
+    /// Points along keys.
+    Sweep { keys: String, points: Vec<SweptPoint> },
+    /// Laws on common asperities, with the p-value of each as the file has it.
+    Comparison { laws: Vec<String>, p_values: Vec<f64> },
+    /// Patches of several sizes, with the p-value of each as the file has it.
+    FiniteSize { p_values: Vec<f64> },
+    /// So many asperities of a measured surface.
+    Asperities(usize),
+    /// So many replicas of a run.
+    Shard(u64),
+}
+
+/// A point of a sweep.
+pub struct SweptPoint {
+    /// Its index along each dimension of the points.
+    pub place: Vec<usize>,
+    /// Its test, where its replicas are there.
+    pub joint: Option<JointTest>,
+}
+
+/// Reads all of a result of any kind, or of a shard, and computes its cross-check.
+///
+/// # Errors
+/// [`OutputError::NotAResult`] and [`OutputError::NotAPartial`] for a file that is damaged, or is none.
+pub fn check(path: &Path) -> Result<Checked, OutputError> {
+    if is_shard(path) {
+        return shard(path);
+    }
+    let reader = Reader::open(path, &LAYOUTS)?;
+    let is = |layout: &Layout| reader.layout().format == layout.format;
+    let checked = match () {
+        () if is(&SWEEP) => sweep::check(&reader)?,
+        () if is(&COMPARISON) => {
+            let laws = reader.texts(reader.coordinate("law"))?;
+            // Of laws without an ensemble nothing is tested.
+            let p_values = match reader.has("/validation/p_value") {
+                true => reader.values("/validation/p_value")?,
+                false => vec![f64::NAN; laws.len()],
+            };
+            as_stored(overall(&p_values), Content::Comparison { laws, p_values })
+        }
+        () if is(&FINITE_SIZE) => {
+            let p_values: Vec<f64> = reader.values("/p_value")?;
+            as_stored(overall(&p_values), Content::FiniteSize { p_values })
+        }
+        () if is(&ASPERITIES) => {
+            as_stored(Verdict::NotTested, Content::Asperities(reader.length(Dimension::Asperity)?))
+        }
+        () => run::check(&reader)?,
+    };
+    reader.read_through()?;
+    Ok(checked)
+}
+
+/// A file whose verdict is not computed anew.
+fn as_stored(verdict: Verdict, content: Content) -> Checked {
+    Checked { content, verdict, contradictions: Vec::new() }
+}
+
+/// A file that cannot be checked.
+fn refused(path: &Path, problem: &str) -> OutputError {
+    OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
+}
+
+/// Reads all of a shard, which has checksums of everything that is in it.
+fn shard(path: &Path) -> Result<Checked, OutputError> {
+    let shard = ShardFile::open(path)?;
+    let (mut contradictions, mut replicas, own) = (Vec::new(), 0, &shard.head.identity);
+    for piece in &shard.pieces {
+        let Kept { partial: Partial { identity, .. }, records } = shard.kept(piece)?;
+        // Every point of a sweep has a scene and a seed of its own.
+        if (Identity { scene: own.scene.clone(), seed: own.seed, ..identity }) != *own {
+            contradictions.push(format!("point {} is of another run than the shard says", piece.point));
+        }
+        let mut there = 0;
+        records.each(&mut |records| {
+            there += records.replicas.len() as u64;
+            Ok(true)
+        })?;
+        if there != piece.replicas.end - piece.replicas.start {
+            contradictions.push(format!(
+                "point {} has {there} records of {}",
+                piece.point,
+                shown(&piece.replicas, own.replicas)
+            ));
+        }
+        replicas += there;
+    }
+    Ok(Checked { content: Content::Shard(replicas), verdict: Verdict::NotTested, contradictions })
+}

@@ -18,23 +18,12 @@ unloadings
 
 Scaled quantities as in reference_laws.py: R, K = 4/3 E and pi (work of adhesion) are 1; hardness_ratio is H/E of the asperity
 with dimensions, on which jg alone depends.
-
-Usage:
-    uv run scripts/reference_plastic.py               write the table
-    uv run scripts/reference_plastic.py -o OUT.csv    write it elsewhere
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-from pathlib import Path
-
+from fixtures import bisect, write
 from mpmath import mp, mpf
 from reference_laws import hertz_profile_force, ke_contact, spacing
-from reference_values import VALUE_DIGITS, bisect, write
+from reference_values import VALUE_DIGITS
 
 mp.dps = 60
 
@@ -162,9 +151,9 @@ def rows():
     for setting in SETTINGS:
         lam, critical, poisson, hardness = (mpf(float(text)) for text in setting)
 
-        def row(law, unloading, largest, distance, state):
-            texts = [law.__name__, unloading, *setting, mp.nstr(largest, VALUE_DIGITS), mp.nstr(distance, VALUE_DIGITS)]
-            return dict(zip(KEYS + VALUES, texts + [mp.nstr(value, VALUE_DIGITS) for value in state]))
+        def row(law, unloading, largest, distance, state, setting=setting):
+            numbers = [mp.nstr(value, VALUE_DIGITS) for value in (largest, distance, *state)]
+            return [law.__name__, unloading, *setting, *numbers]
 
         for law in (zmc, jg, tn):
             for text in LOADED:
@@ -183,14 +172,5 @@ def rows():
                         yield row(law, unloading.__name__, largest, distance, state)
 
 
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "plastic.csv"
-    parser = argparse.ArgumentParser(description="Reference values of loading laws that flow, and of their unloading.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    table = list(rows())
-    write(table, KEYS + VALUES, parser.parse_args().output)
-    print(f"{len(table)} rows")
-
-
 if __name__ == "__main__":
-    main()
+    write("plastic.csv", KEYS + VALUES, rows())

@@ -8,35 +8,18 @@ folds, found by the derivatives of those equations at 80 digits, so that a row 1
 
 Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the digits that give it
 back, and the rows are the truth for exactly these doubles.
-
-Usage:
-    uv run scripts/reference_stability.py                      write the table and print what it holds
-    uv run scripts/reference_stability.py -o OUT.csv           write it elsewhere
-    uv run scripts/reference_stability.py --check OTHER.csv    compare with another table, write nothing
-    ... --only REGION                                          the rows of one region
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-import csv
 import functools
-import sys
-from collections import Counter
-from pathlib import Path
 from typing import NamedTuple
 
-import mpmath
-from mpmath import mp, mpf
-
 import reference_laws
-from reference_laws import FOLD_LAMBDA, State, first_touch, jkr_delta, kim_ends
+from fixtures import bisect, write
+from mpmath import mp, mpf
+from reference_laws import FOLD_LAMBDA, first_touch, jkr_delta, kim_ends
 from reference_values import (
-    CONDITIONS, SMALLEST_ANGLE, STATES, STRESS_FACTOR, VALUES, bisect, conditions, contact_state, noncontact_state,
-)
+    CONDITIONS, SMALLEST_ANGLE, STATES, STRESS_FACTOR, VALUES, conditions, contact_state, noncontact_state,
+)  # fmt: skip
 
 EPSILON = mpf(2) ** -52
 LAMBDAS = (
@@ -80,7 +63,7 @@ def noncontact_slope(lam, x):
     return mp.diff(lambda y: noncontact_state(lam, y)[0], x)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def hump(lam):
     """log(z - 1) where the slope of the noncontact curve is largest, for SINGLE <= lambda <= NARROW."""
 
@@ -90,7 +73,7 @@ def hump(lam):
     return bisect(falls, *HUMP)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def noncontact_fold(lam):
     """log(z - 1) and the approach at the outer fold of the noncontact curve, or None."""
     if lam < SINGLE:
@@ -107,14 +90,14 @@ def noncontact_fold(lam):
     return x, noncontact_state(lam, x)[0]
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def cusp_lambda():
     """lambda at which the folds of the noncontact curve appear, 0.88832..."""
     with mp.workdps(30):
         return bisect(lambda lam: noncontact_slope(lam, hump(lam)) > 0, mpf("0.888"), mpf("0.889"))
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def contact_end(lam):
     """Angle and approach at the end of the stable contact branch.
 
@@ -176,7 +159,7 @@ def emd_parameter(path, lam, delta):
     return "noncontact", invert(noncontact_state, lam, delta, innermost, min(fold[0], undeformed) if fold else undeformed)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def switches(law, path, lam):
     """Approaches at which the branch changes, each with lambda times its derivative by lambda."""
     if law == "emd":
@@ -305,7 +288,7 @@ def emd_values(path, lam, delta):
 
 def other_values(point, lam, delta):
     plastic = (mpf(float(CRITICAL)), mpf(float(POISSON))) if point.law in ("ke", "sbl") else ()
-    state: State = getattr(reference_laws, point.law)(point.path, lam, delta, *plastic)
+    state = getattr(reference_laws, point.law)(point.path, lam, delta, *plastic)
     force, adhesion, radius = state.contact_force, state.adhesion, state.radius
     external = [f - a for f, a in zip(force, adhesion)]
 
@@ -319,54 +302,13 @@ def other_values(point, lam, delta):
 
 def row(point):
     lam, delta = mpf(point.lam), mpf(point.delta)
-    branch, values, numbers = emd_values(point.path, lam, delta) if point.law == "emd" else other_values(point, lam, delta)
+    is_emd = point.law == "emd"
+    branch, values, numbers = emd_values(point.path, lam, delta) if is_emd else other_values(point, lam, delta)
     plastic = (CRITICAL, POISSON) if point.law in ("ke", "sbl") else ("", "")
-    out = dict(zip(KEYS, (point.region, point.law, point.path, repr(point.lam), repr(point.delta), *plastic, branch)))
-    out.update((c, mp.nstr(v, VALUE_DIGITS)) for c, v in zip(VALUES, values))
-    out.update((c, mp.nstr(v, CONDITION_DIGITS)) for c, v in zip(CONDITIONS, numbers))
-    out["margin"] = mp.nstr(margin(point.law, point.path, lam, delta), CONDITION_DIGITS)
-    return out
-
-
-def table(only):
-    wanted = dict.fromkeys(point for point in points() if only in (None, point.region))
-    return [row(point) for point in wanted]
-
-
-def check(rows, path):
-    """Print how far another table departs from rows; true if it has the same rows with the same values."""
-    with open(path, newline="", encoding="utf-8") as file:
-        others = {tuple(row[k] for k in KEYS): row for row in csv.DictReader(file)}
-    own = {tuple(row[k] for k in KEYS): row for row in rows}
-    print(f"{len(own.keys() & others.keys())} rows in common, {len(own)} here, {len(others)} there")
-    worst = mpf(0)
-    for k in own.keys() & others.keys():
-        for column in VALUES:
-            ours, theirs = mpf(own[k][column]), mpf(others[k][column])
-            worst = max(worst, abs(theirs - ours) / abs(ours) if ours else abs(theirs))
-    print(f"largest relative deviation: {mp.nstr(worst, 3)}")
-    return own.keys() == others.keys() and worst < mpf(10) ** (2 - VALUE_DIGITS)
-
-
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "stability.csv"
-    parser = argparse.ArgumentParser(description="Reference values of one asperity where solving is hard.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    parser.add_argument("--only", metavar="REGION", help="the rows of one region")
-    arguments = parser.parse_args()
-    rows = table(arguments.only)
-    if arguments.check:
-        sys.exit(0 if check(rows, arguments.check) else 1)
-    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, KEYS + VALUES + CONDITIONS + ["margin"], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
-    for region, count in Counter(row["region"] for row in rows).items():
-        largest = max(mpf(row["adhesion_condition"]) for row in rows if row["region"] == region)
-        print(f"{region}: {count} rows, condition of the adhesion force up to {mp.nstr(largest, 3)}")
+    numbers = [mp.nstr(v, CONDITION_DIGITS) for v in (*numbers, margin(point.law, point.path, lam, delta))]
+    keys = [point.region, point.law, point.path, repr(point.lam), repr(point.delta), *plastic, branch]
+    return keys + [mp.nstr(v, VALUE_DIGITS) for v in values] + numbers
 
 
 if __name__ == "__main__":
-    main()
+    write("stability.csv", KEYS + VALUES + CONDITIONS + ["margin"], map(row, dict.fromkeys(points())))

@@ -15,23 +15,13 @@ W = work [4/3 (z0/z)^2 - 1/3 (z0/z)^8], as a mean over normal heights.
 The slope is a numerical derivative of the pressure by the separation. The energy is the integral of the pressure from
 there to infinity, in the other order: of a gap g the pressure counts with the probability that the gap is larger at the
 separation, so that energies between planes are not used. All arithmetic has 30 digits; inputs are the exact decimals.
-
-Usage: uv run scripts/reference_background.py [--check OTHER.csv]
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-from pathlib import Path
-
+from fixtures import write
 from mpmath import erfc, exp, inf, mp, mpf, pi, quad, sqrt
 
 mp.dps = 30
 VACUUM_PERMITTIVITY = mpf("8.8541878128e-12")
-TABLE = Path(__file__).parent.parent / "tests" / "data" / "background.csv"
 COLUMNS = "term,std,separation,strength,length,cut,share,energy,pressure,slope"
 # All lengths of the rows in nm. Of dispersion, `strength` is A in J, `length` the wavelength or 0, `cut` the smallest gap;
 # faces of gap 0 are 0.2 nm apart. `share` is that of caps, with the asperities below; 0 without caps. Of a voltage,
@@ -87,16 +77,11 @@ def beyond(low, middle, sigma, f):
     return sum(quad(weighted, pair, method="gauss-legendre", maxdegree=5) for pair in zip(ends, ends[1:]))
 
 
-def between_planes(hamaker, wavelength):
+def of_planes(hamaker, wavelength):
+    """W and -dW/dz, by the logarithmic derivative of W."""
     b = mpf("5.32") / wavelength if wavelength else mpf(0)
-    return lambda z: hamaker / (12 * pi * z**2 * (1 + b * z))
-
-
-def pressure_of_planes(hamaker, wavelength):
-    b = mpf("5.32") / wavelength if wavelength else mpf(0)
-    # -dW/dz, by the logarithmic derivative of W.
-    energy = between_planes(hamaker, wavelength)
-    return lambda z: energy(z) * (2 / z + b / (1 + b * z))
+    work = lambda z: hamaker / (12 * pi * z**2 * (1 + b * z))  # noqa: E731
+    return work, lambda z: work(z) * (2 / z + b / (1 + b * z))
 
 
 def lennard_jones(z):
@@ -105,7 +90,7 @@ def lennard_jones(z):
 
 
 def dispersion(sigma, hamaker, wavelength, cut, share):
-    planes = pressure_of_planes(hamaker, wavelength)
+    _, planes = of_planes(hamaker, wavelength)
 
     def pressure(h):
         mean = over((cut - h) / sigma, inf, lambda d: planes(h + d + CONTACT), sigma)
@@ -167,25 +152,8 @@ def row(fields):
     central = lambda s: (8 * (pressure(h + s) - pressure(h - s)) - pressure(h + 2 * s) + pressure(h - 2 * s)) / (12 * s)
     slope = (16 * central(step) - central(2 * step)) / 15
     values = [energy(h), pressure(h), slope]
-    return ",".join([*fields, *(mp.nstr(value, 15) for value in values)])
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--check", metavar="OTHER.csv", help="compare another table with this one")
-    arguments = parser.parse_args()
-    lines = [COLUMNS]
-    for fields in ROWS:
-        lines.append(row(fields))
-        print(lines[-1], flush=True)
-    if arguments.check:
-        own = [line.split(",")[7:] for line in lines[1:]]
-        other = [line.split(",")[7:] for line in Path(arguments.check).read_text().splitlines()[1:]]
-        worst = max(abs(mpf(a) / mpf(b) - 1) for x, y in zip(own, other) for a, b in zip(x, y))
-        print(f"largest relative difference {mp.nstr(worst, 3)}")
-    else:
-        TABLE.write_text("\n".join(lines) + "\n")
+    return [*fields, *(mp.nstr(value, 15) for value in values)]
 
 
 if __name__ == "__main__":
-    main()
+    write("background.csv", COLUMNS.split(","), map(row, ROWS))

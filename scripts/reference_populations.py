@@ -12,26 +12,16 @@ Densities are written down from the textbook; integrals are adaptive quadrature 
 other variables than the program's. Summits of a Gaussian surface are integrated from the joint density of height and mean
 curvature at a point, weighted by the determinant of its Hessian (Nayak, J. Lubr. Technol. 93 (1971) 398), and
 normalised numerically, so that no closed form of the program enters.
-
-Usage:
-    uv run scripts/reference_populations.py            write the tables
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3", "numpy>=1.24"]
-# ///
-
-import csv
 import functools
 import math
-from pathlib import Path
 
 import numpy as np
+from fixtures import write
 from mpmath import erfc, exp, expm1, gamma, inf, log, mp, mpf, pi, quad, sqrt
 
 mp.dps = 30
-DATA = Path(__file__).resolve().parent.parent / "tests" / "data"
 HEIGHTS = {
     "gaussian": [mpf(0)],
     "exponential": [mpf(0)],
@@ -115,8 +105,6 @@ class Law:
 
 def radius_moment(name, variation, power):
     """E[r^power], by quadrature."""
-    if name == "common":
-        return mpf(1)
     if name == "lognormal":
         shape = sqrt(log(1 + variation**2))
         steps = [mpf(k) for k in range(-20, 21, 2)]
@@ -179,35 +167,35 @@ def digits(value, count=17):
     return mp.nstr(mpf(value), count, min_fixed=0, max_fixed=0)
 
 
-def main():
-    with (DATA / "heights.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["law", "shape", "s", "density", "probability"])
-        for name, shapes in HEIGHTS.items():
-            for law in (Law(name, shape) for shape in shapes):
-                for s in PLACES:
-                    values = [law.density(s), law.probability(s)]
-                    table.writerow([name, digits(law.shape), digits(s), *map(digits, values)])
-    with (DATA / "populations.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["heights", "shape", "radii", "parameter", "d", "load", "area", "square"])
-        for name, shapes in HEIGHTS.items():
-            for law in (Law(name, shape) for shape in shapes):
-                for d in SEPARATIONS:
-                    values = [law.moment(mpf(3) / 2, d), law.moment(1, d), law.moment(3, d)]
-                    table.writerow([name, digits(law.shape), "common", "0", digits(d), *map(digits, values)])
-        law = Law("gaussian", mpf(0))
-        for radii in ("lognormal", "gamma"):
-            for variation in (mpf("0.1"), mpf("0.5"), mpf(1)):
-                half, one = (radius_moment(radii, variation, power) for power in (mpf(1) / 2, 1))
-                for d in SEPARATIONS:
-                    values = [half * law.moment(mpf(3) / 2, d), one * law.moment(1, d), one * law.moment(3, d)]
-                    table.writerow(["gaussian", "0", radii, digits(variation), digits(d), *map(digits, values)])
-        for alpha in (mpf("1.6"), mpf("3.83"), mpf(20)):
-            for d in SEPARATIONS:
-                values = nayak_moments(float(alpha), float(d))
-                table.writerow(["gaussian", "0", "nayak", digits(alpha), digits(d), *(digits(v, 11) for v in values)])
+def laws():
+    return [Law(name, shape) for name, shapes in HEIGHTS.items() for shape in shapes]
+
+
+def heights():
+    for law in laws():
+        for s in PLACES:
+            yield [law.name, *map(digits, (law.shape, s, law.density(s), law.probability(s)))]
+
+
+def populations():
+    def row(law, shape, radii, d, means=(1, 1)):
+        moments = law.moment(mpf(3) / 2, d), law.moment(1, d), law.moment(3, d)
+        values = (mean * moment for mean, moment in zip((*means, means[1]), moments))
+        return [law.name, shape, *radii, digits(d), *map(digits, values)]
+
+    for law in laws():
+        yield from (row(law, digits(law.shape), ("common", "0"), d) for d in SEPARATIONS)
+    gaussian = Law("gaussian", mpf(0))
+    for radii in ("lognormal", "gamma"):
+        for variation in (mpf("0.1"), mpf("0.5"), mpf(1)):
+            means = [radius_moment(radii, variation, power) for power in (mpf(1) / 2, 1)]
+            yield from (row(gaussian, "0", (radii, digits(variation)), d, means) for d in SEPARATIONS)
+    for alpha in (mpf("1.6"), mpf("3.83"), mpf(20)):
+        for d in SEPARATIONS:
+            values = nayak_moments(float(alpha), float(d))
+            yield ["gaussian", "0", "nayak", digits(alpha), digits(d), *(digits(v, 11) for v in values)]
 
 
 if __name__ == "__main__":
-    main()
+    write("heights.csv", ["law", "shape", "s", "density", "probability"], heights())
+    write("populations.csv", ["heights", "shape", "radii", "parameter", "d", "load", "area", "square"], populations())

@@ -1,26 +1,16 @@
-"""The program against a boundary-element package that is not ours, tamaas: coupled asperities, and the whole surface they stand for.
+"""Surfaces solved by a boundary-element package that is not ours, tamaas, extrapolated in the grid (boundary_elements.py).
 
-`solve` makes tests/data/referee.json, which holds what tamaas says of surfaces that are given, extrapolated in the grid (boundary_elements.py):
+Usage: python scripts/referee.py [paraboloids adhesive map times]      writes tests/data/referee.json, 20 minutes in all
 
 * `paraboloids`: spheres of one radius on a plane that repeats, under mean pressures;
-* `adhesive`: two and four of them with the adhesion of Maugis (the theoretical stress up to the gap work/stress), at separations;
+* `adhesive`: two and four of them with the adhesion of Maugis (the stress up to the gap work/stress), at separations;
 * `map`: the shipped map without its tilt, refined by its Fourier series, and its summits;
 * `times`: what tamaas took, by grid, at the error of the total force.
 
-`draw` draws the referee against point forces, the next orders and independent asperities (coupled_asperities.py), and against the
-program where its result is given.
-
-Usage:
-    python scripts/referee.py solve [paraboloids adhesive map times] [-o OUT.json]    (20 minutes in all)
-    python scripts/referee.py draw [--program STICTION] [-o OUT.png]
+Parts that are not named stay as they are. The asperities of the program and of coupled_asperities.py on these surfaces are
+below, for plot_referee.py and the tests.
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "mpmath>=1.3", "matplotlib>=3.7", "h5py>=3.8", "tamaas>=2.8"]
-# ///
-
-import argparse
 import json
 import subprocess
 import sys
@@ -29,12 +19,11 @@ from pathlib import Path
 
 import numpy as np
 from coupled_asperities import Asperities, Long, dugdale, follow, green_matrix, hertz, solve, solve_contact, steps
+from fixtures import DATA
 from reference_coupling import hard_core, text
 from synthesise_map import MAP, PIXEL, TILT
 
-ROOT = Path(__file__).resolve().parents[1]
-FILE = ROOT / "tests" / "data" / "referee.json"
-REFERENCES = ROOT / "tests" / "data"
+FILE = DATA / "referee.json"
 MODULUS = 85.29e9  # Pa
 ORDER, ADHESIVE_ORDER = 2.0, 1.0  # of the extrapolation in the grid
 PRESSURES = {"twelve": (256, [1e6, 5e6, 2e7]), "thirty": (256, [5e6, 2e7, 5e7, 1e8]), "two hundred": (256, [2e6, 1e7, 5e7]),
@@ -54,8 +43,8 @@ MAP_PRESSURES = [2e6, 1e7, 5e7, 2e8]
 
 def surfaces() -> dict:
     """The paraboloids that are solved."""
-    drawn = json.loads((REFERENCES / "coupling.json").read_text())["surfaces"]
-    twelve = json.loads((REFERENCES / "coupled_bem.json").read_text())
+    drawn = json.loads((DATA / "coupling.json").read_text())["surfaces"]
+    twelve = json.loads((DATA / "coupled_bem.json").read_text())
     twelve = {"cell": twelve["cell"], "places": twelve["x"], "heights": twelve["z"], "radii": [twelve["radius"]] * len(twelve["z"])}
     return {"twelve": twelve, **{name: drawn[name] for name in ("thirty", "two hundred", "one")}}
 
@@ -289,42 +278,17 @@ def program_states(program: Path, surface: dict, separations: list, law: str = "
     return states
 
 
-# --- The command -----------------------------------------------------------------------------------------------------------
-
 PARTS = {"paraboloids": paraboloids, "adhesive": adhesive, "map": whole_map, "times": times}
 
 
-def referee(parts: list, output: Path) -> None:
-    """Parts that are not named stay as they are in the file."""
+def main():
     import tamaas
 
-    content = json.loads(output.read_text()) if output.exists() else {}
+    content = json.loads(FILE.read_text()) if FILE.exists() else {}
     content["origin"] = f"scripts/referee.py, tamaas {tamaas.__version__}"
-    for name in parts or PARTS:
+    for name in sys.argv[1:] or PARTS:
         content[name] = PARTS[name]()
-    output.write_text(text(content) + "\n", encoding="utf-8")
-    print(output)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="The program against the boundary-element package tamaas.")
-    commands = parser.add_subparsers(dest="command", required=True)
-    solving = commands.add_parser("solve", help="make the fixtures, or the parts that are named")
-    solving.add_argument("parts", nargs="*", help=", ".join(PARTS))
-    solving.add_argument("-o", "--output", type=Path, default=FILE, metavar="OUT.json")
-    drawing = commands.add_parser("draw", help="draw referee, asperities and program")
-    drawing.add_argument("--program", type=Path, metavar="STICTION", help="the program, to be run on the same surfaces")
-    drawing.add_argument("--substrate", default="", metavar="TOML", help="more of its table [substrate], such as 'kernel = \"contact\"'")
-    drawing.add_argument("-o", "--output", type=Path, default=Path("referee.png"), metavar="OUT.png")
-    arguments = parser.parse_args()
-    if arguments.command == "solve":
-        if unknown := set(arguments.parts) - set(PARTS):
-            parser.error(f"no such part: {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-        referee(arguments.parts, arguments.output)
-    else:
-        from plot_referee import draw
-
-        draw(json.loads(FILE.read_text()), arguments.program, arguments.substrate, arguments.output)
+    FILE.write_text(text(content) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -19,28 +19,18 @@ share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_
 profile is integrated from the flat in its arc length, with the mean curvature -1/(2 r_K), up to where it meets the sphere under
 the contact angle; the circle on the flat follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta +
 pi x^2 gamma/r_K at the flat.
-
-Usage:
-    uv run scripts/reference_capillary.py               write the tables
-    uv run scripts/reference_capillary.py -o DIRECTORY  write them elsewhere
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["scipy>=1.10", "numpy"]
-# ///
-
-import argparse
-import csv
 from math import acos, asin, cos, pi, radians, sin, sqrt
-from pathlib import Path
 
+from fixtures import write
+from mpmath import mpf
+from reference_values import contact_angle, contact_state
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
 E = 0.75
 STRESS = 1.03
-DATA = Path(__file__).parent.parent / "tests" / "data"
 CASES = [
     (lam, share, reach)
     for lam in (0.03, 0.3, 1.0, 3.0)
@@ -109,19 +99,6 @@ class Sphere:
         return radii[i], deltas[i]
 
 
-def maugis(lam, delta):
-    """Adhesion force and contact radius of one zone, by Maugis' equations in the angle."""
-    def at(angle):
-        alpha = lam / 2 * (sin(angle) * cos(angle) - angle * cos(2 * angle))
-        beta = 4 * lam**2 / 3 * (angle * sin(angle) + cos(angle) - 1)
-        outer = 2 / (beta + sqrt(beta**2 + 4 * alpha))
-        radius = outer * cos(angle)
-        return radius**2 - 4 / 3 * lam * outer * sin(angle), lam * outer**2 * (sin(angle) * cos(angle) + angle), radius
-
-    angle = brentq(lambda x: at(x)[0] - delta, 1e-4, pi / 2 if lam < 0.9 else 1.2, xtol=1e-15)
-    return at(angle)[1:]
-
-
 MENISCI = [
     (angle, kelvin, distance)
     for angle, kelvin in ((0, 1e-3), (0, 1e-2), (30, 1e-3), (60, 5e-3), (80, 1e-3))
@@ -165,33 +142,29 @@ def bridge(angle, kelvin, distance):
     return meniscus(circle, angle, kelvin)[1]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", default=DATA, type=Path)
-    arguments = parser.parse_args()
-    for lam, delta in ((0.3, 0.5), (2.0, 1.0)):
-        adhesion, load, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
-        expected = maugis(lam, delta)
-        assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius, expected)
-    with open(arguments.o / "capillary.csv", "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow("lambda,share,range,delta,adhesion_force,contact_force,contact_radius".split(","))
-        for lam, share, reach in CASES:
-            spacing = 2 * STRESS / (pi * lam)
-            liquid = (share / pi / (reach * spacing), reach * spacing)
-            solid = ((1 - share) / pi * STRESS / spacing, spacing / STRESS)
-            sphere = Sphere([solid, liquid])
-            begin, least = sphere.least()
-            for delta in (0.9 * least, 0.6 * least, 0.3 * least, 0.0, 0.3, 1.0, 3.0):
-                delta = float(f"{delta:.12g}")
-                values = sphere.state(delta, begin * 1.0000001, 6.0)
-                rows.writerow([lam, share, reach, delta] + [f"{value:.10e}" for value in values])
-    with open(arguments.o / "menisci.csv", "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow("contact_angle_deg,kelvin_radius,distance,force".split(","))
-        for angle, kelvin, distance in MENISCI:
-            rows.writerow([angle, kelvin, distance, f"{bridge(radians(angle), kelvin, distance):.10f}"])
+def check(lam, delta):
+    """One zone is Maugis' solution."""
+    adhesion, _, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
+    _, *expected = contact_state(mpf(lam), contact_angle(mpf(lam), mpf(delta)))
+    assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius)
+
+
+def table():
+    for lam, share, reach in CASES:
+        spacing = 2 * STRESS / (pi * lam)
+        liquid = (share / pi / (reach * spacing), reach * spacing)
+        sphere = Sphere([((1 - share) / pi * STRESS / spacing, spacing / STRESS), liquid])
+        begin, least = sphere.least()
+        for delta in (0.9 * least, 0.6 * least, 0.3 * least, 0.0, 0.3, 1.0, 3.0):
+            delta = float(f"{delta:.12g}")
+            values = sphere.state(delta, begin * 1.0000001, 6.0)
+            yield [lam, share, reach, delta] + [f"{value:.10e}" for value in values]
 
 
 if __name__ == "__main__":
-    main()
+    check(0.3, 0.5)
+    check(2.0, 1.0)
+    keys = "lambda,share,range,delta,adhesion_force,contact_force,contact_radius"
+    write("capillary.csv", keys.split(","), table(), "\r\n")
+    rows = ([*case, f"{bridge(radians(case[0]), *case[1:]):.10f}"] for case in MENISCI)
+    write("menisci.csv", ["contact_angle_deg", "kelvin_radius", "distance", "force"], rows, "\r\n")

@@ -8,29 +8,20 @@ two asperities is solved here by mpmath in 30 digits. Sections of the file:
 * `surfaces`: places, heights and radii, drawn here once (random sequential addition for the places);
 * `ensembles`: states of such surfaces, and of pairs and of one asperity, at given separations.
 
-Every number of an input is the double nearest to its decimals. Usage:
-    uv run scripts/reference_coupling.py                     write the file (a minute)
-    uv run scripts/reference_coupling.py -o OUT.json         write it elsewhere
-    uv run scripts/reference_coupling.py --check OTHER.json  compare with another file to 1e-14, write nothing
+Every number of an input is the double nearest to its decimals. It takes a minute.
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["mpmath>=1.3", "numpy>=1.24"]
-# ///
-
-import argparse
 import json
-import math
 import sys
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
-from coupled_asperities import JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability, steps
+from coupled_asperities import (
+    JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability, steps,
+)  # fmt: skip
+from fixtures import DATA
 
 mp.mp.dps = 30
-FILE = Path(__file__).resolve().parents[1] / "tests" / "data" / "coupling.json"
 MODULUS, RADIUS, WORK, SPACING = 85.29e9, 3.33e-6, 0.09, 0.2e-9  # case II
 SPLITTINGS = "1.2", "2.5"
 PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0001, -0.0003), (0.01, 0.02), (0.1, 0.3), (0.3, 0.1),
@@ -294,23 +285,6 @@ def text(value, indent: str = "") -> str:
     return json.dumps(value)
 
 
-def differences(ours, theirs, where: str = ""):
-    """Where two files differ, numbers by more than 1e-14 of the largest of their list."""
-    if isinstance(ours, dict) and isinstance(theirs, dict):
-        for key in ours.keys() | theirs.keys():
-            yield from differences(ours.get(key), theirs.get(key), f"{where}/{key}")
-    elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
-        if all(isinstance(item, float) for item in ours + theirs):
-            bound = 1e-14 * max(map(abs, ours), default=0.0)
-            if any(abs(a - b) > bound for a, b in zip(ours, theirs)):
-                yield where
-        else:
-            for index, pair in enumerate(zip(ours, theirs)):
-                yield from differences(*pair, f"{where}/{index}")
-    elif ours != theirs and not (isinstance(ours, float) and isinstance(theirs, float) and math.isclose(ours, theirs, rel_tol=1e-14)):
-        yield where
-
-
 def content() -> dict:
     drawn = surfaces()
     return {
@@ -323,20 +297,9 @@ def content() -> dict:
     }
 
 
-def command(content, file: Path, description: str) -> None:
-    """The command line of a script that writes what a function makes."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("-o", "--output", type=Path, default=file, metavar="OUT.json")
-    parser.add_argument("--check", type=Path, metavar="OTHER.json")
-    arguments = parser.parse_args()
-    written = text(content()) + "\n"
-    if arguments.check:
-        found = list(differences(json.loads(written), json.loads(arguments.check.read_text())))
-        print("\n".join(found) or "no difference")
-        sys.exit(1 if found else 0)
-    arguments.output.write_text(written, encoding="utf-8")
-    print(arguments.output)
+def write_json(name, content):
+    (DATA / name).write_text(text(content) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    command(content, FILE, "Reference values of coupled asperities.")
+    write_json("coupling.json", content())

@@ -15,25 +15,16 @@
 * `unstable_work`: the integral of F dDelta of Maugis' contact, scaled, along the unstable part of its force curve, from first touch to
   the end of its stable one.
 * `contact`: states with the next orders, as `ensembles` of coupling.json; `third_order` ones with no more than 1/r^3.
-
-Usage:
-    uv run scripts/reference_coupling_limits.py [-o OUT.json] [--check OTHER.json]
 """
-
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["mpmath>=1.3", "numpy>=1.24"]
-# ///
-
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
-from coupled_asperities import LAWS, Asperities, Distances, contact_radius, follow, green_matrix, lattice, lattice_of, solve_contact, steps
-from reference_coupling import MODULUS, RADIUS, SPACING, WORK, command, hard_core, surfaces
+from coupled_asperities import (
+    LAWS, Asperities, Distances, follow, green_matrix, lattice, lattice_of, solve_contact, steps,
+)  # fmt: skip
+from reference_coupling import MODULUS, RADIUS, SPACING, WORK, hard_core, surfaces, write_json
 
 mp.mp.dps = 30
-FILE = Path(__file__).resolve().parents[1] / "tests" / "data" / "coupling_limits.json"
 E, R, W = mp.mpf(MODULUS), mp.mpf(RADIUS), mp.mpf(WORK)
 K = 4 * E / 3
 CUBES = 4 * mp.zeta(mp.mpf(3) / 2) * mp.dirichlet(mp.mpf(3) / 2, [0, 1, 0, -1])  # the sum of 1/n^3 over a square lattice
@@ -239,4 +230,4 @@ def content() -> dict:
 
 
 if __name__ == "__main__":
-    command(content, FILE, "Limits of coupled asperities.")
+    write_json("coupling_limits.json", content())

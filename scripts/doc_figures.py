@@ -9,11 +9,6 @@ the environment variable STICTION, unless --program says otherwise.
 Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the program fails.
 """
 
-# /// script
-# requires-python = ">=3.11"
-# dependencies = ["numpy>=1.24", "h5py>=3.8"]
-# ///
-
 import argparse
 import functools
 import os

@@ -15,11 +15,6 @@ Exit codes: 0 done, also when numbers differ from the paper; 2 the program is mi
 written.
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
-# ///
-
 import argparse
 import os
 import sys

@@ -11,11 +11,6 @@ Usage:
     python scripts/synthesise_map.py [-o OUT.txt]
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24"]
-# ///
-
 import argparse
 from pathlib import Path
 

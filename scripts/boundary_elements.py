@@ -30,7 +30,7 @@ class Solution(NamedTuple):
     seconds: float
 
 
-def paraboloids(surface: dict, points: int, shift: float, reach: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+def paraboloids(surface, points, shift, reach = np.inf):
     """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels.
 
     Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point that one does.
@@ -49,7 +49,7 @@ def paraboloids(surface: dict, points: int, shift: float, reach: float = np.inf)
     return np.maximum(heights, heights[np.isfinite(heights)].min()), owner
 
 
-def refined(heights: np.ndarray, times: int) -> np.ndarray:
+def refined(heights, times):
     """A periodic map on a grid that is finer by a whole number, by its Fourier series."""
     count = len(heights)
     transformed, half = np.fft.fft2(heights), count // 2
@@ -61,19 +61,19 @@ def refined(heights: np.ndarray, times: int) -> np.ndarray:
     return np.fft.ifft2(finer).real * times**2
 
 
-def contact_area(pressed: np.ndarray, pixel: float) -> float:
+def contact_area(pressed, pixel):
     """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int. 114 (2017) 161."""
     edge = sum(int(np.sum(pressed != np.roll(pressed, 1, axis))) for axis in (0, 1))
     return (float(pressed.sum()) - (np.pi - 1 + np.log(2)) / 24 * edge) * pixel**2
 
 
-def model_of(points: int, cell: float, modulus: float):
+def model_of(points, cell, modulus):
     model = tamaas.Model(tamaas.model_type.basic_2d, [cell / NM] * 2, [points] * 2)
     model.E, model.nu = modulus / GPA, 0.0
     return model
 
 
-def press(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, pressure: float, tolerance: float = 1e-10) -> Solution:
+def press(heights, owner, cell, modulus, pressure, tolerance = 1e-10):
     """Without adhesion under a mean pressure in Pa."""
     model, pixel = model_of(len(heights), cell, modulus), cell / len(heights)
     begin = time.perf_counter()
@@ -88,7 +88,7 @@ def press(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, p
     return Solution(separation, loads, contact_area(traction > 0, pixel), seconds)
 
 
-def hold(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, work: float, stress: float, separation: float) -> Solution:
+def hold(heights, owner, cell, modulus, work, stress, separation):
     """With the adhesion of Maugis, the theoretical stress up to the gap work/stress, at a separation in m."""
     model, pixel, tolerance = model_of(len(heights), cell, modulus), cell / len(heights), 1e-7
     gaps = tamaas.PolonskyKeerRey.gap
@@ -106,13 +106,13 @@ def hold(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, wo
     return Solution(separation, loads, contact_area(np.array(model["gap"]) <= 0.0, pixel), seconds)
 
 
-def over_shifts(solve, surface_at) -> Solution:
+def over_shifts(solve, surface_at):
     """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives heights and owners."""
     found = [solve(*surface_at(shift)) for shift in SHIFTS]
     return Solution(*(np.mean([getattr(one, name) for one in found], axis=0) for name in Solution._fields))
 
 
-def extrapolated(coarse, middle, fine, order: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def extrapolated(coarse, middle, fine, order):
     """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids show."""
     coarse, middle, fine = (np.asarray(value, float) for value in (coarse, middle, fine))
     limit = fine + (fine - middle) / (2.0**order - 1)

@@ -14,7 +14,6 @@ are computed with the 64 bits of np.longdouble (x86), so that the solution has s
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -26,7 +25,7 @@ PI = Long("3.14159265358979323846264338327950288")
 ROUNDS = 200
 
 
-# --- The substrate -----------------------------------------------------------------------------------------------------
+# --- The substrate
 
 
 def lattice(x, y, splitting=None):
@@ -88,7 +87,7 @@ def lattice_of(x, y):
     return nearest(x, y, np.hypot) + np.polynomial.chebyshev.chebval2d(4 * x - 1, 4 * y - 1, smooth_part())
 
 
-def green_matrix(places, modulus: float, cell: float | None):
+def green_matrix(places, modulus, cell):
     """G_ij in m/N as long doubles; `cell` is the side of the periodic cell in m, None on a half-space."""
     x, y = np.asarray(places, Long).T
     x, y = x[:, None] - x[None, :], y[:, None] - y[None, :]
@@ -98,12 +97,12 @@ def green_matrix(places, modulus: float, cell: float | None):
     return 1 / (scale * np.where(np.eye(len(x), dtype=bool), np.inf, np.hypot(x, y)))
 
 
-def long(value) -> Long:
+def long(value):
     """The long double nearest to a number of mpmath."""
     return Long(mp.nstr(mp.mpf(value), 24))
 
 
-# --- Laws of one asperity ----------------------------------------------------------------------------------------------
+# --- Laws of one asperity
 
 
 @dataclass
@@ -125,18 +124,18 @@ class Asperities:
         return np.cbrt((PI * Long(self.work) / self.stiffness) ** 2 * Long(1) * self.radius)
 
 
-def hertz(asperity: Asperities, delta):
+def hertz(asperity, delta):
     inside = np.maximum(delta, 0)
     factor = asperity.stiffness * np.sqrt(Long(1) * asperity.radius)
     return factor * inside * np.sqrt(inside), Long(3) / 2 * factor * np.sqrt(inside)
 
 
-def dmt(asperity: Asperities, delta):
+def dmt(asperity, delta):
     force, slope = hertz(asperity, delta)
     return np.where(delta >= 0, force - 2 * PI * asperity.radius * Long(asperity.work), 0), slope
 
 
-def idmt(asperity: Asperities, delta):
+def idmt(asperity, delta):
     """The undeformed sphere under the Lennard-Jones stress before contact, dmt in contact."""
     unit = PI * asperity.radius * Long(asperity.work)
     s = Long(asperity.spacing) / (Long(asperity.spacing) - np.minimum(delta, 0))
@@ -165,7 +164,7 @@ def jkr_radius(scaled):
 JKR_END = -3 * Long(6) ** (-Long(2) / 3)  # the least Delta
 
 
-def jkr(asperity: Asperities, delta):
+def jkr(asperity, delta):
     length, unit = asperity.length, PI * Long(asperity.work) * asperity.radius
     radius = jkr_radius(delta / length)
     root = np.sqrt(6 * radius)
@@ -183,7 +182,7 @@ def dugdale_state(theta, lam):
     return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - lam * outer**2 * (sine * cosine + theta), radius
 
 
-def dugdale(stress: float) -> Callable:
+def dugdale(stress):
     """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with theta all the way."""
 
     def law(asperity, delta):
@@ -204,7 +203,7 @@ def dugdale(stress: float) -> Callable:
 LAWS = {"hertz": hertz, "dmt": dmt, "idmt": idmt, "jkr": jkr}
 
 
-# --- The equations -----------------------------------------------------------------------------------------------------
+# --- The equations
 
 
 class State(NamedTuple):
@@ -215,13 +214,13 @@ class State(NamedTuple):
     force: np.ndarray
 
 
-def stability(law: Callable, asperity: Asperities, green, state: State) -> float:
+def stability(law, asperity, green, state):
     """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable state."""
     slope = law(asperity, state.approach)[1].astype(float)
     return float(np.linalg.eigvals(np.eye(len(slope)) + green.astype(float) * slope).real.min())
 
 
-def solve(law: Callable, asperity: Asperities, heights, green, separation: float, start) -> State:
+def solve(law, asperity, heights, green, separation, start):
     """The state at a separation from approaches that are near it; ValueError where Newton's method does not settle."""
     heights, delta = np.asarray(heights, Long), np.array(start, Long)
     target, identity, coarse = heights - Long(separation), np.eye(len(heights)), green.astype(float)
@@ -239,7 +238,7 @@ def solve(law: Callable, asperity: Asperities, heights, green, separation: float
     raise ValueError(f"no state at the separation {separation}: residual {size} m")
 
 
-def follow(law: Callable, asperity: Asperities, heights, green, separations, start=None) -> list[State]:
+def follow(law, asperity, heights, green, separations, start=None):
     """States at separations one after the other, each from the one before, the first from asperities without coupling."""
     delta = np.asarray(heights, Long) - Long(separations[0]) if start is None else start
     states = []
@@ -249,12 +248,12 @@ def follow(law: Callable, asperity: Asperities, heights, green, separations, sta
     return states
 
 
-def steps(start: float, end: float, step: float) -> list:
+def steps(start, end, step):
     """Separations from one to another, no step longer than given."""
     return np.linspace(start, end, max(2, math.ceil(abs(end - start) / step)) + 1).tolist()
 
 
-# --- Contacts that are not small -----------------------------------------------------------------------------------------
+# --- Contacts that are not small
 
 # u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR, that of a flat punch.
 SERIES = {  # in s^2
@@ -263,7 +262,7 @@ SERIES = {  # in s^2
 }
 
 
-def beyond_point(s, kind: str):
+def beyond_point(s, kind):
     """u pi E* r / f - 1 at s = a/r: by its series where the closed form cancels."""
     s = np.minimum(np.asarray(s, Long), 1)
     series = sum(c * s ** (2 * k) for k, c in enumerate(SERIES[kind]) if k)
@@ -284,7 +283,7 @@ def laplacian(coefficients):
 class Distances:
     """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what all others sum to."""
 
-    def __init__(self, places, cell: float | None):
+    def __init__(self, places, cell):
         x, y = np.asarray(places, Long).T
         x, y, self.rest = x[:, None] - x[None, :], y[:, None] - y[None, :], {}
         near = np.hypot(x, y)[None]
@@ -304,7 +303,7 @@ class Distances:
         """The sum of 1/r^3 over all images."""
         return np.sum(1 / self.near**3, axis=0) + self.rest.get(3, 0)
 
-    def beyond(self, radius, kind: str):
+    def beyond(self, radius, kind):
         """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact of each column."""
         total = np.sum(beyond_point(radius / self.near, kind) / self.near, axis=0)
         for power, values in self.rest.items():
@@ -312,7 +311,7 @@ class Distances:
         return total
 
 
-def contact_radius(law: Callable, asperity: Asperities, delta):
+def contact_radius(law, asperity, delta):
     """Radius of the contact in m of `hertz` or `jkr`."""
     if law is jkr:
         return np.cbrt(PI * Long(asperity.work) * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
@@ -320,8 +319,8 @@ def contact_radius(law: Callable, asperity: Asperities, delta):
 
 
 def solve_contact(
-    law: Callable, asperity: Asperities, heights, places, cell, separation: float, start, is_whole: bool = True
-) -> tuple[State, np.ndarray]:
+    law, asperity, heights, places, cell, separation, start, is_whole = True
+):
     """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under each.
 
     The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others' forces bend the

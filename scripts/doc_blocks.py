@@ -22,14 +22,14 @@ ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(?P<skip><!-- not run -->\n+)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-def blocks(page: Path, only: set[str]) -> list[tuple[str, str, int]]:
+def blocks(page, only):
     """Language, text and line of each block that is run."""
     whole = page.read_text(encoding="utf-8")
     found = [(match["language"], match["text"], whole[: match.start("text")].count("\n") + 1, match["skip"]) for match in BLOCK.finditer(whole)]
     return [(language, text, line) for language, text, line, skip in found if language in only and not skip]
 
 
-def run(page: Path, folder: Path, only: set[str]) -> tuple[int, str]:
+def run(page, folder, only):
     """How many blocks of a page ran in a folder, and what its Python printed; the first that fails is an error."""
     shutil.copytree(ROOT / "configs", folder / "configs", dirs_exist_ok=True)
     shutil.copy(ROOT / "configs" / "maps" / "polished.txt", folder / "scan.txt")
@@ -52,7 +52,7 @@ def run(page: Path, folder: Path, only: set[str]) -> tuple[int, str]:
     return len(found), done.stdout
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description="Runs the commands and the Python of pages of the documentation.")
     parser.add_argument("--only", action="append", choices=["sh", "python", "toml"], help="blocks of this language alone")
     parser.add_argument("pages", nargs="+", type=Path)

@@ -33,18 +33,18 @@ CASES = ["case_i", "case_ii", "case_iii"]
 class Program:
     """Runs the program in a folder of its own, each command once."""
 
-    def __init__(self, path: Path, folder: Path):
+    def __init__(self, path, folder):
         self.path, self.folder = path, folder
 
     @functools.cache
-    def said(self, *arguments: str) -> str:
+    def said(self, *arguments):
         run = subprocess.run([self.path, *arguments], cwd=self.folder, capture_output=True, text=True)
         if run.returncode:
             sys.exit(f"doc_figures.py: stiction {' '.join(arguments)}: {run.stderr.strip()}")
         return run.stdout
 
     @functools.cache
-    def run(self, scene: str, sampling: str = "independent") -> h5py.File:
+    def run(self, scene, sampling = "independent"):
         """The result of `stiction run configs/SCENE.toml`, with another sampling."""
         path = ROOT / "configs" / f"{scene}.toml"
         if sampling != "independent":
@@ -54,7 +54,7 @@ class Program:
         return self.file("run", path)
 
     @functools.cache
-    def file(self, command: str, scene: Path, *arguments: str) -> h5py.File:
+    def file(self, command, scene, *arguments):
         output = f"{len(list(self.folder.glob('*.h5')))}.h5"
         self.said(command, str(scene), *arguments, "-o", output)
         return h5py.File(self.folder / output)
@@ -68,7 +68,7 @@ class Figure:
     text: str
     values: Callable[[Program], list[str]]
 
-    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+    def compared(self, page, program):
         """The page with the numbers as they are, and how they differ."""
         parts = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in self.text.split("{}")]
         found = re.findall(NUMBER.join(parts), page)
@@ -93,7 +93,7 @@ class Block:
     first: str
     command: tuple[str, ...]
 
-    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+    def compared(self, page, program):
         match = re.search(rf"(?<=```text\n){re.escape(self.first)}.*?(?=```)", page, re.S)
         if not match:
             return page, [f"has no block that begins with {self.first}"]
@@ -116,10 +116,10 @@ class Block:
         return page[: match.start()] + now + page[match.end() :], differences
 
     @staticmethod
-    def piece(kept: list[str], said: list[str]) -> str:
+    def piece(kept, said):
         """The rows from the first label of a piece to its last, with the rows that go on from that."""
 
-        def label(line: str) -> str:
+        def label(line):
             return line[2:20].strip()
 
         labels = [label(line) for line in kept if label(line)]
@@ -136,12 +136,12 @@ class Block:
         return "\n".join(said[start:end])
 
 
-def digits(value: float, count: int = 3) -> str:
+def digits(value, count = 3):
     """So many significant digits, without a power of ten."""
     return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
 
 
-def power(value: float) -> str:
+def power(value):
     """Two significant digits; from a thousand on with a power of ten."""
     if value < 1000.0:
         return digits(value, 2)
@@ -149,12 +149,12 @@ def power(value: float) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
 
 
-def error(run: h5py.File, scalar: str, controlled: bool) -> float:
+def error(run, scalar, controlled):
     name = "scalar_controlled_standard_error" if controlled else "scalar_standard_error"
     return float(run[f"ensemble/{name}"][SCALARS.index(scalar)])
 
 
-def reductions(program: Program) -> list[str]:
+def reductions(program):
     """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain independent replicas."""
     values = []
     for scalar in SCALARS:
@@ -166,14 +166,14 @@ def reductions(program: Program) -> list[str]:
     return values
 
 
-def reduction(program: Program, case: str) -> float:
+def reduction(program, case):
     return float(program.run(case)["ensemble/scalar_variance_reduction"][0])
 
 
-def strata(program: Program) -> list[str]:
+def strata(program):
     """By how many times the variance of the mean external force is smaller with strata, and with opposite heights."""
 
-    def ratio(case: str, scheme: str, h_star: float) -> float:
+    def ratio(case, scheme, h_star):
         plain, other = program.run(case), program.run(case, scheme)
         place = int(np.argmin(np.abs(plain["ensemble/h_star"][:] - h_star)))
         assert abs(plain["ensemble/h_star"][place] - h_star) < 1e-9, f"{case} has no separation h* = {h_star}"
@@ -184,17 +184,17 @@ def strata(program: Program) -> list[str]:
     return [digits(ratio(case, scheme, h_star), 2) for case, h_star in places for scheme in ("stratified", "antithetic")]
 
 
-def mean_pull_off(program: Program) -> list[str]:
+def mean_pull_off(program):
     ensemble = program.run("case_ii")["ensemble"]
     names = ["controlled_mean", "controlled_standard_error", "mean", "standard_error"]
     mean, precise, plain, rough = [1e6 * ensemble[f"scalar_{name}"][0] for name in names]
     return [f"{mean:.1f}", f"{precise:.2f}", f"{plain:.1f}", f"{rough:.1f}"]
 
 
-def fits(case: str, unit: float, decimals: tuple[int, int]) -> Callable[[Program], list[str]]:
+def fits(case, unit, decimals):
     """Pull-off of the integral and the h* of its stiffest point: directly and with the published fits."""
 
-    def values(program: Program) -> list[str]:
+    def values(program):
         file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper")
         force = file["integral/pull_off_force"][:]
         place = file["integral/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
@@ -207,7 +207,7 @@ def fits(case: str, unit: float, decimals: tuple[int, int]) -> Callable[[Program
     return values
 
 
-def cycle(program: Program) -> list[str]:
+def cycle(program):
     run = program.run("loop")
     energy = 1e12 * run["replicas/dissipated_energy"][:]
     there, back = [run[f"integral/{way}external_force"][:] for way in ("", "retraction_")]
@@ -216,19 +216,19 @@ def cycle(program: Program) -> list[str]:
     return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}", f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
 
 
-def pulled(program: Program) -> list[str]:
+def pulled(program):
     run = program.run("loop")["ensemble"]
     means = dict(zip(run["scalar"].asstr()[:], 1e6 * run["scalar_controlled_mean"][:], strict=True))
     return [f"{means[name]:.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
 
 
-def contact(program: Program) -> list[str]:
+def contact(program):
     run = program.run("loop")
     sigma = run.attrs["surface_height_std"]
     return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("detachment", "touchdown")]
 
 
-def surface_energy(program: Program) -> list[str]:
+def surface_energy(program):
     run = program.file("run", ROOT / "configs/sweep_surface_energy.toml")
     values = []
     for point in (0, 2, 3):
@@ -240,14 +240,14 @@ def surface_energy(program: Program) -> list[str]:
     return values
 
 
-def sizes(program: Program) -> list[str]:
+def sizes(program):
     """Of case II, the sizes at which the bias is 10 and 5 %, between three sizes of the default ones."""
     run = program.file("finite-size", ROOT / "configs/case_ii.toml", "--counts", "1000,3162,10000")
     accuracies = list(np.round(run["accuracy"][:], 4))
     return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]
 
 
-def scientific(value: float) -> str:
+def scientific(value):
     """Two significant digits; below 0.01 with a power of ten."""
     if value >= 0.01:
         return digits(value, 2)
@@ -255,10 +255,10 @@ def scientific(value: float) -> str:
     return f"{mantissa}·10⁻{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
 
 
-def independence(case: str, metres: float) -> Callable[[Program], list[str]]:
+def independence(case, metres):
     """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a unit, per cent in contact."""
 
-    def values(program: Program) -> list[str]:
+    def values(program):
         own = program.file("compare", ROOT / "configs" / f"{case}.toml", "--laws", "hybrid")["independence"]
         of = {name: abs(float(own[name][0])) for name in own if name not in ("law", "verdict")}
         shift = 1e9 * of["shift"]
@@ -319,7 +319,7 @@ FIGURES = [
 ]
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as docs/sampling.md")
     parser.add_argument("--write", action="store_true", help="replace the numbers that differ")

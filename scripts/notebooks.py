@@ -21,7 +21,7 @@ import nbformat
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def executed(path: Path) -> nbformat.NotebookNode:
+def executed(path):
     """The notebook with the outputs of its cells and nothing that differs from time to time."""
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory(prefix="stiction-notebook-") as folder:
@@ -36,7 +36,7 @@ def executed(path: Path) -> nbformat.NotebookNode:
     return notebook
 
 
-def kept(output: nbformat.NotebookNode) -> bool:
+def kept(output):
     if output.output_type == "stream":
         return output.name == "stdout"
     output.metadata = {}
@@ -44,7 +44,7 @@ def kept(output: nbformat.NotebookNode) -> bool:
     return not any("widget" in kind for kind in output.get("data", {}))
 
 
-def texts(notebook: nbformat.NotebookNode) -> list[tuple[str, str]]:
+def texts(notebook):
     """What each cell does and prints, or returns as text."""
     found = []
     for cell in notebook.cells:
@@ -54,7 +54,7 @@ def texts(notebook: nbformat.NotebookNode) -> list[tuple[str, str]]:
     return found
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description="Executes notebooks of the documentation.")
     parser.add_argument("--write", action="store_true", help="keep the outputs in the notebooks")
     parser.add_argument("notebooks", nargs="+", type=Path)

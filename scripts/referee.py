@@ -38,10 +38,10 @@ SPHERES = {
 MAP_PRESSURES = [2e6, 1e7, 5e7, 2e8]
 
 
-# --- Surfaces ----------------------------------------------------------------------------------------------------------
+# --- Surfaces
 
 
-def surfaces() -> dict:
+def surfaces():
     """The paraboloids that are solved."""
     drawn = json.loads((DATA / "coupling.json").read_text())["surfaces"]
     twelve = json.loads((DATA / "coupled_bem.json").read_text())
@@ -49,14 +49,14 @@ def surfaces() -> dict:
     return {"twelve": twelve, **{name: drawn[name] for name in ("thirty", "two hundred", "one")}}
 
 
-def level_map() -> tuple[np.ndarray, float]:
+def level_map():
     """Heights of the shipped map in m without its tilt, so that it is periodic, rows along x; and its side in m."""
     heights = np.loadtxt(MAP).T
     heights -= TILT * PIXEL * np.arange(len(heights))[:, None]
     return (heights - heights.mean()) * 1e-9, PIXEL * len(heights) * 1e-6
 
 
-def summits(heights: np.ndarray, cell: float) -> dict:
+def summits(heights, cell):
     """Points that are higher than their eight neighbours, over the border too; radii from second differences, as the program has them."""
     pixel = cell / len(heights)
     around = [np.roll(heights, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
@@ -66,10 +66,10 @@ def summits(heights: np.ndarray, cell: float) -> dict:
     return {"cell": cell, "places": np.stack([x, y], 1) * pixel, "heights": heights[highest], "radii": 1 / curvature[highest]}
 
 
-# --- Fixtures ------------------------------------------------------------------------------------------------------------
+# --- Fixtures
 
 
-def three_grids(solve, surface_at, coarsest: int, order: float) -> dict:
+def three_grids(solve, surface_at, coarsest, order):
     """Loads, area and separation extrapolated from three grids, with their distance from the finest and the orders seen."""
     import boundary_elements as be
 
@@ -86,7 +86,7 @@ def three_grids(solve, surface_at, coarsest: int, order: float) -> dict:
     return row
 
 
-def paraboloids() -> dict:
+def paraboloids():
     import boundary_elements as be
 
     rows = {}
@@ -102,7 +102,7 @@ def paraboloids() -> dict:
     return rows
 
 
-def adhesive() -> dict:
+def adhesive():
     import boundary_elements as be
 
     rows = {}
@@ -119,7 +119,7 @@ def adhesive() -> dict:
     return rows
 
 
-def whole_map() -> dict:
+def whole_map():
     """The map on grids 1, 2 and 4 times as fine; its summits are those of the finest, which the coarse pixels cut off."""
     import boundary_elements as be
 
@@ -140,7 +140,7 @@ def whole_map() -> dict:
     return {"reduced_modulus": MODULUS, **tops, "states": states}
 
 
-def case_ii() -> dict:
+def case_ii():
     """As many asperities as case II has, 7390 on 1000 um^2."""
     rng, side = np.random.Generator(np.random.PCG64(21)), 3.1622777e-5
     places = hard_core(rng, 7390, side, 0.184e-6)
@@ -148,7 +148,7 @@ def case_ii() -> dict:
     return {"cell": side, "places": places, "heights": heights, "radii": [3.33e-6] * len(places)}
 
 
-def times() -> list:
+def times():
     """One state by grid: seconds of one solution, and its error of the total force at equal separation against the finest grids."""
     import boundary_elements as be
 
@@ -167,10 +167,10 @@ def times() -> list:
     return rows
 
 
-# --- Asperities ----------------------------------------------------------------------------------------------------------
+# --- Asperities
 
 
-def states_of(surface: dict, separations: list, kind: str) -> list:
+def states_of(surface, separations, kind):
     """States of Hertz asperities at separations that fall: `point` forces, with the next orders (`contact`), or `independent`."""
     asperity = Asperities(np.array(surface["radii"], Long), MODULUS)
     green = green_matrix(surface["places"], MODULUS, surface["cell"]) * (kind != "independent")
@@ -183,7 +183,7 @@ def states_of(surface: dict, separations: list, kind: str) -> list:
     return [states[d] for d in separations]
 
 
-def adhesive_state(surface: dict, separation: float, coupled: bool = True):
+def adhesive_state(surface, separation, coupled = True):
     """State of spheres of Maugis and Dugdale on the way down: each touches where the stress begins to reach it, at Delta = -2/(pi lambda)."""
     asperity = Asperities(np.array(surface["radii"], Long), MODULUS, surface["work_of_adhesion"])
     reach = asperity.work / surface["theoretical_stress"]  # nothing acts across a wider gap
@@ -201,10 +201,10 @@ def adhesive_state(surface: dict, separation: float, coupled: bool = True):
     return state
 
 
-# --- The program -----------------------------------------------------------------------------------------------------------
+# --- The program
 
 
-def write_asperities(path: Path, surface: dict) -> None:
+def write_asperities(path, surface):
     """A file of asperities as `stiction asperities` writes it; what the surface around them is like is made up."""
     import h5py
 
@@ -251,7 +251,7 @@ seed = 1
 SUBSTRATE = '[substrate]\ncoupling = "periodic"\nloads_at = ["{low!r} m"]\n{more}\n'
 
 
-def program_states(program: Path, surface: dict, separations: list, law: str = "gw", substrate: str | None = "") -> list[dict]:
+def program_states(program, surface, separations, law = "gw", substrate = ""):
     """What the program says of a surface at separations, one run each down to it: force, area, and if coupled the load of each asperity.
 
     `substrate` is more of the table, None is without.

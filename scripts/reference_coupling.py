@@ -17,7 +17,7 @@ import sys
 import mpmath as mp
 import numpy as np
 from coupled_asperities import (
-    JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability, steps,
+    JKR_END, LAWS, Asperities, follow, green_matrix, hertz, lattice, solve, stability, steps,
 )  # fmt: skip
 from fixtures import DATA
 
@@ -28,10 +28,10 @@ PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0
           (-0.4, 0.15), (0.49, 0.02), (1.25, -3.5), (0.7, 0.95)]
 
 
-# --- Surfaces ----------------------------------------------------------------------------------------------------------
+# --- Surfaces
 
 
-def hard_core(rng, count: int, side: float, distance: float) -> list:
+def hard_core(rng, count, side, distance):
     """Places in a square that repeats, each at least `distance` from those before, in whole picometres."""
     places, found = np.empty((count, 2)), 0
     while found < count:
@@ -43,7 +43,7 @@ def hard_core(rng, count: int, side: float, distance: float) -> list:
     return places.tolist()
 
 
-def surfaces() -> dict:
+def surfaces():
     """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times smoother; pairs; one."""
     found = {}
     for name, count, side, seed in [("thirty", 30, 2e-6, 17), ("two hundred", 200, 5.2e-6, 18)]:
@@ -63,10 +63,10 @@ def surfaces() -> dict:
     return found
 
 
-# --- One and two asperities, in 30 digits --------------------------------------------------------------------------------
+# --- One and two asperities, in 30 digits
 
 
-def mp_force(law: str, delta, radius):
+def mp_force(law, delta, radius):
     stiffness, unit = 4 * mp.mpf(MODULUS) / 3, mp.pi * radius * mp.mpf(WORK)
     contact = stiffness * mp.sqrt(radius) * mp.sqrt(max(delta, 0)) ** 3
     if law == "hertz":
@@ -84,7 +84,7 @@ def mp_force(law: str, delta, radius):
     return unit * (a**3 - a * mp.sqrt(6 * a))
 
 
-def mp_green(surface: dict, periodic: bool) -> mp.matrix:
+def mp_green(surface, periodic):
     count, side, scale = len(surface["places"]), mp.mpf(surface["cell"]), mp.pi * mp.mpf(MODULUS)
     green = mp.matrix(count, count)
     for i in range(count):
@@ -97,7 +97,7 @@ def mp_green(surface: dict, periodic: bool) -> mp.matrix:
     return green
 
 
-def few(law: str, surface: dict, periodic: bool, separation: float) -> dict:
+def few(law, surface, periodic, separation):
     """One or two asperities at a separation: approaches and forces to 30 digits, polished from the dense solution."""
     green, target = mp_green(surface, periodic), [mp.mpf(z) - mp.mpf(separation) for z in surface["heights"]]
     count, radius = len(target), mp.mpf(RADIUS)
@@ -116,13 +116,13 @@ def few(law: str, surface: dict, periodic: bool, separation: float) -> dict:
     return {"separation": separation, "approaches": approaches, "forces": forces}
 
 
-# --- Ensembles -----------------------------------------------------------------------------------------------------------
+# --- Ensembles
 
 
 RAMP = np.longdouble("1e-27")  # m, over which the law of an asperity that rests at its touch jumps
 
 
-def with_sets(touched: np.ndarray, resting: np.ndarray):
+def with_sets(touched, resting):
     """The law of DMT where it is given which asperities have touched, and which rest at the touch with a force in between."""
 
     def law(asperity, delta):
@@ -134,7 +134,7 @@ def with_sets(touched: np.ndarray, resting: np.ndarray):
     return law
 
 
-def dmt_path(asperity, heights, green, separations) -> list[State | None]:
+def dmt_path(asperity, heights, green, separations):
     """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips, one at a time.
 
     One that flips a third time at a separation rests at its touch. None where no sets agree with themselves.
@@ -162,7 +162,7 @@ def dmt_path(asperity, heights, green, separations) -> list[State | None]:
     return states
 
 
-def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[State]:
+def dense(law, surface, periodic, separations):
     """States at the separations, on the way down to each of them from afar, but `jkr` on the way back from contact of all."""
     asperity = Asperities(np.array(surface["radii"], np.longdouble), MODULUS, WORK, SPACING)
     green = green_matrix(surface["places"], MODULUS, surface["cell"] if periodic else None)
@@ -184,7 +184,7 @@ def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[St
     return [next(state for state in states if state.separation == s) for s in separations]
 
 
-def margin(law: str, surface: dict, state: State):
+def margin(law, surface, state):
     """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do neither."""
     if law == "dmt":
         return float(np.min(np.abs(state.approach[state.approach != 0])))
@@ -230,7 +230,7 @@ MANY = [
 ]
 
 
-def ensembles(surfaces: dict) -> list:
+def ensembles(surfaces):
     found = []
     for name, law, coupling, separations in FEW + MANY:
         print(name, law, coupling, file=sys.stderr)
@@ -245,7 +245,7 @@ def ensembles(surfaces: dict) -> list:
     return found
 
 
-def green_values() -> list:
+def green_values():
     rows = []
     for x, y in PLACES:
         values = [lattice(x, y, splitting) for splitting in SPLITTINGS]
@@ -255,7 +255,7 @@ def green_values() -> list:
     return rows
 
 
-def rest(surface: dict) -> list:
+def rest(surface):
     """One asperity of DMT in a periodic cell that rests at its touch: force between 0 and -2 pi R work, so that d = z - G f."""
     green = mp_green(surface, True)[0, 0]
     jump = 2 * mp.pi * mp.mpf(RADIUS) * mp.mpf(WORK)
@@ -266,10 +266,10 @@ def rest(surface: dict) -> list:
     return [{"surface": "one", "law": "dmt", "coupling": "periodic", "states": rows}]
 
 
-# --- The file ------------------------------------------------------------------------------------------------------------
+# --- The file
 
 
-def text(value, indent: str = "") -> str:
+def text(value, indent = ""):
     """JSON with 20 digits of what mpmath computed and 18 of long doubles; lists of numbers on one line."""
     if isinstance(value, mp.mpf):
         return mp.nstr(value, 20, min_fixed=0, max_fixed=0) if value else "0.0"
@@ -285,7 +285,7 @@ def text(value, indent: str = "") -> str:
     return json.dumps(value)
 
 
-def content() -> dict:
+def content():
     drawn = surfaces()
     return {
         "origin": "scripts/reference_coupling.py",

@@ -40,7 +40,7 @@ def punch_shape(a, r):
     return mp.asin(a / r) / (mp.pi * E * a)
 
 
-def jkr_pair(distance: mp.mpf) -> dict:
+def jkr_pair(distance):
     pull_off, r = 3 * mp.pi * W * R / 2, distance
     radius = mp.cbrt(9 * mp.pi * W * R**2 / (8 * E))
 
@@ -62,7 +62,7 @@ def jkr_pair(distance: mp.mpf) -> dict:
     }
 
 
-def fold(distance: mp.mpf, radius: mp.mpf, work: mp.mpf) -> dict:
+def fold(distance, radius, work):
     """Case III: both jumps of a pair whose heights are 0; d = -delta - G f."""
     z0, unit, green = mp.mpf(SPACING), mp.pi * radius * work, 1 / (mp.pi * E * distance)
 
@@ -105,7 +105,7 @@ def bisect(f, low, high):
     return (low + high) / 2
 
 
-def hertz_lattice(cell: mp.mpf) -> dict:
+def hertz_lattice(cell):
     own, rows = lattice(0, 0), []
     distances = Distances([[0, 0]], 1.0)
     for ratio in map(mp.mpf, "0.01 0.02 0.05 0.1 0.15 0.2 0.25 0.3 0.35 0.4".split()):
@@ -121,7 +121,7 @@ def hertz_lattice(cell: mp.mpf) -> dict:
             "end_separation": -end**2 / R * (1 + own * K * end / (mp.pi * E * cell)), "end_force": K * end**3 / R}
 
 
-def first_order(drawn: dict) -> list:
+def first_order(drawn):
     rows = []
     for name, law, separation in [("thirty", "hertz", 2e-9), ("thirty", "idmt", 2e-9), ("two hundred", "hertz", 1e-9)]:
         surface, law_of = drawn[name], LAWS[law]
@@ -140,7 +140,7 @@ def first_order(drawn: dict) -> list:
     return rows
 
 
-def hertz_means(std: float, separations: list) -> list:
+def hertz_means(std, separations):
     """<f>, <f'> and <f f'> of one Hertz asperity of case II over Gaussian heights."""
     rows, s, factor = [], mp.mpf(std), K * mp.sqrt(R)
     for separation in separations:
@@ -155,7 +155,7 @@ def hertz_means(std: float, separations: list) -> list:
     return rows
 
 
-def hard_core_means() -> list:
+def hard_core_means():
     rows = []
     for b in map(mp.mpf, ("0.05", "0.1", "0.3")):
         # On circles the lattice sum has the mean 1/r + c + sum_k [(2k-1)!!/(2k)!!]^2 S_(2k+1) r^2k, S over the lattice of 1/n^(2k+1).
@@ -174,7 +174,7 @@ def hard_core_means() -> list:
     return rows
 
 
-def contact_states(drawn: dict) -> list:
+def contact_states(drawn):
     cases = [("pair", "hertz", [-5e-10, -2e-9]), ("pair", "jkr", [-1e-9, -2e-10]), ("thirty", "hertz", [3e-9, 2e-9, 1e-9]),
              ("thirty radii", "hertz", [2e-9]), ("thirty smooth", "jkr", [-4e-10, -2e-10])]
     rows = []
@@ -199,7 +199,7 @@ def contact_states(drawn: dict) -> list:
     return rows
 
 
-def unstable_work(lam: mp.mpf) -> dict:
+def unstable_work(lam):
     """By the angle theta, with c = a / cos(theta); theta = pi/2 is first touch."""
 
     def state(theta):
@@ -216,7 +216,7 @@ def unstable_work(lam: mp.mpf) -> dict:
     return {"adhesion_parameter": lam, "end": state(fold)[0], "work": work}
 
 
-def content() -> dict:
+def content():
     drawn = surfaces()
     return {
         "origin": "scripts/reference_coupling_limits.py", "reduced_modulus": MODULUS, "asperity_radius": RADIUS, "work_of_adhesion": WORK,

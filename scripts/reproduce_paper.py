@@ -27,7 +27,7 @@ from paper.statements import all_rows, check_closed_forms, table, write
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description="Compute the figures and numbers of Shi and Polycarpou (2005) anew.")
     parser.add_argument("-o", "--output", type=Path, default=Path("reproduction"), metavar="FOLDER",
                         help="where everything goes, default reproduction/")

@@ -22,7 +22,7 @@ ROLL_OFF, CUT_OFF = 2.0 * np.pi / 1.5, 2.0 * np.pi / 0.24  # 1/um
 EXPONENT, STD, TILT, SEED = 1.8, 1.62, 2.0, 20260  # nm, nm/um
 
 
-def heights() -> np.ndarray:
+def heights():
     """Heights in nm, rows along y."""
     noise = np.random.Generator(np.random.PCG64(SEED)).standard_normal((PIXELS, PIXELS))
     q = 2.0 * np.pi * np.fft.fftfreq(PIXELS, PIXEL)
@@ -33,7 +33,7 @@ def heights() -> np.ndarray:
     return STD * surface / surface.std() + TILT * PIXEL * np.arange(PIXELS)[None, :]
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description="Makes the shipped height map.")
     parser.add_argument("-o", "--output", type=Path, default=MAP, metavar="OUT.txt")
     output = parser.parse_args().output

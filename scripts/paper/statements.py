@@ -5,13 +5,11 @@ tolerance of its row. `verdict` judges the direct solution, `verdict with fits` 
 """
 
 import csv
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import numpy as np
 
-from paper.data import CASES, NM, UN, Comparison, PaperError, Program
+from paper.data import CASES, NM, UN, PaperError
 from paper.data import contact_zone, fit_points, noncontact, paths_differ_from, without_contact_below_zero
 
 MN = 1e-3
@@ -33,12 +31,12 @@ class Row:
     reason: str
 
 
-def agree(holds: bool | None) -> str:
+def agree(holds):
     return "" if holds is None else "agree" if holds else "differ"
 
 
-def number(item: str, case: str, paper: str, here: float, fits: float | None = None, unit: str = "",
-           reason: str = "") -> Row:
+def number(item, case, paper, here, fits = None, unit = "",
+           reason = ""):
     """A number that the paper prints: it agrees when it rounds to that."""
     decimals = len(paper.partition(".")[2])
     shown = [None if value is None else f"{value:.{decimals}f}" == paper for value in (here, fits)]
@@ -48,17 +46,17 @@ def number(item: str, case: str, paper: str, here: float, fits: float | None = N
                f"rounds to {paper}", *map(agree, shown), reason)
 
 
-def statement(item: str, case: str, paper: str, here: float, holds: bool | None, tolerance: str, unit: str = "",
-              fits: float | None = None, holds_fits: bool | None = None, reason: str = "") -> Row:
+def statement(item, case, paper, here, holds, tolerance, unit = "",
+              fits = None, holds_fits = None, reason = ""):
     shown = ["" if value is None else f"{value:#.4g}" for value in (here, fits)]
     return Row(item, case, paper, *shown, unit, tolerance, agree(holds), agree(holds_fits), reason)
 
 
-def adhesion(case: Comparison, law: str) -> np.ndarray:
+def adhesion(case, law):
     return case.by_law(law, "integral/adhesion_force")
 
 
-def parameters(runs: dict) -> Iterable[Row]:
+def parameters(runs):
     for case, paper in zip(CASES, ("0.16", "0.90", "2.49")):
         yield number("adhesion parameter lambda", case, paper, runs[case].lam)
     for case, paper in zip(CASES, ("1.76", "0.84", "0.39")):
@@ -73,7 +71,7 @@ def parameters(runs: dict) -> Iterable[Row]:
                             "; the more rigid a sphere, the smaller" if angstrom < 2 else ""))
 
 
-def single_sphere(program: Program, runs: dict) -> Iterable[Row]:
+def single_sphere(program, runs):
     case = runs["II"]
     z = np.geomspace(1.0001, 3.0, 200001)
     lowest, steepest = z[noncontact(case.lam, z)[0].argmin()], z[(z**-3 - z**-9).argmax()]
@@ -94,11 +92,11 @@ def single_sphere(program: Program, runs: dict) -> Iterable[Row]:
                     ratio < 1, "below 1")
 
 
-def forces(program: Program, case: Comparison, delta: np.ndarray) -> dict[str, np.ndarray]:
+def forces(program, case, delta):
     return {law: program.sphere(case, law, delta)["adhesion_force"] for law in ("emd", "idmt", "jkr")}
 
 
-def close_before_contact(program: Program, case: Comparison, name: str) -> Row:
+def close_before_contact(program, case, name):
     """Fig. 2: EMD very close to IDMT before contact."""
     delta = np.linspace(-2 * NM - case.delta_a, -case.delta_a * (1 + 1e-9), 4001)
     force = forces(program, case, delta)
@@ -110,7 +108,7 @@ def close_before_contact(program: Program, case: Comparison, name: str) -> Row:
                      100 * off.max(), bool(off.max() < 0.05), "5 %", "%", reason=reason)
 
 
-def nearer(program: Program, case: Comparison, name: str, near: str, far: str) -> Row:
+def nearer(program, case, name, near, far):
     delta = np.linspace(0, min(case.omega_c, 2 * NM), 401)
     force = forces(program, case, delta)
     off = {law: float(np.mean(np.abs(force[law] / force["emd"] - 1))) for law in (near, far)}
@@ -120,7 +118,7 @@ def nearer(program: Program, case: Comparison, name: str, near: str, far: str) -
                             f"0 < delta < {delta[-1] / NM:.2g} nm")
 
 
-def noncontact_folds_from() -> float:
+def noncontact_folds_from():
     low, high, z = 0.5, 2.0, np.geomspace(1.0001, 4.0, 40001)
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
@@ -128,7 +126,7 @@ def noncontact_folds_from() -> float:
     return low
 
 
-def pull_offs(program: Program, runs: dict) -> Iterable[Row]:
+def pull_offs(program, runs):
     """Pull-off force and stiffest point of Figs. 7 and 8."""
     printed = {"I": ("2.13", UN, "uN", "5.72"), "II": ("0.6", MN, "mN", "3.19"), "III": ("93.5", MN, "mN", "3.06"),
                "0.04": ("6.3", MN, "mN", "2.82"), "0.09": ("19.9", MN, "mN", "2.75"), "0.14": ("35.8", MN, "mN",
@@ -157,7 +155,7 @@ def pull_offs(program: Program, runs: dict) -> Iterable[Row]:
                     ratio < 10 < rough, "below 10, III over II above", reason=f"III over II: {rough:.0f}")
 
 
-def pull_off_reason(program: Program, runs: dict, name: str) -> str:
+def pull_off_reason(program, runs, name):
     case = runs[name]
     if name == "I":
         constant = case.count * case.by_law("fit:paper", "fit/coefficients")[0]
@@ -179,7 +177,7 @@ def pull_off_reason(program: Program, runs: dict, name: str) -> str:
     return reason
 
 
-def stiffness_reason(runs: dict, name: str) -> str:
+def stiffness_reason(runs, name):
     if name == "III":
         return ("Unexplained. With delta_A = 0.30 nm the fits are stiffest at "
                 f"{runs['delta_A'].place('fit:paper', 'peak_stiffness'):.2f}; on "
@@ -189,7 +187,7 @@ def stiffness_reason(runs: dict, name: str) -> str:
             "state")
 
 
-def fit_errors(program: Program, runs: dict) -> Iterable[Row]:
+def fit_errors(program, runs):
     """Appendix A: in all cases the fitting error was less than 1 %."""
     for name in CASES:
         case = runs[name]
@@ -201,7 +199,7 @@ def fit_errors(program: Program, runs: dict) -> Iterable[Row]:
                             100 * error, error < 0.01, relative_error(program, case, force))
 
 
-def relative_error(program: Program, case: Comparison, force: str) -> str:
+def relative_error(program, case, force):
     delta, direct, fit = fit_points(program, case, "fit:paper", force)
     off = np.where(np.abs(direct) > 0.1 * np.abs(direct).max(), np.abs(fit / direct - 1), 0)
     text = ("Relative to the force itself, where that is above a tenth of its largest: "
@@ -212,7 +210,7 @@ def relative_error(program: Program, case: Comparison, force: str) -> str:
     return text
 
 
-def similar(case: Comparison, laws: tuple[str, str], start: float, end: float) -> tuple[float, float, float]:
+def similar(case, laws, start, end):
     """Largest relative difference of the adhesion forces of two laws over h*, its place, and the same
     difference over the largest force shown in Fig. 5 (at h* >= 0)."""
     inside = (case.x >= start - 1e-9) & (case.x <= end)
@@ -222,7 +220,7 @@ def similar(case: Comparison, laws: tuple[str, str], start: float, end: float) -
     return float(off.max()), float(case.x[off.argmax()]), float(of_figure)
 
 
-def models(runs: dict) -> Iterable[Row]:
+def models(runs):
     """Figs. 4 and 5."""
     for name, start in zip(CASES, (3.0, 3.0, 5.0)):
         for law in ("isbl", "emd"):
@@ -270,14 +268,14 @@ def models(runs: dict) -> Iterable[Row]:
                         bool(ratio.max() < 1 - SIMILAR), "below 0.9")
 
 
-def before_yield(case: Comparison) -> float:
+def before_yield(case):
     """Adhesion of an asperity by ISBL over that by hybrid, at the largest tabulated interference below omega_c."""
     last = np.flatnonzero(case.data["asperity/interference"] < case.omega_c)[-1]
     isbl, hybrid = (case.by_law(law, "asperity/adhesion_force")[last] for law in ("isbl", "hybrid"))
     return float(isbl / hybrid)
 
 
-def regimes(runs: dict) -> Iterable[Row]:
+def regimes(runs):
     """Fig. 6, case II: shares of the adhesion force, with the direct solution and with the fits."""
     case = runs["II"]
     names = {"noncontact": ("noncontact",), "lubricant": ("lubricant",), "elastic": ("elastic",),
@@ -285,12 +283,12 @@ def regimes(runs: dict) -> Iterable[Row]:
     shares = {law: {name: case.regime(law, *of) / adhesion(case, law) for name, of in names.items()}
               for law in ("hybrid", "fit:paper")}
 
-    def row(item: str, paper: str, tolerance: str, share: str, at: float, judge, reason: str = "") -> Row:
+    def row(item, paper, tolerance, share, at, judge, reason = ""):
         here, fits = (100 * float(shares[law][share][np.abs(case.x - at).argmin()]) for law in shares)
         holds, holds_fits = (bool(judge(shares[law])) for law in shares)
         return statement(item, "II", paper, here, holds, tolerance, "%", fits, holds_fits, reason)
 
-    def largest(table: dict, name: str) -> np.ndarray:
+    def largest(table, name):
         return table[name] >= np.max(list(table.values()), axis=0)
 
     takes_over = {law: case.x[largest(shares[law], "noncontact")].min() for law in shares}
@@ -314,7 +312,7 @@ def regimes(runs: dict) -> Iterable[Row]:
               f"10 % is reached at h* = {case.x[shares['hybrid']['plastic'] > SIMILAR].max():.2f}")
 
 
-def check_closed_forms(program: Program, runs: dict) -> str:
+def check_closed_forms(program, runs):
     """Figure 1 takes c from closed forms: here their adhesion force is held against the program's."""
     case, worst = runs["II"], {}
     delta = np.linspace(-case.delta_a * (1 - 1e-6), 2 * NM, 2001)
@@ -333,19 +331,19 @@ def check_closed_forms(program: Program, runs: dict) -> str:
     return f"closed forms of figure 1 against the program's adhesion force, largest relative difference: {text}"
 
 
-def all_rows(program: Program, runs: dict) -> list[Row]:
+def all_rows(program, runs):
     return [*parameters(runs), *single_sphere(program, runs), *models(runs), *regimes(runs), *pull_offs(program, runs),
             *fit_errors(program, runs)]
 
 
-def write(rows: list[Row], path: Path) -> None:
+def write(rows, path):
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([HEADINGS.get(name, name) for name in asdict(rows[0])])
         writer.writerows(asdict(row).values() for row in rows)
 
 
-def table(rows: list[Row]) -> str:
+def table(rows):
     """The rows without tolerance and reason, in columns."""
     lines = [("item", "case", "paper", "direct", "fits", "unit", "direct", "fits")]
     lines += [(row.item, row.case, row.paper, row.here, row.fits, row.unit, row.verdict,

@@ -1,11 +1,13 @@
 """Boundary-element solutions of surfaces on a plane that repeats, by the package tamaas, for referee.py.
 
-tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough surface with a flat
-elastic half-space by conjugate gradients on a regular grid, with the response of the substrate in Fourier space. Lengths
-are in nm and stresses in GPa here, so that forces are in nN; what goes in and comes out is in SI units.
+tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough
+surface with a flat elastic half-space by conjugate gradients on a regular grid, with the response of the
+substrate in Fourier space. Lengths are in nm and stresses in GPa here, so that forces are in nN; what goes in
+and comes out is in SI units.
 
-Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the surface on the grid, half a
-pixel apart both ways, on three grids, each twice as fine as the one before; from the last two it is extrapolated.
+Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the
+surface on the grid, half a pixel apart both ways, on three grids, each twice as fine as the one before; from
+the last two it is extrapolated.
 """
 
 import time
@@ -33,19 +35,23 @@ class Solution(NamedTuple):
 def paraboloids(surface, points, shift, reach = np.inf):
     """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels.
 
-    Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point that one does.
+    Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point
+    that one does.
     """
     cell = surface["cell"] / NM
     axis, pixel = (np.arange(points) - shift) * cell / points, cell / points
     heights, owner = np.full((points, points), -np.inf), np.zeros((points, points), np.int32)
     half = min(points // 2, int(min(reach / NM / pixel, points)))
     for index, ((x, y), z, radius) in enumerate(zip(surface["places"], surface["heights"], surface["radii"])):
-        near = [np.arange(half * 2 if half * 2 < points else points) + int(p / NM / pixel + shift) - half for p in (x, y)]
+        near = [np.arange(half * 2 if half * 2 < points else points) + int(p / NM / pixel + shift) - half
+                for p in (x, y)]
         window = np.ix_(*(values % points for values in near))
-        along, across = (gap - cell * np.rint(gap / cell) for gap in (axis[near[0] % points] - x / NM, axis[near[1] % points] - y / NM))
+        along, across = (gap - cell * np.rint(gap / cell)
+                         for gap in (axis[near[0] % points] - x / NM, axis[near[1] % points] - y / NM))
         height = z / NM - (along[:, None] ** 2 + across[None, :] ** 2) / (2 * radius / NM)
         higher = height > heights[window]
-        heights[window], owner[window] = np.where(higher, height, heights[window]), np.where(higher, index, owner[window])
+        heights[window] = np.where(higher, height, heights[window])
+        owner[window] = np.where(higher, index, owner[window])
     return np.maximum(heights, heights[np.isfinite(heights)].min()), owner
 
 
@@ -62,7 +68,8 @@ def refined(heights, times):
 
 
 def contact_area(pressed, pixel):
-    """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int. 114 (2017) 161."""
+    """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int.
+    114 (2017) 161."""
     edge = sum(int(np.sum(pressed != np.roll(pressed, 1, axis))) for axis in (0, 1))
     return (float(pressed.sum()) - (np.pi - 1 + np.log(2)) / 24 * edge) * pixel**2
 
@@ -107,13 +114,15 @@ def hold(heights, owner, cell, modulus, work, stress, separation):
 
 
 def over_shifts(solve, surface_at):
-    """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives heights and owners."""
+    """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives
+    heights and owners."""
     found = [solve(*surface_at(shift)) for shift in SHIFTS]
     return Solution(*(np.mean([getattr(one, name) for one in found], axis=0) for name in Solution._fields))
 
 
 def extrapolated(coarse, middle, fine, order):
-    """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids show."""
+    """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids
+    show."""
     coarse, middle, fine = (np.asarray(value, float) for value in (coarse, middle, fine))
     limit = fine + (fine - middle) / (2.0**order - 1)
     with np.errstate(divide="ignore", invalid="ignore"):

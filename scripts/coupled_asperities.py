@@ -1,15 +1,18 @@
-"""A dense solver of elastically coupled asperities, for reference_coupling.py and referee.py; it shares nothing with the program.
+"""A dense solver of elastically coupled asperities, for reference_coupling.py and referee.py; it shares
+nothing with the program.
 
 Asperity i at x_i with the height z_i, at the separation d, has the approach
 
     delta_i = z_i - d - u_i,    u_i = sum_j G_ij f_j,    f_j = f(delta_j)
 
-where f is the external force of its law (compression positive) and G the displacement of an elastic half-space under a
-unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a square cell that repeats (`periodic`)
-the same without its mean, by the sum of Ewald, with the images of asperity i itself in G_ii.
+where f is the external force of its law (compression positive) and G the displacement of an elastic
+half-space under a unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a
+square cell that repeats (`periodic`) the same without its mean, by the sum of Ewald, with the images of
+asperity i itself in G_ii.
 
-The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of doubles, but residuals
-are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17 digits: iterative refinement.
+The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of
+doubles, but residuals are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17
+digits: iterative refinement.
 """
 
 import functools
@@ -29,7 +32,8 @@ ROUNDS = 200
 
 
 def lattice(x, y, splitting=None):
-    """pi E* L G of the unit cell at (x, y), without the mean, by the sum of Ewald in the working precision of mpmath.
+    """pi E* L G of the unit cell at (x, y), without the mean, by the sum of Ewald in the working precision of
+    mpmath.
 
     At (0, 0) the source itself is left out: that is the self term, 4 zeta(1/2) beta(1/2) = -3.90026492...
     """
@@ -57,7 +61,8 @@ def lattice(x, y, splitting=None):
 
 @functools.cache
 def smooth_part():
-    """Chebyshev coefficients, in x and in y over 0 ... 1/2, of `lattice` less the terms 1/r of the nine nearest sources.
+    """Chebyshev coefficients, in x and in y over 0 ... 1/2, of `lattice` less the terms 1/r of the nine
+    nearest sources.
 
     The nearest source left is two cells away, so that 20 terms each way leave 1e-20.
     """
@@ -66,7 +71,8 @@ def smooth_part():
         angles = [mp.pi * (2 * i + 1) / (2 * count) for i in range(count)]
         places = [(1 + mp.cos(angle)) / 4 for angle in angles]
         values = [[lattice(x, y) - nearest(x, y, mp.hypot) for y in places] for x in places]
-        basis = mp.matrix([[mp.cos(k * angle) * (1 if k == 0 else 2) / count for angle in angles] for k in range(count)])
+        basis = mp.matrix([[mp.cos(k * angle) * (1 if k == 0 else 2) / count for angle in angles]
+                           for k in range(count)])
         coefficients = basis * mp.matrix(values) * basis.T
         return np.array([[long(coefficients[i, j]) for j in range(count)] for i in range(count)])
 
@@ -77,7 +83,8 @@ def nearest(x, y, hypot):
     for i in (-1, 0, 1):
         for j in (-1, 0, 1):
             r = hypot(x - i, y - j)
-            total = total + (1 / np.where(r == 0, np.inf, r) if isinstance(r, np.ndarray) else 1 / r if r else 0)
+            total = total + (1 / np.where(r == 0, np.inf, r) if isinstance(r, np.ndarray) else 1 / r if r
+                             else 0)
     return total
 
 
@@ -107,7 +114,8 @@ def long(value):
 
 @dataclass
 class Asperities:
-    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in J/m^2, Z_0 in m."""
+    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in
+    J/m^2, Z_0 in m."""
 
     radius: np.ndarray
     modulus: float
@@ -179,11 +187,13 @@ def dugdale_state(theta, lam):
     beta = 4 * lam**2 / 3 * (theta * sine + cosine - 1)
     outer = 2 / (beta + np.sqrt(beta**2 + 4 * alpha))
     radius = outer * cosine
-    return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - lam * outer**2 * (sine * cosine + theta), radius
+    pull = lam * outer**2 * (sine * cosine + theta)
+    return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - pull, radius
 
 
 def dugdale(stress):
-    """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with theta all the way."""
+    """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with
+    theta all the way."""
 
     def law(asperity, delta):
         modulus, length = asperity.stiffness, asperity.length
@@ -215,13 +225,15 @@ class State(NamedTuple):
 
 
 def stability(law, asperity, green, state):
-    """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable state."""
+    """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable
+    state."""
     slope = law(asperity, state.approach)[1].astype(float)
     return float(np.linalg.eigvals(np.eye(len(slope)) + green.astype(float) * slope).real.min())
 
 
 def solve(law, asperity, heights, green, separation, start):
-    """The state at a separation from approaches that are near it; ValueError where Newton's method does not settle."""
+    """The state at a separation from approaches that are near it; ValueError where Newton's method does not
+    settle."""
     heights, delta = np.asarray(heights, Long), np.array(start, Long)
     target, identity, coarse = heights - Long(separation), np.eye(len(heights)), green.astype(float)
     best, factor = np.inf, 1.0
@@ -239,7 +251,8 @@ def solve(law, asperity, heights, green, separation, start):
 
 
 def follow(law, asperity, heights, green, separations, start=None):
-    """States at separations one after the other, each from the one before, the first from asperities without coupling."""
+    """States at separations one after the other, each from the one before, the first from asperities without
+    coupling."""
     delta = np.asarray(heights, Long) - Long(separations[0]) if start is None else start
     states = []
     for separation in separations:
@@ -255,7 +268,8 @@ def steps(start, end, step):
 
 # --- Contacts that are not small
 
-# u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR, that of a flat punch.
+# u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR,
+# that of a flat punch.
 SERIES = {  # in s^2
     "load": [Long(v) for v in (1, Long(1) / 10, Long(9) / 280, Long(5) / 336, Long(35) / 4224)],
     "punch": [Long(v) for v in (1, Long(1) / 6, Long(3) / 40, Long(5) / 112, Long(35) / 1152)],
@@ -268,7 +282,8 @@ def beyond_point(s, kind):
     series = sum(c * s ** (2 * k) for k, c in enumerate(SERIES[kind]) if k)
     wide = np.where(s > 0.03, s, 1)
     if kind == "load":
-        closed = Long(3) / 4 * ((2 / wide - 1 / wide**3) * np.arcsin(wide) + np.sqrt(1 - wide**2) / wide**2) - 1
+        closed = Long(3) / 4 * ((2 / wide - 1 / wide**3) * np.arcsin(wide)
+                                + np.sqrt(1 - wide**2) / wide**2) - 1
     else:
         closed = np.arcsin(wide) / wide - 1
     return np.where(s > 0.03, closed, series)
@@ -277,11 +292,13 @@ def beyond_point(s, kind):
 def laplacian(coefficients):
     """Of a series in Chebyshev polynomials of 4 x - 1 and 4 y - 1."""
     twice = np.polynomial.chebyshev.chebder
-    return np.pad(twice(coefficients, 2, 4, 0), ((0, 2), (0, 0))) + np.pad(twice(coefficients, 2, 4, 1), ((0, 0), (0, 2)))
+    along, across = (twice(coefficients, 2, 4, axis) for axis in (0, 1))
+    return np.pad(along, ((0, 2), (0, 0))) + np.pad(across, ((0, 0), (0, 2)))
 
 
 class Distances:
-    """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what all others sum to."""
+    """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what
+    all others sum to."""
 
     def __init__(self, places, cell):
         x, y = np.asarray(places, Long).T
@@ -304,7 +321,8 @@ class Distances:
         return np.sum(1 / self.near**3, axis=0) + self.rest.get(3, 0)
 
     def beyond(self, radius, kind):
-        """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact of each column."""
+        """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact
+        of each column."""
         total = np.sum(beyond_point(radius / self.near, kind) / self.near, axis=0)
         for power, values in self.rest.items():
             total = total + SERIES[kind][(power - 1) // 2] * radius ** (power - 1) * values
@@ -314,18 +332,21 @@ class Distances:
 def contact_radius(law, asperity, delta):
     """Radius of the contact in m of `hertz` or `jkr`."""
     if law is jkr:
-        return np.cbrt(PI * Long(asperity.work) * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
+        return np.cbrt(PI * Long(asperity.work)
+                       * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
     return np.sqrt(asperity.radius * np.maximum(delta, 0))
 
 
 def solve_contact(
     law, asperity, heights, places, cell, separation, start, is_whole = True
 ):
-    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under each.
+    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under
+    each.
 
-    The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others' forces bend the
-    substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the contacts in m. Of what contacts displace
-    only the order after point forces is taken unless it `is_whole`: M / (4 pi E* r^3), M the second moment of the pressure.
+    The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others'
+    forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the
+    contacts in m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
+    M / (4 pi E* r^3), M the second moment of the pressure.
     """
     green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
     scale, cubes = PI * Long(asperity.modulus), distances.cubes()
@@ -336,7 +357,8 @@ def solve_contact(
         load = bent.stiffness * radius**3 / bent.radius
         before, delta = sunk, state.approach
         if is_whole:
-            sunk = (distances.beyond(radius, "load") @ load + distances.beyond(radius, "punch") @ (state.force - load)) / scale
+            sunk = (distances.beyond(radius, "load") @ load
+                    + distances.beyond(radius, "punch") @ (state.force - load)) / scale
         else:
             sunk = cubes @ (radius**2 * (2 * load / 5 + 2 * (state.force - load) / 3)) / (4 * scale)
         curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)

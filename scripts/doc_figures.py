@@ -1,12 +1,14 @@
-"""Figures of README and docs, computed anew and compared with the pages: those that take seconds each, a few minutes in all.
+"""Figures of README and docs, computed anew and compared with the pages: those that take seconds each, a few
+minutes in all.
 
 Usage:
     python scripts/doc_figures.py [--write] [--program PATH] [PAGE...]
 
-A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With --write numbers that differ
-are replaced in the pages. Only figures of the PAGEs named are looked at, if any are. The program is target/release/stiction, or that of
-the environment variable STICTION, unless --program says otherwise.
-Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the program fails.
+A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With
+--write numbers that differ are replaced in the pages. Only figures of the PAGEs named are looked at, if any
+are. The program is target/release/stiction, or that of the environment variable STICTION, unless --program
+says otherwise. Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the
+program fails.
 """
 
 import argparse
@@ -26,7 +28,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 # A number as pages write it.
 NUMBER = r"([-+−]?[0-9][0-9.]*(?:e-?[0-9]+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
-SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness", "peak_secant_stiffness_separation"]
+SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness",
+           "peak_secant_stiffness_separation"]
 CASES = ["case_i", "case_ii", "case_iii"]
 
 
@@ -80,14 +83,16 @@ class Figure:
         differences = []
         for group in range(len(values), 0, -1):
             if match[group] != values[group - 1]:
-                differences.insert(0, f"{match[group]} is now {values[group - 1]}: {self.text.splitlines()[0]}")
+                differences.insert(0,
+                                   f"{match[group]} is now {values[group - 1]}: {self.text.splitlines()[0]}")
                 page = page[: match.start(group)] + values[group - 1] + page[match.end(group) :]
         return page, differences
 
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block of a page that begins with a line: rows of what a command prints, `...` for those that are left out."""
+    """A fenced block of a page that begins with a line: rows of what a command prints, `...` for those that
+    are left out."""
 
     page: str
     first: str
@@ -155,13 +160,16 @@ def error(run, scalar, controlled):
 
 
 def reductions(program):
-    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain independent replicas."""
+    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain
+    independent replicas."""
     values = []
     for scalar in SCALARS:
         for case in CASES:
             plain = error(program.run(case), scalar, controlled=False)
-            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False), ("stratified", True)]
-            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme, controlled in own]
+            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False),
+                   ("stratified", True)]
+            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme,
+                      controlled in own]
             values += [f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.1f}" for ratio in ratios]
     return values
 
@@ -171,7 +179,8 @@ def reduction(program, case):
 
 
 def strata(program):
-    """By how many times the variance of the mean external force is smaller with strata, and with opposite heights."""
+    """By how many times the variance of the mean external force is smaller with strata, and with opposite
+    heights."""
 
     def ratio(case, scheme, h_star):
         plain, other = program.run(case), program.run(case, scheme)
@@ -181,7 +190,8 @@ def strata(program):
         return (errors[0] / errors[1]) ** 2
 
     places = [("case_ii", 0.7), ("case_ii", 1.0), ("case_iii", 1.0), ("case_iii", 2.0)]
-    return [digits(ratio(case, scheme, h_star), 2) for case, h_star in places for scheme in ("stratified", "antithetic")]
+    return [digits(ratio(case, scheme, h_star), 2) for case,
+            h_star in places for scheme in ("stratified", "antithetic")]
 
 
 def mean_pull_off(program):
@@ -213,7 +223,8 @@ def cycle(program):
     there, back = [run[f"integral/{way}external_force"][:] for way in ("", "retraction_")]
     integral = 1e12 * np.trapezoid(there - back, run["ensemble/separation"][:])
     error = energy.std(ddof=1) / len(energy) ** 0.5
-    return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}", f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
+    return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}",
+            f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
 
 
 def pulled(program):
@@ -225,18 +236,21 @@ def pulled(program):
 def contact(program):
     run = program.run("loop")
     sigma = run.attrs["surface_height_std"]
-    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("detachment", "touchdown")]
+    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}"
+            for name in ("detachment", "touchdown")]
 
 
 def surface_energy(program):
     run = program.file("run", ROOT / "configs/sweep_surface_energy.toml")
     values = []
     for point in (0, 2, 3):
-        mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0]) for name in ("mean", "standard_error")]
+        mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0])
+                       for name in ("mean", "standard_error")]
         integral = 1e3 * float(run["integral/pull_off_force"][point])
         decimals = 3 if mean < 10 else 2
         place = float(run["integral/peak_stiffness_separation"][point] / run["surface_height_std"][point])
-        values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}", f"{place:.2f}"]
+        values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}",
+                   f"{place:.2f}"]
     return values
 
 
@@ -256,7 +270,8 @@ def scientific(value):
 
 
 def independence(case, metres):
-    """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a unit, per cent in contact."""
+    """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a
+    unit, per cent in contact."""
 
     def values(program):
         own = program.file("compare", ROOT / "configs" / f"{case}.toml", "--laws", "hybrid")["independence"]
@@ -267,7 +282,8 @@ def independence(case, metres):
             scientific(of["relative_shift"]),
             scientific(of["relative_attractive_stiffness"]),
             scientific(of["relative_fluctuation"]),
-            digits(of["longest_stable_wavelength"] / metres, 3 if metres == 1e-6 and case == "case_ii" else 2),
+            digits(of["longest_stable_wavelength"] / metres,
+                   3 if metres == 1e-6 and case == "case_ii" else 2),
             scientific(100.0 * of["contact_share"]),
         ]
 
@@ -285,36 +301,48 @@ TABLE = "\n".join(
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
     Block("docs/tutorial.md", "  lambda ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
-    Block("docs/laws.md", "$ stiction compare configs/case_ii.toml", ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
+    Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
+          ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
     Figure(
         "docs/overview.md",
         "{} times less variance of the mean pull-off in case II, {} in case III",
         lambda program: [f"{reduction(program, case):.0f}" for case in ("case_ii", "case_iii")],
     ),
-    Figure("docs/publication.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} |", fits("case_i", 1e-6, (3, 3))),
-    Figure("docs/publication.md", "| case II | {} mN, {} | {} mN ({} %), {} | 0.6 mN", fits("case_ii", 1e-3, (3, 3))),
-    Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | 93.5 mN", fits("case_iii", 1e-3, (1, 1))),
+    Figure("docs/publication.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} |",
+           fits("case_i", 1e-6, (3, 3))),
+    Figure("docs/publication.md", "| case II | {} mN, {} | {} mN ({} %), {} | 0.6 mN",
+           fits("case_ii", 1e-3, (3, 3))),
+    Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | 93.5 mN",
+           fits("case_iii", 1e-3, (1, 1))),
     Figure("docs/sampling.md", TABLE, reductions),
-    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN", mean_pull_off),
+    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN",
+           mean_pull_off),
     Figure(
         "docs/sampling.md",
-        "falls {} times at h* = 0.7 in case II (antithetic: {}), {} times at h* = 1 ({}) and not at all from h* = 2.5; "
+        "falls {} times at h* = 0.7 in case II (antithetic: {}), {} times at h* = 1 ({}) "
+        "and not at all from h* = 2.5; "
         "in case III {} times at h* = 1 (antithetic: {}), and {} times at h* = 2 ({})",
         strata,
     ),
-    Figure("docs/hysteresis.md", "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
-    Figure("docs/hysteresis.md", "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
+    Figure("docs/hysteresis.md",
+           "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
+    Figure("docs/hysteresis.md",
+           "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
     Figure(
         "docs/sweeps.md",
-        "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n| 0.09 | 19.9 mN | {} ± {} mN | {} mN | 2.75 | {} |\n"
+        "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n"
+        "| 0.09 | 19.9 mN | {} ± {} mN | {} mN | 2.75 | {} |\n"
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
     Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
-    Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |", independence("case_i", 1.0)),
-    Figure("docs/independence.md", "| case II | {} nm = {} σ | {} | {} σ | {} µm | {} % | a shift |", independence("case_ii", 1e-6)),
-    Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |", independence("case_iii", 1e-6)),
+    Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |",
+           independence("case_i", 1.0)),
+    Figure("docs/independence.md", "| case II | {} nm = {} σ | {} | {} σ | {} µm | {} % | a shift |",
+           independence("case_ii", 1e-6)),
+    Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |",
+           independence("case_iii", 1e-6)),
     Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
 ]
 
@@ -334,7 +362,8 @@ def main():
                 continue
             path = ROOT / figure.page
             page, found = figure.compared(path.read_text(), program)
-            print("\n".join(f"{figure.page}: {difference}" for difference in found), end="\n" if found else "")
+            print("\n".join(f"{figure.page}: {difference}" for difference in found),
+                  end="\n" if found else "")
             differences += len(found)
             if arguments.write and page != path.read_text():
                 path.write_text(page)

@@ -1,4 +1,5 @@
-"""What the scripts that draw for the documentation have in common: the style of this checkout's package, axes, runs."""
+"""What the scripts that draw for the documentation have in common: the style of this checkout's package,
+axes, runs."""
 
 import argparse
 import os
@@ -16,7 +17,8 @@ from stiction.plot.style import BLUE, COLORS, DASH_DOT, DASHED, GREEN, MARKERS, 
 from stiction.quantities import factor_and_unit, si
 
 __all__ = [
-    "BLUE", "COLORS", "DASHED", "DASH_DOT", "DOCS", "Figure", "GREEN", "MARKERS", "PROGRAM", "ROOT", "VERMILION", "context",
+    "BLUE", "COLORS", "DASHED", "DASH_DOT", "DOCS", "Figure", "GREEN", "MARKERS", "PROGRAM", "ROOT",
+    "VERMILION", "context",
     "factor_and_unit", "open_run", "options", "panel", "run", "si",
 ]  # fmt: skip
 DOCS = ROOT / "docs"

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Plants the mistakes of tests/mutations.toml, and requires that the test that each names fails of it and passes without it.
+"""Plants the mistakes of tests/mutations.toml, and requires that the test that each names fails of it and
+passes without it.
 
     scripts/mutations.py              all, in one build, each behind a switch
     scripts/mutations.py sign         those whose description has "sign" in it
     scripts/mutations.py --check      only whether each still applies, and its test is there; builds nothing
 
-The tree as it stands is copied to target/mutations and changed there (planting.py). Exit code 1 if a mistake survives, does
-not apply or does not compile.
+The tree as it stands is copied to target/mutations and changed there (planting.py). Exit code 1 if a mistake
+survives, does not apply or does not compile.
 """
 
 import argparse
@@ -28,7 +29,8 @@ from planting import ROOT, Unfit, edits_of, rendered, source
 
 TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
 TREE, OWN = TARGET / "mutations" / "tree", TARGET / "mutations" / "target"
-# The seconds of a processor that a test may take without a mistake; with it, this many times what it took, and some more.
+# The seconds of a processor that a test may take without a mistake; with it, this many times what it took,
+# and some more.
 ENDLESS, PATIENCE = 120.0, (3.0, 2.0)
 # After this many seconds a test is ended even if it takes no processor.
 WAIT = 300.0
@@ -48,8 +50,10 @@ def tests_of(folder, prefix):
     """What the names of the tests in the files of a folder begin with, and end with."""
     tests = re.compile(r"#\[test\](?:\s*#\[[^\n]*)*\s*fn (\w+)\(")
     for path in sorted(folder.rglob("*.rs")):
-        room = [part for part in path.relative_to(folder).with_suffix("").parts if part not in ("mod", "lib", "main")]
-        yield from (("::".join([*prefix, *room, ""]), f"::{name}") for name in tests.findall(path.read_text()))
+        room = [part for part in path.relative_to(folder).with_suffix("").parts
+                if part not in ("mod", "lib", "main")]
+        yield from (("::".join([*prefix, *room, ""]), f"::{name}")
+                    for name in tests.findall(path.read_text()))
 
 
 def planted(mutations):
@@ -62,13 +66,15 @@ def planted(mutations):
             edits.setdefault(file.name, (file, []))[1].extend(own)
         except Unfit as reason:
             problems.append(f"{mutation['mistake']}\n  {reason}")
-        if not any(mutation["test"].startswith(begin) and mutation["test"].endswith(end) for begin, end in tests):
+        if not any(mutation["test"].startswith(begin) and mutation["test"].endswith(end) for begin,
+                   end in tests):
             problems.append(f"{mutation['mistake']}\n  there is no test {mutation['test']}")
     return edits, problems
 
 
 def write(edits):
-    """Copies the source with its switches; files that are as they were are left alone, so that little is built again."""
+    """Copies the source with its switches; files that are as they were are left alone, so that little is
+    built again."""
     listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(listing, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
     names = {name for name in names if name and (ROOT / name).is_file()}
@@ -76,7 +82,9 @@ def write(edits):
         if str(old.relative_to(TREE)) not in names:
             old.unlink()
     for name in names:
-        text, path = rendered(*edits[name]).encode() if name in edits else (ROOT / name).read_bytes(), TREE / name
+        path, text = TREE / name, (ROOT / name).read_bytes()
+        if name in edits:
+            text = rendered(*edits[name]).encode()
         if name == "src/lib.rs":
             text += SWITCH.encode()
         if not path.is_file() or path.read_bytes() != text:
@@ -93,11 +101,13 @@ def borrow():
 
     def others(folder, names):
         if folder == str(there / "deps"):
-            return [name for name in names if "stiction" in name or Path(name).suffix not in (".rlib", ".rmeta", ".so", ".d")]
+            return [name for name in names if "stiction" in name
+                    or Path(name).suffix not in (".rlib", ".rmeta", ".so", ".d")]
         return [name for name in names if name.startswith("stiction-")]
 
     for part in (".fingerprint", "build", "deps"):
-        shutil.copytree(there / part, OWN / "release" / part, ignore=others, copy_function=os.link, symlinks=True)
+        shutil.copytree(there / part, OWN / "release" / part, ignore=others, copy_function=os.link,
+                        symlinks=True)
 
 
 def built():
@@ -105,16 +115,20 @@ def built():
     command = ["cargo", "test", "--no-run", "--lib", "--test", "suite", "--release", "--message-format=json"]
     # What libhdf5 is built with is part of what cargo tells builds apart by.
     environment = {"CMAKE": str(ROOT / "scripts" / "cmake"), **os.environ}
-    run = subprocess.run([*command, "--target-dir", str(OWN)], cwd=TREE, env=environment, capture_output=True, text=True)
+    run = subprocess.run([*command, "--target-dir", str(OWN)], cwd=TREE, env=environment, capture_output=True,
+                         text=True)
     messages = [json.loads(line) for line in run.stdout.splitlines() if line.startswith("{")]
     if run.returncode:
-        sys.exit("".join(message["message"]["rendered"] for message in messages if "message" in message)[-6000:] + run.stderr[-2000:])
+        sys.exit("".join(message["message"]["rendered"] for message in messages
+                         if "message" in message)[-6000:] + run.stderr[-2000:])
     made = [message for message in messages if message.get("executable") and message["profile"]["test"]]
-    return {"lib" if "lib" in message["target"]["kind"] else "suite": message["executable"] for message in made}
+    return {"lib" if "lib" in message["target"]["kind"] else "suite": message["executable"]
+            for message in made}
 
 
 def run(programs, test, limit, mutant=""):
-    """Runs one test by itself within seconds of a processor: whether it passes, None when it does not end, and its seconds."""
+    """Runs one test by itself within seconds of a processor: whether it passes, None when it does not end,
+    and its seconds."""
     seconds, name = math.ceil(limit), test.removeprefix("lib::")
     child = subprocess.Popen(
         [programs["suite" if name == test else "lib"], "--exact", name, "--test-threads", "1"],
@@ -149,8 +163,10 @@ def judged(programs, mutations):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("only", nargs="?", default="", help="part of the description of the mistakes to plant")
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("only", nargs="?", default="",
+                        help="part of the description of the mistakes to plant")
     parser.add_argument("--check", action="store_true", help="only check that each mistake still applies")
     arguments = parser.parse_args()
     mutations = tomllib.loads((ROOT / "tests" / "mutations.toml").read_text())["mutation"]

@@ -1,11 +1,12 @@
-"""Executes notebooks of the documentation; an error in a cell is an error, and so is another text than the one they show.
+"""Executes notebooks of the documentation; an error in a cell is an error, and so is another text than the
+one they show.
 
 Usage:
     python scripts/notebooks.py [--write] NOTEBOOK...
 
-Each runs in a folder of its own, where configs/ is as in the source. With --write the notebooks get the outputs. Bars of progress and
-other lines of standard error are left out. Figures, and the HTML of tables, are not compared: they differ from one version of matplotlib and
-pandas to the next.
+Each runs in a folder of its own, where configs/ is as in the source. With --write the notebooks get the
+outputs. Bars of progress and other lines of standard error are left out. Figures, and the HTML of tables, are
+not compared: they differ from one version of matplotlib and pandas to the next.
 Exit codes: 0 all ran, 1 a cell failed or its text is another one.
 """
 
@@ -26,7 +27,8 @@ def executed(path):
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory(prefix="stiction-notebook-") as folder:
         shutil.copytree(ROOT / "configs", Path(folder) / "configs")
-        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
+        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3",
+                                resources={"metadata": {"path": folder}}).execute()
     notebook.metadata = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
     for number, cell in enumerate(notebook.cells):
         cell.id = f"cell-{number}"
@@ -49,7 +51,8 @@ def texts(notebook):
     found = []
     for cell in notebook.cells:
         printed = [output.text for output in cell.get("outputs", []) if output.output_type == "stream"]
-        returned = [output.data["text/plain"] for output in cell.get("outputs", []) if output.output_type == "execute_result"]
+        returned = [output.data["text/plain"] for output in cell.get("outputs", [])
+                    if output.output_type == "execute_result"]
         found.append((cell.source, "\n".join(printed + returned)))
     return found
 
@@ -71,7 +74,7 @@ def main():
             continue
         for (source, old), (_, new) in zip(shown, texts(notebook), strict=True):
             if new != old:
-                sys.exit(f"{path}: the cell\n\n{source}\n\nshows\n\n{old}\n\nin the notebook, and now\n\n{new}")
+                sys.exit(f"{path}: the cell\n\n{source}\n\nshows\n\n{old}\n\nthere, and now\n\n{new}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
-"""Mistakes in the source by name, each behind a switch; for mutations.py. Needs `pip install tree-sitter tree-sitter-rust`.
+"""Mistakes in the source by name, each behind a switch; for mutations.py. Needs `pip install tree-sitter
+tree-sitter-rust`.
 
-A mistake is `in` a function or a constant, named by as much of the end of its path as no other has: `Search::division`,
-`units::LENGTHS`, `<Emd as Law>::respond` where a type has two of a name. `code` there, without regard to how lines are
-broken, becomes `to`; `nth = "1 of 3"` says which, where it stands there several times: if there are no longer as many,
-somebody has to look. In what file an item lies, and what else stands in it, does not matter.
+A mistake is `in` a function or a constant, named by as much of the end of its path as no other has:
+`Search::division`, `units::LENGTHS`, `<Emd as Law>::respond` where a type has two of a name. `code` there,
+without regard to how lines are broken, becomes `to`; `nth = "1 of 3"` says which, where it stands there
+several times: if there are no longer as many, somebody has to look. In what file an item lies, and what else
+stands in it, does not matter.
 """
 
 import re
@@ -87,7 +89,8 @@ def source():
     """All items of the source."""
     found = []
     for path in sorted((ROOT / "src").rglob("*.rs")):
-        room = [part for part in path.relative_to(ROOT / "src").with_suffix("").parts if part not in ("mod", "lib", "main")]
+        room = [part for part in path.relative_to(ROOT / "src").with_suffix("").parts
+                if part not in ("mod", "lib", "main")]
         file = File(path)
         found += items(file, file.root, room)
     return found
@@ -100,7 +103,8 @@ def item_of(found, wanted):
         for part, wanted in zip(item.path[-len(parts) :], parts))]  # fmt: skip
     if len(own) != 1:
         near = own or [item for item in found if item.path[-1] == parts[-1]]
-        raise Unfit(f"`{wanted}` stands for {len(own)} of {', '.join(f'{item.name} ({item.file.name})' for item in near)}")
+        names = ", ".join(f"{item.name} ({item.file.name})" for item in near)
+        raise Unfit(f"`{wanted}` stands for {len(own)} of {names}")
     return own[0]
 
 
@@ -120,7 +124,8 @@ def place(found, mutation):
     places = [match.span() for match in re.finditer(pattern(mutation["code"]), text)]
     nth, count = map(int, mutation.get("nth", "1 of 1").split(" of "))
     if len(places) != count:
-        raise Unfit(f"`{mutation['code']}` stands {len(places)} times, not {count}, in {item.name} ({item.file.name})")
+        times = f"{len(places)} times, not {count}, in {item.name} ({item.file.name})"
+        raise Unfit(f"`{mutation['code']}` stands {times}")
     if item.is_compiled:
         raise Unfit(f"{item.name} is computed by the compiler")
     begin, end = (item.inside.start_byte + len(text[:at].encode()) for at in places[nth - 1])
@@ -148,7 +153,8 @@ def uses(item):
 
 
 def edits_of(found, mutation, number):
-    """A mistake behind its switch: the body of its function, or every use of its constant, as ranges and what they become."""
+    """A mistake behind its switch: the body of its function, or every use of its constant, as ranges and what
+    they become."""
     item, begin, end = place(found, mutation)
     low, high = item.inside.start_byte, item.inside.end_byte
     mistaken = (item.file.bytes[low:begin] + mutation["to"].encode() + item.file.bytes[end:high]).decode()

@@ -2,11 +2,12 @@
 
 Usage: python scripts/plot_coupling.py RESULTS [-o FOLDER]
 
-RESULTS is a folder with case_i.h5, case_ii.h5, case_iii.h5 and patches.h5; those that are not there are computed into it,
-in some minutes on two cores. The pictures go to docs; the table of the three cases is printed.
-coupled_cases.png   force over separation of the three cases, with the integral and the mean field, and what coupling changes
-coupled_patch.png   the patch of case III, which snaps: force, avalanches, asperities before and after the largest
-coupled_chart.png   change of pull-off over the attraction of the integral, and of the force over separation, roughness, size
+RESULTS is a folder with case_i.h5, case_ii.h5, case_iii.h5 and patches.h5; those that are not there are
+computed into it, in some minutes on two cores. The pictures go to docs; the table of the three cases is
+printed. coupled_cases.png   force over separation of the three cases, with the integral and the mean field,
+and what coupling changes coupled_patch.png   the patch of case III, which snaps: force, avalanches,
+asperities before and after the largest coupled_chart.png   change of pull-off over the attraction of the
+integral, and of the force over separation, roughness, size
 """
 
 from pathlib import Path
@@ -63,19 +64,24 @@ def draw_case(force, change, name, file):
     pair = {kind: point for kind in COUPLINGS if (point := coupling_of(file, kind))}
     patch = pair["patch"]
     h_star, integral, mean_field = (
-        patch[path] for path in ("coupling/h_star", "integral/external_force", "validation/mean_field_external_force")
+        patch[path] for path in ("coupling/h_star", "integral/external_force",
+                                 "validation/mean_field_external_force")
     )
     scale = -np.min(patch.independent)
     factor, sign = factor_and_unit([scale], "N")
-    force.plot(h_star, patch.independent / factor, color="0.35", linewidth=2.4, alpha=0.5, label="independent")
+    force.plot(h_star, patch.independent / factor, color="0.35", linewidth=2.4, alpha=0.5,
+               label="independent")
     force.plot(h_star, integral / factor, color="black", linewidth=0.8, linestyle="dotted", label="integral")
-    force.plot(h_star, mean_field / factor, color=GREEN, linewidth=1.0, linestyle=DASHED, label="mean field of the patch")
+    force.plot(h_star, mean_field / factor, color=GREEN, linewidth=1.0, linestyle=DASHED,
+               label="mean field of the patch")
     for kind, point in pair.items():
         _, color, label = COUPLINGS[kind]
-        force.plot(h_star, (point.independent + point.difference) / factor, color=color, linewidth=1.2, label=label)
+        force.plot(h_star, (point.independent + point.difference) / factor, color=color, linewidth=1.2,
+                   label=label)
         difference = 100 * point.difference / scale
         error = 200 * point["coupling/difference_external_force_standard_error"] / scale
-        change.fill_between(h_star, difference - error, difference + error, color=color, alpha=0.25, linewidth=0)
+        change.fill_between(h_star, difference - error, difference + error, color=color, alpha=0.25,
+                            linewidth=0)
         change.plot(h_star, difference, color=color, linewidth=1.2)
         unsettled = point["coupling/unsettled_count"] > 0
         change.plot(h_star[unsettled], difference[unsettled], "x", color=color)
@@ -106,7 +112,8 @@ def draw_map(axes, patch, state, largest):
     touches = patch["asperities/in_contact"][state] > 0
     order = np.argsort(np.abs(load))
     colors = {"cmap": "RdBu_r", "norm": SymLogNorm(0.03 * largest, vmin=-largest, vmax=largest)}
-    drawn = axes.scatter(x[order], y[order], c=load[order], s=np.where(touches[order], 3.0, 1.0), linewidths=0, **colors)
+    drawn = axes.scatter(x[order], y[order], c=load[order], s=np.where(touches[order], 3.0, 1.0),
+                         linewidths=0, **colors)
     h_star = patch["asperities/state_separation"][state] / patch["surface_height_std"]
     axes.set(aspect="equal", xlabel="x, µm", xlim=(0, np.nanmax(x)), ylim=(0, np.nanmax(y)))
     return drawn, f"$h^*$ = {h_star:.2f}: {int(np.sum(touches))} of {int(np.sum(np.isfinite(x)))} touch"
@@ -118,7 +125,8 @@ def draw_patch(file):
     h_star, coupled = patch["coupling/h_star"], patch.independent + patch.difference
     force, sizes = panel(figure, 0.65, 1.65, 3.1, 2.1), panel(figure, 0.65, 0.55, 3.1, 0.85)
     factor, sign = factor_and_unit([patch["integral/pull_off_force"]], "N")
-    force.plot(h_star, patch.independent / factor, color="0.35", linewidth=2.4, alpha=0.5, label="independent")
+    force.plot(h_star, patch.independent / factor, color="0.35", linewidth=2.4, alpha=0.5,
+               label="independent")
     style = {"color": VERMILION, "linewidth": 1.0, "markersize": 2.5, "label": "patch, on approach"}
     force.plot(h_star, coupled / factor, ".-", **style)
     deepest = np.max(-patch.independent) / factor
@@ -126,7 +134,8 @@ def draw_patch(file):
     force.set(xticklabels=[], title="(a) case III, a patch of 1000 µm$^2$")
     force.legend(loc="lower right")
     sizes.stem(h_star, patch["coupling/largest_avalanche_mean"], basefmt=" ", linefmt=BLUE, markerfmt=".")
-    sizes.set(xlim=(h_star[0], 6.5), yscale="log", ylim=(0.7, 2e4), xlabel="separation $h^*$", ylabel="largest\navalanche")
+    sizes.set(xlim=(h_star[0], 6.5), yscale="log", ylim=(0.7, 2e4), xlabel="separation $h^*$",
+              ylabel="largest\navalanche")
     largest = 1e6 * np.nanmax(np.abs(patch["asperities/external_force"]))
     states = np.argsort(-patch["asperities/state_separation"])
     for column, (state, letter) in enumerate(zip(states, "bc")):
@@ -141,7 +150,8 @@ def draw_patch(file):
 def draw_changes(axes, chart, limits, cases):
     low, high = 3e-4, 30.0
     good, invalid = (limits[f"{word}_relative_attractive_stiffness"] for word in ("good", "invalid"))
-    shades = [(3e-6, good, "#D5EBE2", "good"), (good, invalid, "#FCEBC8", "a shift"), (invalid, 100.0, "#F3D3C4", "invalid")]
+    shades = [(3e-6, good, "#D5EBE2", "good"), (good, invalid, "#FCEBC8", "a shift"),
+              (invalid, 100.0, "#F3D3C4", "invalid")]
     for begin, end, shade, word in shades:
         axes.axvspan(begin, end, color=shade, linewidth=0)
         axes.text(np.sqrt(max(begin, 1e-5) * end), 12.0, word, ha="center", style="italic", color="0.25")
@@ -153,21 +163,27 @@ def draw_changes(axes, chart, limits, cases):
         values = np.array([point.scalar(scalar) for point in chart])
         change, error = np.maximum(np.abs(values[:, 1]) / values[:, 0], low), values[:, 2] / values[:, 0]
         axes.errorbar(ratio, change, yerr=error, fmt="none", ecolor=color, elinewidth=0.6, alpha=0.6)
-        axes.scatter(ratio[~is_case], change[~is_case], color=color, marker=marker, s=14, label=label, zorder=3)
-        axes.scatter(ratio[is_case], change[is_case], color=color, marker=marker, s=30, edgecolors="black", zorder=4)
+        axes.scatter(ratio[~is_case], change[~is_case], color=color, marker=marker, s=14, label=label,
+                     zorder=3)
+        axes.scatter(ratio[is_case], change[is_case], color=color, marker=marker, s=30, edgecolors="black",
+                     zorder=4)
         for name, x, y in zip(cases, ratio[is_case], change[is_case]) if marker == "o" else ():
             axes.annotate(name, (x, y), xytext=(5, 5), textcoords="offset points", fontweight="bold")
     share = np.geomspace(1e-5, 0.97, 200)
-    axes.plot(share, share / (1.0 - share), color="black", linewidth=0.9, linestyle=DASHED, label="stiffness by mean field")
-    axes.set(xscale="log", yscale="log", xlim=(3e-6, 100.0), ylim=(low, high), title="(a) Pull-off and stiffness of patches")
-    axes.set(xlabel="largest attraction of the integral over $k_s$", ylabel="change by coupling, over what it is without")
+    axes.plot(share, share / (1.0 - share), color="black", linewidth=0.9, linestyle=DASHED,
+              label="stiffness by mean field")
+    axes.set(xscale="log", yscale="log", xlim=(3e-6, 100.0), ylim=(low, high),
+             title="(a) Pull-off and stiffness of patches")
+    axes.set(xlabel="largest attraction of the integral over $k_s$",
+             ylabel="change by coupling, over what it is without")
     axes.legend(loc="lower right", frameon=True, framealpha=0.85)
 
 
 def draw_places(axes, chart):
     expected = np.array([-point["independence/relative_shift"] for point in chart])
     ratio = np.array([point["independence/relative_attractive_stiffness"] for point in chart])
-    found = np.array([point.scalar("pull_off_separation")[1:] / point["surface_height_std"] for point in chart])
+    found = np.array([point.scalar("pull_off_separation")[1:] / point["surface_height_std"]
+                      for point in chart])
     far, line = (expected > 0.05) & ~(ratio > 1.0), np.array([0.05, 2.0])
     axes.plot(line, line, color="black", linewidth=0.9, linestyle=DASHED, label="mean field")
     axes.errorbar(expected[far], found[far, 0], yerr=found[far, 1], fmt="o", color=BLUE, elinewidth=0.7)
@@ -217,14 +233,18 @@ def change_of(point, scalar, unit):
 
 
 def table(files):
-    """The three cases: pull-off, its place and stiffness without coupling, and what coupling makes of them."""
-    rows = ["| case | | pull-off | h* of it | stiffest secant | states not settled |", "|---|---|---|---|---|---|"]
+    """The three cases: pull-off, its place and stiffness without coupling, and what coupling makes of
+    them."""
+    rows = ["| case | | pull-off | h* of it | stiffest secant | states not settled |",
+            "|---|---|---|---|---|---|"]
     for name, scene in CASES.items():
         for kind, (_, _, label) in COUPLINGS.items():
             if (point := coupling_of(files[scene], kind)) is None:
                 continue
-            place, moved = (value / point["surface_height_std"] for value in point.scalar("pull_off_separation")[:2])
-            cells = [name, label, change_of(point, "pull_off_force", "N"), f"{place:.3f} → {place + moved:.3f}",
+            place, moved = (value / point["surface_height_std"]
+                            for value in point.scalar("pull_off_separation")[:2])
+            cells = [name, label, change_of(point, "pull_off_force", "N"),
+                     f"{place:.3f} → {place + moved:.3f}",
                      change_of(point, "peak_secant_stiffness", "N/m"),
                      f"{int(np.sum(point['coupling/unsettled_count']))} of "
                      f"{int(point['replica_count']) * len(point['coupling/h_star'])}"]  # fmt: skip

@@ -1,9 +1,12 @@
-"""Faces in moist air: pull-off and energy of their adhesion, and what of them is wet, over the relative humidity.
+"""Faces in moist air: pull-off and energy of their adhesion, and what of them is wet, over the relative
+humidity.
 
-Usage: python scripts/plot_humidity.py humidity.h5 [-o OUT.png]      after `stiction run configs/humidity.toml`
+Usage: python scripts/plot_humidity.py humidity.h5 [-o OUT.png]      after `stiction run
+configs/humidity.toml`
 
-(a) pull-off of the expected curve per nominal area, and the energy to part the faces, with every bridge by itself and with
-    the liquid that fills gaps, and the upper limit of DelRio et al., Appl. Phys. Lett. 90 (2007) 163104;
+(a) pull-off of the expected curve per nominal area, and the energy to part the faces, with every bridge by
+    itself and with the liquid that fills gaps, and the upper limit of DelRio et al., Appl. Phys. Lett. 90
+    (2007) 163104;
 (b) shares of wet asperities and of the covered area at pull-off. The numbers are printed.
 """
 
@@ -44,9 +47,11 @@ def main():
         places = np.arange(len(humidity)), pull.argmax(axis=1)
         shares = [file[f"capillary/{name}_share"][:][places] for name in ("wet", "covered")]
     pull_offs = [1e-6 * forces.max(axis=1) / area for forces in (alone, pull)]
-    energies = [1e3 * np.trapezoid(np.maximum(forces, 0.0), separation, axis=1) / area for forces in (alone, pull)]
+    energies = [1e3 * np.trapezoid(np.maximum(forces, 0.0), separation, axis=1) / area
+                for forces in (alone, pull)]
     print("humidity, pull-off/A_n of bridges and of all liquid (MPa), energy of both (mJ/m^2), wet, covered")
-    print("\n".join(" ".join(f"{value:9.4g}" for value in row) for row in zip(humidity, *pull_offs, *energies, *shares)))
+    print("\n".join(" ".join(f"{value:9.4g}" for value in row)
+                    for row in zip(humidity, *pull_offs, *energies, *shares)))
     with context():
         draw(humidity, pull_offs, energies, shares).savefig(arguments.output, dpi=arguments.dpi)
 

@@ -1,10 +1,14 @@
-"""When asperities may be taken as independent: the verdict over roughness and surface energy, and over the size of a patch.
+"""When asperities may be taken as independent: the verdict over roughness and surface energy, and over the
+size of a patch.
 
-Usage: python scripts/plot_independence.py [-o OUT.png] [--steps N]      a minute on two cores; prints the three cases
+Usage: python scripts/plot_independence.py [-o OUT.png] [--steps N]      a minute on two cores; prints the
+three cases
 
-The integral alone, `stiction compare --laws hybrid`, of a grid of surfaces of the publication: at the roughness of one of
-its cases they have that case's radius and density, between and beyond these follow straight lines in the logarithms.
-(a) verdict, with lines where each figure is at its limit; (b) attraction over the stiffness of the half-space, over the side.
+The integral alone, `stiction compare --laws hybrid`, of a grid of surfaces of the publication: at the
+roughness of one of its cases they have that case's radius and density, between and beyond these follow
+straight lines in the logarithms.
+(a) verdict, with lines where each figure is at its limit; (b) attraction over the stiffness of the
+    half-space, over the side.
 """
 
 import concurrent.futures
@@ -16,7 +20,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 from drawing import (
-    BLUE, DASH_DOT, DASHED, DOCS, GREEN, ROOT, VERMILION, Figure, context, factor_and_unit, options, panel, run,
+    BLUE, DASH_DOT, DASHED, DOCS, GREEN, ROOT, VERMILION, Figure, context, factor_and_unit, options, panel,
+    run,
 )
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import StrMethodFormatter
@@ -26,7 +31,8 @@ VERDICTS, SHADES = ("good", "a shift", "invalid"), ("#D5EBE2", "#FCEBC8", "#F3D3
 CASES = {"I": (3.40, 1.66, 8.51, 0.01), "II": (1.619, 3.33, 7.39, 0.09), "III": (0.6541, 6.38, 9.87, 0.30)}
 ROUGHNESS, ENERGY, SIDES = (0.5, 5.0), (0.003, 0.6), np.array([1.0, 1e5])
 RATIO = "relative_attractive_stiffness"
-FIGURES = {RATIO: (VERMILION, "solid", "attraction over $k_s$"), "relative_shift": (BLUE, DASHED, "shift over $\\sigma$"),
+FIGURES = {RATIO: (VERMILION, "solid", "attraction over $k_s$"),
+           "relative_shift": (BLUE, DASHED, "shift over $\\sigma$"),
            "relative_fluctuation": (GREEN, DASH_DOT, "fluctuation over $\\sigma$"),
            "contact_share": ("0.35", "dotted", "share in contact")}  # fmt: skip
 
@@ -48,7 +54,8 @@ def of_case(name):
 
 
 def scene(sigma, energy):
-    """The scene of case II with another roughness, nm, and surface energy, J/m^2, over separations that hold its pull-off."""
+    """The scene of case II with another roughness, nm, and surface energy, J/m^2, over separations that hold
+    its pull-off."""
     known = np.log(sorted(case[:3] for case in CASES.values()))
     low = 0 if np.log(sigma) < known[1, 0] else 1
     share = (np.log(sigma) - known[low, 0]) / (known[low + 1, 0] - known[low, 0])
@@ -65,25 +72,32 @@ def scene(sigma, energy):
 
 def draw_map(axes, sigmas, energies, grid):
     words = np.vectorize(lambda one: VERDICTS.index(one["verdict"]))(grid)
-    axes.pcolormesh(sigmas, energies, words, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5, shading="nearest")
+    axes.pcolormesh(sigmas, energies, words, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5,
+                    shading="nearest")
     for name, (color, dashes, label) in FIGURES.items():
-        limits = [grid[0, 0][f"{word}_{name}"] for word in ("good", "invalid") if f"{word}_{name}" in grid[0, 0]]
+        limits = [grid[0, 0][f"{word}_{name}"] for word in ("good", "invalid")
+                  if f"{word}_{name}" in grid[0, 0]]
         values = np.vectorize(lambda one, name=name: np.log(max(abs(one[name]), 1e-30)))(grid)
-        lines = axes.contour(sigmas, energies, values, levels=np.log(limits), colors=color, linewidths=[0.9, 1.7][: len(limits)])
+        lines = axes.contour(sigmas, energies, values, levels=np.log(limits), colors=color,
+                             linewidths=[0.9, 1.7][: len(limits)])
         lines.set_linestyle(dashes)
-        axes.plot([], [], color=color, linestyle=dashes, label=f"{label}: {' and '.join(f'{limit:g}' for limit in limits)}")
+        axes.plot([], [], color=color, linestyle=dashes,
+                  label=f"{label}: {' and '.join(f'{limit:g}' for limit in limits)}")
     for name, (sigma, _, _, energy) in CASES.items():
         axes.plot(sigma, energy, "o", color="black", markersize=5)
-        axes.annotate(f"case {name}", (sigma, energy), xytext=(6, 5), textcoords="offset points", fontweight="bold")
+        axes.annotate(f"case {name}", (sigma, energy), xytext=(6, 5), textcoords="offset points",
+                      fontweight="bold")
     for word, place in zip(VERDICTS, [(4.3, 0.0045), (2.33, 0.34), (0.56, 0.42)]):
-        axes.text(*place, word, fontsize=13, color="0.25", ha="left" if word == "invalid" else "center", style="italic")
+        axes.text(*place, word, fontsize=13, color="0.25", ha="left" if word == "invalid" else "center",
+                  style="italic")
     axes.set(xscale="log", yscale="log", xlim=ROUGHNESS, ylim=ENERGY)
     axes.set(xlabel="roughness $\\sigma$, nm", ylabel="work of adhesion, J/m$^2$")
     axes.set_xticks([0.5, 1, 2, 3, 5])
     axes.set_xticks([], minor=True)
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.set_title("(a) Independence of asperities, surfaces of the publication, 1000 µm$^2$")
-    axes.legend(loc="lower left", title="limits of good (thin) and invalid (thick)", frameon=True, framealpha=0.85)
+    axes.legend(loc="lower left", title="limits of good (thin) and invalid (thick)", frameon=True,
+                framealpha=0.85)
 
 
 def draw_sizes(axes, cases):
@@ -95,7 +109,8 @@ def draw_sizes(axes, cases):
         side, label = 1e6 * case["patch_side"], f"case {name}, $\\Lambda_c$ = {length(case)}"
         axes.plot(SIDES, case[RATIO] * SIDES / side, color=color, label=label)
         axes.plot(side, case[RATIO], "o", color="black", markersize=5)
-    axes.set(xscale="log", yscale="log", xlim=SIDES, ylim=(low, high), title="(b) The larger a patch, the softer it stands")
+    axes.set(xscale="log", yscale="log", xlim=SIDES, ylim=(low, high),
+             title="(b) The larger a patch, the softer it stands")
     axes.set(xlabel="side of the patch, µm", ylabel="largest attractive stiffness over $k_s$")
     axes.legend(loc="upper left", frameon=True, framealpha=0.85)
 
@@ -107,7 +122,8 @@ def length(case):
 
 def main():
     parser = options(__doc__, DOCS / "independence.png")
-    parser.add_argument("--steps", type=int, default=41, metavar="N", help="surfaces along each axis, default 41")
+    parser.add_argument("--steps", type=int, default=41, metavar="N",
+                        help="surfaces along each axis, default 41")
     arguments = parser.parse_args()
     sigmas, energies = (np.geomspace(*ends, arguments.steps) for ends in (ROUGHNESS, ENERGY))
     cases = {name: judged(of_case(name)) for name in CASES}
@@ -120,9 +136,10 @@ def main():
         draw_sizes(panel(figure, 6.95, 0.6, 3.8, 3.9), cases)
         figure.savefig(arguments.output, dpi=arguments.dpi)
     for name, case in cases.items():
-        print(f"case {name}: {case['verdict']}; shift {1e9 * case['shift']:.2e} nm = {case['relative_shift']:.2e} sigma, "
-              f"attraction {case[RATIO]:.2e} k_s, fluctuation {case['relative_fluctuation']:.2e} sigma, stable to "
-              f"{length(case)}, {100 * case['contact_share']:.1e} % in contact")  # fmt: skip
+        print(f"case {name}: {case['verdict']}; shift {1e9 * case['shift']:.2e} nm = "
+              f"{case['relative_shift']:.2e} sigma, attraction {case[RATIO]:.2e} k_s, "
+              f"fluctuation {case['relative_fluctuation']:.2e} sigma, stable to {length(case)}, "
+              f"{100 * case['contact_share']:.1e} % in contact")  # fmt: skip
     print(arguments.output)
 
 

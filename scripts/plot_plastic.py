@@ -1,9 +1,12 @@
 """How far plastic models are apart: the pull-off of one rough surface by loading law and unloading.
 
-Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.png]      after `stiction run configs/sweep_plastic.toml`
+Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.png]      after `stiction run
+configs/sweep_plastic.toml`
 
-(a) external force of the integral on retraction by each unloading of Kogut and Etsion's load, with the approach;
-(b) pull-off by the load: mean over the replicas with two standard errors, and the integral. The table is printed.
+(a) external force of the integral on retraction by each unloading of Kogut and Etsion's load, with the
+    approach;
+(b) pull-off by the load: mean over the replicas with two standard errors, and the integral. The table is
+    printed.
 """
 
 import re
@@ -27,7 +30,8 @@ def table(points, laws, pull_offs):
     lines = [["load", *(f"`{name}`" for name in UNLOADINGS)], ["---"] * (1 + len(UNLOADINGS))]
     for law in laws:
         found = [points.index((law, name)) if (law, name) in points else None for name in UNLOADINGS]
-        cells = ["" if i is None else "{:.2f} ± {:.2f} ({:.2f})".format(*(of[i] for of in pull_offs)) for i in found]
+        cells = ["" if i is None else "{:.2f} ± {:.2f} ({:.2f})".format(*(of[i] for of in pull_offs))
+                 for i in found]
         lines.append([f"`{law}`", *cells])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
@@ -38,14 +42,18 @@ def draw(file, points, laws, pull_offs):
     h_star, (mean, error, integral) = file["integral/h_star"][:], pull_offs
     for i in [points.index(("ke", name)) for name in UNLOADINGS]:
         color = UNLOADINGS[points[i][1]][0]
-        curves.plot(h_star[i], 1e6 * file["integral/retraction_external_force"][i], color=color, label=points[i][1])
-    curves.plot(h_star[i], 1e6 * file["integral/external_force"][i], color="0.6", ls="dotted", label="approach")
+        curves.plot(h_star[i], 1e6 * file["integral/retraction_external_force"][i], color=color,
+                    label=points[i][1])
+    curves.plot(h_star[i], 1e6 * file["integral/external_force"][i], color="0.6", ls="dotted",
+                label="approach")
     curves.axhline(0.0, color="0.8", lw=0.6, zorder=0)
-    curves.set(xlim=(3.0, 6.0), ylim=(-2.0, 2.0), xlabel="separation $h^*$", ylabel="external force (µN)", title="(a)")
+    curves.set(xlim=(3.0, 6.0), ylim=(-2.0, 2.0), xlabel="separation $h^*$", ylabel="external force (µN)",
+               title="(a)")
     curves.legend(title="ke, unloaded by")
     for name, (color, marker, offset) in UNLOADINGS.items():
         own = [i for i, point in enumerate(points) if point[1] == name]
-        x, style = [laws.index(points[i][0]) + offset for i in own], {"color": color, "marker": marker, "ls": "none"}
+        x = [laws.index(points[i][0]) + offset for i in own]
+        style = {"color": color, "marker": marker, "ls": "none"}
         pulls.errorbar(x, mean[own], 2.0 * error[own], **style, label=name)
         pulls.plot(x, integral[own], **style, mfc="none")
     pulls.set(yscale="log", ylabel="pull-off (µN)", xlim=(-0.5, len(laws) - 0.5))

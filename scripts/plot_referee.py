@@ -1,4 +1,5 @@
-"""Boundary elements (referee.py) against coupled asperities, independent ones and the program, in one picture.
+"""Boundary elements (referee.py) against coupled asperities, independent ones and the program, in one
+picture.
 
 Usage: python scripts/plot_referee.py [-o OUT.png] [--substrate TOML]
 
@@ -31,11 +32,13 @@ def curves(surface, separations):
 
 def force_over_separation(axes, surface, rows, program, separations):
     scale = 1e-6 / surface["cell"] ** 2
-    axes.plot(column(rows, "separation") * 1e9, column(rows, "pressure") * 1e-6, label="boundary elements", **BEM)
+    axes.plot(column(rows, "separation") * 1e9, column(rows, "pressure") * 1e-6, label="boundary elements",
+              **BEM)
     for kind, forces, _ in curves(surface, separations):
         label, color, line = KINDS[kind]
         axes.plot(np.array(separations) * 1e9, forces * scale, line, color=color, label=label)
-    axes.plot(column(rows, "separation") * 1e9, column(program, "external_force") * scale, label="program", **OWN)
+    axes.plot(column(rows, "separation") * 1e9, column(program, "external_force") * scale, label="program",
+              **OWN)
     axes.set(yscale="log", xlabel="separation (nm)", ylabel="mean pressure (MPa)")
     axes.yaxis.set_major_formatter(ScalarFormatter())
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -52,7 +55,8 @@ def errors(axes, parts, programs):
             axes.plot(share, np.abs(forces / true - 1), KINDS[kind][2], **style)
         if name in programs:
             axes.plot(share, np.abs(column(programs[name], "external_force") / true - 1), **OWN)
-    axes.set(xscale="log", yscale="log", xlabel="share of the area in contact", ylabel="relative error of the total force")
+    axes.set(xscale="log", yscale="log", xlabel="share of the area in contact",
+             ylabel="relative error of the total force")
     axes.set_title("(b) error at the same separation")
     axes.legend(title="asperities")
 
@@ -60,11 +64,13 @@ def errors(axes, parts, programs):
 def loads(axes, surface, row, program):
     """Load of each asperity against the referee's."""
     true = np.array(row["loads"])
-    found = {kind: (states[0].force.astype(float), {"color": KINDS[kind][1], "marker": "o", "linestyle": "none"})
+    found = {kind: (states[0].force.astype(float),
+                    {"color": KINDS[kind][1], "marker": "o", "linestyle": "none"})
              for kind, _, states in curves(surface, [row["separation"]])}  # fmt: skip
     for kind, (force, style) in {**found, "program": (program["loads"], OWN)}.items():
         own = force > 0
-        axes.plot(true[own] * 1e6, (force - true)[own] / true.max(), label=KINDS.get(kind, [kind])[0], **style)
+        axes.plot(true[own] * 1e6, (force - true)[own] / true.max(), label=KINDS.get(kind, [kind])[0],
+                  **style)
     axes.set(xlabel="load of an asperity (µN)", ylabel="difference over the largest load")
     axes.set_title(f"(c) loads of 200 asperities at {row['pressure'] * 1e-6:g} MPa")
     axes.set_yscale("symlog", linthresh=1e-4)
@@ -73,15 +79,18 @@ def loads(axes, surface, row, program):
 
 
 def areas(axes, surfaces):
-    """Share in contact over the mean pressure, of surfaces by name: asperities, states of the referee and the program."""
+    """Share in contact over the mean pressure, of surfaces by name: asperities, states of the referee and the
+    program."""
     for (name, (surface, rows, program)), marker in zip(surfaces.items(), "os"):
         cell, first = surface["cell"] ** 2, marker == "o"
         style = {**BEM, "marker": marker, "label": f"boundary elements, {name}"}
         axes.plot(column(rows, "pressure") * 1e-6, column(rows, "area") / cell, **style)
         for kind, forces, states in curves(surface, column(rows, "separation")):
-            share = [float(np.sum(np.pi * np.array(surface["radii"]) * np.maximum(state.approach, 0))) for state in states]
+            share = [float(np.sum(np.pi * np.array(surface["radii"]) * np.maximum(state.approach, 0)))
+                     for state in states]
             label, color, line = KINDS[kind]
-            axes.plot(forces / cell * 1e-6, np.array(share) / cell, line, color=color, label=label if first else None)
+            axes.plot(forces / cell * 1e-6, np.array(share) / cell, line, color=color,
+                      label=label if first else None)
         own = column(program, "external_force") / cell * 1e-6, column(program, "contact_area") / cell
         axes.plot(*own, label="program" if first else None, **OWN)
     axes.set(xscale="log", yscale="log", xlabel="mean pressure (MPa)", ylabel="share in contact")
@@ -101,7 +110,8 @@ def spheres(axes, parts, programs):
             forces = [float(state.force.sum()) / unit for state in states]
             axes.plot(at, forces, line, color=color, label=f"{kind}, {name}")
         axes.plot(at, column(programs[name], "external_force") / unit, **OWN)
-    axes.set(xlabel="separation (nm)", ylabel="total force / π w R", title="(f) spheres with Maugis's adhesion")
+    axes.set(xlabel="separation (nm)", ylabel="total force / π w R",
+             title="(f) spheres with Maugis's adhesion")
     axes.legend()
 
 
@@ -111,14 +121,16 @@ def draw(fixture, substrate):
 
     parts, adhesive = fixture["paraboloids"], fixture["adhesive"]
     # The program takes two asperities and more.
-    programs = {name: own(part, part["states"], "gw") for name, part in parts.items() if len(part["heights"]) > 1}
+    programs = {name: own(part, part["states"], "gw") for name,
+                part in parts.items() if len(part["heights"]) > 1}
     sticking = {name: own(part, part["states"], "md_kim") for name, part in adhesive.items()}
     summits, rows = fixture["map"]["summits"], fixture["map"]["states"][:3]
     on_map, (thirty, hundreds) = own(summits, rows, "gw"), (parts["thirty"], parts["two hundred"])
     figure = Figure(figsize=(11.0, 6.6))
     axes = figure.subplots(2, 3)
     ends = [row["separation"] for row in thirty["states"]]
-    force_over_separation(axes[0, 0], thirty, thirty["states"], programs["thirty"], np.linspace(ends[0], ends[-1], 12))
+    force_over_separation(axes[0, 0], thirty, thirty["states"], programs["thirty"],
+                          np.linspace(ends[0], ends[-1], 12))
     errors(axes[0, 1], parts, programs)
     loads(axes[0, 2], hundreds, hundreds["states"][1], programs["two hundred"][1])
     areas(axes[1, 0], {"30 asperities": (thirty, thirty["states"], programs["thirty"]),

@@ -2,8 +2,10 @@
 
 Usage: python scripts/plot_surfaces.py FILE.h5... [-o OUT.png]
 
-(a) external force over the separation: mean over replicas, its standard error as a band, the integral as crosses;
-(b) likewise where it pulls; (c) pull-off: mean with standard error, the middle 90 % of replicas, the integral.
+(a) external force over the separation: mean over replicas, its standard error as a band, the integral as
+    crosses;
+(b) likewise where it pulls; (c) pull-off: mean with standard error, the middle 90 % of replicas, the
+    integral.
 """
 
 import numpy as np
@@ -18,7 +20,8 @@ def surface(path):
         area = float(run.attrs["nominal_area"])
         forces = {name: np.nan_to_num(run[dataset].values) / area for name, dataset in {
             "mean": "ensemble/external_force_mean", "error": "ensemble/external_force_standard_error",
-            "integral": "integral/external_force", "pull_off": "replicas/pull_off_force"}.items()}  # fmt: skip
+            "integral": "integral/external_force",
+            "pull_off": "replicas/pull_off_force"}.items()}  # fmt: skip
         named = {"name": run.title or path, "h_star": run["ensemble/h_star"].values}
         return named | forces | {"integral_pull_off": run.pull_off.of_integral / area}
 
@@ -50,7 +53,8 @@ def draw_pull_off(axes, surfaces):
         axes.errorbar(pull_off.mean(), -i, xerr=error, fmt="o", color=color)
         axes.plot(own["integral_pull_off"] / unit, -i, color=color, **INTEGRAL)
     axes.set_yticks(-np.arange(len(surfaces)), [own["name"] for own in surfaces])
-    axes.set(xlabel=f"pull-off force over the nominal area ({sign})", title="(c) Pull-off: mean, 90 % of replicas, × integral")
+    axes.set(xlabel=f"pull-off force over the nominal area ({sign})",
+             title="(c) Pull-off: mean, 90 % of replicas, × integral")
 
 
 def main():

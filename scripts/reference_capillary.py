@@ -1,24 +1,25 @@
 """Reference values of a wet asperity: an elastic sphere with two nested Dugdale zones around its contact.
 
-Writes tests/data/capillary.csv: the adhesion force, the contact force and the contact radius of a sphere that the solids
-attract with the stress sigma_1 as far as the gap is below H_1, W_SLS = sigma_1 H_1, and the liquid with sigma_0 as far as it
-is below h_0, gamma s = sigma_0 h_0. The law `capillary` superposes two single zones in their place; this says by how much it
-is off.
+Writes tests/data/capillary.csv: the adhesion force, the contact force and the contact radius of a sphere that
+the solids attract with the stress sigma_1 as far as the gap is below H_1, W_SLS = sigma_1 H_1, and the liquid
+with sigma_0 as far as it is below h_0, gamma s = sigma_0 h_0. The law `capillary` superposes two single zones
+in their place; this says by how much it is off.
 
-The contact of radius a, with zones to b and c, follows from the transform g of the normal displacement of a half-space,
-u(r) = 2/pi int_0^r g(t)/sqrt(r^2 - t^2) dt: g = delta - t^2/R within the contact, and -2/E* sum sigma_i sqrt(e_i^2 - t^2) up to
-the edges e_i of the zones outside. No stress is infinite where g is continuous at a, which says delta(a, b, c); the gaps
-at b and c are H_1 and h_0, solved by a hybrid Powell method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution,
-which is checked.
+The contact of radius a, with zones to b and c, follows from the transform g of the normal displacement of a
+half-space, u(r) = 2/pi int_0^r g(t)/sqrt(r^2 - t^2) dt: g = delta - t^2/R within the contact, and -2/E* sum
+sigma_i sqrt(e_i^2 - t^2) up to the edges e_i of the zones outside. No stress is infinite where g is
+continuous at a, which says delta(a, b, c); the gaps at b and c are H_1 and h_0, solved by a hybrid Powell
+method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution, which is checked.
 
-Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of adhesion) = 1,
-Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
+Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of
+adhesion) = 1, Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
 
-Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the Young-Laplace equation, as a
-share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_K = `kelvin_radius` R and equal contact angles. The
-profile is integrated from the flat in its arc length, with the mean curvature -1/(2 r_K), up to where it meets the sphere under
-the contact angle; the circle on the flat follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta +
-pi x^2 gamma/r_K at the flat.
+Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the
+Young-Laplace equation, as a share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_K
+= `kelvin_radius` R and equal contact angles. The profile is integrated from the flat in its arc length, with
+the mean curvature -1/(2 r_K), up to where it meets the sphere under the contact angle; the circle on the flat
+follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta + pi x^2 gamma/r_K at
+the flat.
 """
 
 from math import acos, asin, cos, pi, radians, sin, sqrt
@@ -82,11 +83,13 @@ class Sphere:
         return [a * (1 + v * v) for v in x]
 
     def state(self, delta, low, high):
-        """Adhesion force, contact force and contact radius at a displacement, of the contact between two radii."""
+        """Adhesion force, contact force and contact radius at a displacement, of the contact between two
+        radii."""
         a = brentq(lambda a: self.displacement(a, self.edges(a)) - delta, low, high, xtol=1e-14, rtol=1e-13)
         edges = self.edges(a)
         tails = sum(
-            s * (e * e * acos(min(1.0, a / e)) - a * sqrt(max(e * e - a * a, 0.0))) / 2 for (s, _), e in zip(self.zones, edges)
+            s * (e * e * acos(min(1.0, a / e)) - a * sqrt(max(e * e - a * a, 0.0))) / 2 for (s, _),
+            e in zip(self.zones, edges)
         )
         force = 2 * E * (delta * a - a**3 / 3) - 4 * tails
         return a**3 - force, a**3, a
@@ -116,7 +119,8 @@ def meniscus(circle, angle, kelvin):
         return at[2] + 1.4
 
     down.terminal = True
-    found = solve_ivp(profile, [0, 12 * kelvin], [circle, 0, pi - angle], events=[down], rtol=1e-12, atol=1e-14 * kelvin,
+    found = solve_ivp(profile, [0, 12 * kelvin], [circle, 0, pi - angle], events=[down], rtol=1e-12,
+                      atol=1e-14 * kelvin,
                       dense_output=True, max_step=kelvin / 3)
 
     def excess(s):
@@ -138,7 +142,8 @@ def bridge(angle, kelvin, distance):
     states = [(circle, meniscus(circle, angle, kelvin)) for circle in circles]
     outer = [circle for circle, state in states if state and state[0] < distance * reach]
     inner = min(outer) - largest / 60
-    circle = brentq(lambda circle: meniscus(circle, angle, kelvin)[0] - distance * reach, inner, min(outer), xtol=1e-15, rtol=1e-12)
+    circle = brentq(lambda circle: meniscus(circle, angle, kelvin)[0] - distance * reach, inner, min(outer),
+                    xtol=1e-15, rtol=1e-12)
     return meniscus(circle, angle, kelvin)[1]
 
 
@@ -146,7 +151,7 @@ def check(lam, delta):
     """One zone is Maugis' solution."""
     adhesion, _, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
     _, *expected = contact_state(mpf(lam), contact_angle(mpf(lam), mpf(delta)))
-    assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius)
+    assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, lam
 
 
 def table():

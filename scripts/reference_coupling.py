@@ -1,7 +1,7 @@
 """Reference values of elastically coupled asperities, for the tests: writes tests/data/coupling.json.
 
-Nothing of it comes from the program. The equations and their dense solution are in coupled_asperities.py; what concerns one or
-two asperities is solved here by mpmath in 30 digits. Sections of the file:
+Nothing of it comes from the program. The equations and their dense solution are in coupled_asperities.py;
+what concerns one or two asperities is solved here by mpmath in 30 digits. Sections of the file:
 
 * `green`: pi E* L G of a square cell that repeats, by the sum of Ewald with two splittings that agree;
 * `mean_field`: c of a square patch under uniform pressure, its mean displacement being c p L / E*;
@@ -24,7 +24,8 @@ from fixtures import DATA
 mp.mp.dps = 30
 MODULUS, RADIUS, WORK, SPACING = 85.29e9, 3.33e-6, 0.09, 0.2e-9  # case II
 SPLITTINGS = "1.2", "2.5"
-PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0001, -0.0003), (0.01, 0.02), (0.1, 0.3), (0.3, 0.1),
+PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0001, -0.0003), (0.01, 0.02),
+          (0.1, 0.3), (0.3, 0.1),
           (-0.4, 0.15), (0.49, 0.02), (1.25, -3.5), (0.7, 0.95)]
 
 
@@ -44,7 +45,8 @@ def hard_core(rng, count, side, distance):
 
 
 def surfaces():
-    """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times smoother; pairs; one."""
+    """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times
+    smoother; pairs; one."""
     found = {}
     for name, count, side, seed in [("thirty", 30, 2e-6, 17), ("two hundred", 200, 5.2e-6, 18)]:
         rng = np.random.Generator(np.random.PCG64(seed))
@@ -55,7 +57,8 @@ def surfaces():
             radii = np.round(RADIUS * np.exp(0.3 * rng.standard_normal(count)), 10).tolist()
             found["thirty radii"] = {**found[name], "radii": radii}
             found["thirty smooth"] = {**found[name], "heights": np.round(np.array(heights) / 16, 15).tolist()}
-    pair = {"cell": 1e-6, "places": [[2e-7, 3e-7], [6e-7, 5e-7]], "heights": [1e-9, 0.0], "radii": [RADIUS] * 2}
+    pair = {"cell": 1e-6, "places": [[2e-7, 3e-7], [6e-7, 5e-7]], "heights": [1e-9, 0.0],
+            "radii": [RADIUS] * 2}
     found["pair"] = pair
     found["near pair"] = {**pair, "places": [[2e-7, 3e-7], [3.2e-7, 3.5e-7]]}
     found["equal pair"] = {**pair, "heights": [0.0, 0.0], "radii": [RADIUS] * 2}
@@ -80,7 +83,8 @@ def mp_force(law, delta, radius):
     end = mp.mpf(6) ** (-mp.mpf(1) / 3)
     # A is the largest zero of Delta(A) - Delta, which lies above `end` and below this:
     scaled, high = delta / length, 2 + mp.sqrt(abs(delta / length)) * 2
-    a = mp.findroot(lambda a: a * a - 2 * mp.sqrt(6 * a) / 3 - scaled, (end, high), solver="anderson", tol=1e-50, maxsteps=200)
+    a = mp.findroot(lambda a: a * a - 2 * mp.sqrt(6 * a) / 3 - scaled, (end, high), solver="anderson",
+                    tol=1e-50, maxsteps=200)
     return unit * (a**3 - a * mp.sqrt(6 * a))
 
 
@@ -98,14 +102,16 @@ def mp_green(surface, periodic):
 
 
 def few(law, surface, periodic, separation):
-    """One or two asperities at a separation: approaches and forces to 30 digits, polished from the dense solution."""
+    """One or two asperities at a separation: approaches and forces to 30 digits, polished from the dense
+    solution."""
     green, target = mp_green(surface, periodic), [mp.mpf(z) - mp.mpf(separation) for z in surface["heights"]]
     count, radius = len(target), mp.mpf(RADIUS)
     unit = mp.mpf("1e-9")
 
     def residual(*scaled):
         forces = [mp_force(law, value * unit, radius) for value in scaled]
-        return [scaled[i] - (target[i] - sum(green[i, j] * forces[j] for j in range(count))) / unit for i in range(count)]
+        return [scaled[i] - (target[i] - sum(green[i, j] * forces[j] for j in range(count))) / unit
+                for i in range(count)]
 
     start = dense(law, surface, periodic, [separation])[0].approach
     begin = [mp.mpf(float(value)) / unit for value in start]
@@ -123,7 +129,8 @@ RAMP = np.longdouble("1e-27")  # m, over which the law of an asperity that rests
 
 
 def with_sets(touched, resting):
-    """The law of DMT where it is given which asperities have touched, and which rest at the touch with a force in between."""
+    """The law of DMT where it is given which asperities have touched, and which rest at the touch with a
+    force in between."""
 
     def law(asperity, delta):
         force, slope = hertz(asperity, delta)
@@ -135,7 +142,8 @@ def with_sets(touched, resting):
 
 
 def dmt_path(asperity, heights, green, separations):
-    """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips, one at a time.
+    """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips,
+    one at a time.
 
     One that flips a third time at a separation rests at its touch. None where no sets agree with themselves.
     """
@@ -163,7 +171,8 @@ def dmt_path(asperity, heights, green, separations):
 
 
 def dense(law, surface, periodic, separations):
-    """States at the separations, on the way down to each of them from afar, but `jkr` on the way back from contact of all."""
+    """States at the separations, on the way down to each of them from afar, but `jkr` on the way back from
+    contact of all."""
     asperity = Asperities(np.array(surface["radii"], np.longdouble), MODULUS, WORK, SPACING)
     green = green_matrix(surface["places"], MODULUS, surface["cell"] if periodic else None)
     heights = surface["heights"]
@@ -185,7 +194,8 @@ def dense(law, surface, periodic, separations):
 
 
 def margin(law, surface, state):
-    """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do neither."""
+    """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do
+    neither."""
     if law == "dmt":
         return float(np.min(np.abs(state.approach[state.approach != 0])))
     if law == "jkr":
@@ -256,13 +266,16 @@ def green_values():
 
 
 def rest(surface):
-    """One asperity of DMT in a periodic cell that rests at its touch: force between 0 and -2 pi R work, so that d = z - G f."""
+    """One asperity of DMT in a periodic cell that rests at its touch: force between 0 and -2 pi R work, so
+    that d = z - G f."""
     green = mp_green(surface, True)[0, 0]
     jump = 2 * mp.pi * mp.mpf(RADIUS) * mp.mpf(WORK)
     rows = []
     for share in (0.25, 0.75):
-        separation = float(green * jump * share)  # negative: the asperity would be in contact if it were rigid
-        rows.append({"separation": separation, "approaches": [mp.mpf(0)], "forces": [-mp.mpf(separation) / green]})
+        separation = float(green * jump
+                           * share)  # negative: the asperity would be in contact if it were rigid
+        rows.append({"separation": separation, "approaches": [mp.mpf(0)],
+                     "forces": [-mp.mpf(separation) / green]})
     return [{"surface": "one", "law": "dmt", "coupling": "periodic", "states": rows}]
 
 
@@ -276,12 +289,15 @@ def text(value, indent = ""):
     if isinstance(value, np.longdouble):
         return np.format_float_scientific(value, precision=17, unique=False) if value else "0.0"
     if isinstance(value, dict):
-        inner = [f'{indent} "{key}": {text(item, indent + " ")}' for key, item in value.items() if item is not None]
+        inner = [f'{indent} "{key}": {text(item, indent + " ")}' for key,
+                 item in value.items() if item is not None]
         return "{\n" + ",\n".join(inner) + "\n" + indent + "}"
     if isinstance(value, (list, tuple, np.ndarray)):
         flat = not any(isinstance(item, dict) for item in value)
         items = [text(item, indent + " ") for item in value]
-        return "[" + ", ".join(items) + "]" if flat else "[\n" + ",\n".join(indent + " " + item for item in items) + "\n" + indent + "]"
+        if flat:
+            return "[" + ", ".join(items) + "]"
+        return "[\n" + ",\n".join(indent + " " + item for item in items) + "\n" + indent + "]"
     return json.dumps(value)
 
 

@@ -1,15 +1,18 @@
-"""Reference values of the figures by which the independence of asperities is judged, for laws whose integrals are quadratures of closed forms.
+"""Reference values of the figures by which the independence of asperities is judged, for laws whose integrals
+are quadratures of closed forms.
 
-Surfaces of DMT asperities, f(δ) = K√R δ^(3/2) − 2πRΔγ for δ ≥ 0 and 0 before, or of Hertz ones (Δγ = 0), with Gaussian or exponential
-heights. Force, its derivatives by the separation, mean square of the force of one asperity and area are integrals over the density of the
-heights, by quadrature with 30 digits; the pull-off is the root of the first derivative, the largest attraction that of the second, or at
-the smallest separation where there is no root. Then
+Surfaces of DMT asperities, f(δ) = K√R δ^(3/2) − 2πRΔγ for δ ≥ 0 and 0 before, or of Hertz ones (Δγ = 0), with
+Gaussian or exponential heights. Force, its derivatives by the separation, mean square of the force of one
+asperity and area are integrals over the density of the heights, by quadrature with 30 digits; the pull-off is
+the root of the first derivative, the largest attraction that of the second, or at the smallest separation
+where there is no root. Then
 
-    k_s = E* L/c, c = (4/π)(ln(1 + √2) + (1 − √2)/3), σ_u² = 2πη⟨f²⟩ ln(L/b)/(πE*)² with b = 1/(2√η), Λ_c = πE* L²/max(dF/dh).
+    k_s = E* L/c, c = (4/π)(ln(1 + √2) + (1 − √2)/3), σ_u² = 2πη⟨f²⟩ ln(L/b)/(πE*)² with b = 1/(2√η), Λ_c =
+    πE* L²/max(dF/dh).
 
-Columns, SI: the surface (heights, work_of_adhesion, surface_height_std, asperity_height_std, nominal_area, asperity_density, the first
-separation over surface_height_std), and the figures by their names in files. Common to all: E* = 85.29 GPa, R = 3.33 um, no mean plane
-offset.
+Columns, SI: the surface (heights, work_of_adhesion, surface_height_std, asperity_height_std, nominal_area,
+asperity_density, the first separation over surface_height_std), and the figures by their names in files.
+Common to all: E* = 85.29 GPa, R = 3.33 um, no mean plane offset.
 
 Writes tests/data/independence.csv.
 """
@@ -31,8 +34,10 @@ SURFACES = [
     ("exponential", "0.09", "0.4e-9", "0.3e-9", "1e-9", "7e12", "1"),
     ("exponential", "0", "0.4e-9", "0.3e-9", "1e-9", "7e12", "0.5"),
 ]
-FIGURES = ["patch_side", "substrate_stiffness", "shift", "relative_shift", "attractive_stiffness", "relative_attractive_stiffness",
-           "fluctuation", "relative_fluctuation", "longest_stable_wavelength", "contact_share", "closest_shift", "relative_closest_shift",
+FIGURES = ["patch_side", "substrate_stiffness", "shift", "relative_shift", "attractive_stiffness",
+           "relative_attractive_stiffness",
+           "fluctuation", "relative_fluctuation", "longest_stable_wavelength", "contact_share",
+           "closest_shift", "relative_closest_shift",
            "independent_from"]
 
 
@@ -54,7 +59,8 @@ class Ensemble:
         return -u / self.std**2 * self.density(u) if self.is_gaussian else -self.density(u) / self.std
 
     def mean(self, d, of):
-        """The expectation of a function of the interference over all that touch; x² is the interference in units of the spread."""
+        """The expectation of a function of the interference over all that touch; x² is the interference in
+        units of the spread."""
         inner = lambda x: of(x * x * self.std) * self.density(d + x * x * self.std) * 2 * x * self.std
         ends = [0, 0.5, 1, 2, 3, 4, 6, 9, 15] if not self.is_gaussian else [0, 0.5, 1, 1.5, 2, 3, 4, 5]
         return mp.quad(inner, ends)
@@ -64,7 +70,8 @@ class Ensemble:
 
     def slope(self, d):
         # What touches first adds its attraction; the others lose load.
-        return self.count * (self.pull * self.density(d) - self.mean(d, lambda delta: 1.5 * HERTZ * mp.sqrt(delta)))
+        return self.count * (self.pull * self.density(d)
+                             - self.mean(d, lambda delta: 1.5 * HERTZ * mp.sqrt(delta)))
 
     def curvature(self, d):
         return mp.diff(self.slope, d, h=self.std * mp.mpf("1e-10"))
@@ -96,7 +103,8 @@ def figures(heights, *numbers):
     steep = [surface.slope(at) for at in [*changes(surface.curvature, places), places[0]]]
     attraction = max(max(steep), mp.mpf(0)) if energy > 0 else mp.mpf(0)
     eta = surface.count / area
-    fluctuation = mp.sqrt(2 * mp.pi * eta * surface.mean_square(place) * mp.log(side * 2 * mp.sqrt(eta))) / (mp.pi * MODULUS)
+    fluctuation = mp.sqrt(2 * mp.pi * eta * surface.mean_square(place)
+                          * mp.log(side * 2 * mp.sqrt(eta))) / (mp.pi * MODULUS)
     limit = SHIFT * sigma * stiffness
     beyond = [k for k in range(len(places)) if abs(forces[k]) > limit]
     start = places[0]
@@ -104,7 +112,8 @@ def figures(heights, *numbers):
         start = bisect(lambda at: abs(surface.force(at)) < limit, *places[beyond[-1] : beyond[-1] + 2])
     shift, closest = surface.force(place) / stiffness, forces[0] / stiffness
     wavelength = mp.pi * MODULUS * area / attraction if attraction > 0 else mp.inf
-    return [side, stiffness, shift, shift / sigma, attraction, attraction / stiffness, fluctuation, fluctuation / sigma, wavelength,
+    return [side, stiffness, shift, shift / sigma, attraction, attraction / stiffness, fluctuation,
+            fluctuation / sigma, wavelength,
             surface.area(place) / area, closest, closest / sigma, start]
 
 
@@ -114,5 +123,6 @@ def table():
 
 
 if __name__ == "__main__":
-    keys = "heights,work_of_adhesion,surface_height_std,asperity_height_std,nominal_area,asperity_density,first"
-    write("independence.csv", [*keys.split(","), *FIGURES], table())
+    keys = ["heights", "work_of_adhesion", "surface_height_std", "asperity_height_std", "nominal_area",
+            "asperity_density", "first"]  # fmt: skip
+    write("independence.csv", keys + FIGURES, table())

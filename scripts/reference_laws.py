@@ -8,13 +8,15 @@ functions of lambda and delta, with the condition number of each, by the laws
 * md: D. Maugis, J. Colloid Interface Sci. 150 (1992) 243, in contact; nothing before;
 * md_kim: md in contact, the Dugdale stress kept at sigma_0 before contact;
 * ke: idmt before contact, in contact the fits of L. Kogut and I. Etsion to their elastic-plastic sphere;
-* sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the contact,
-  with the load and the contact radius of ke;
-* ceb: idmt before contact, hertz with the adhesion force of sbl up to the critical interference; above it the contact of
-  constant volume of W. R. Chang, I. Etsion and D. B. Bogy under their mean pressure, with the adhesion force of dmt.
+* sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the
+  contact, with the load and the contact radius of ke;
+* ceb: idmt before contact, hertz with the adhesion force of sbl up to the critical interference; above it the
+  contact of constant volume of W. R. Chang, I. Etsion and D. B. Bogy under their mean pressure, with the
+  adhesion force of dmt.
 
 They are written down in closed form, along a parameter where delta cannot be solved for, with no series; all
-arithmetic has 80 digits instead. The one integral (sbl, ceb) is done twice, by different rules in different variables.
+arithmetic has 80 digits instead. The one integral (sbl, ceb) is done twice, by different rules in different
+variables.
 
 Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
     delta and omega_c in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,
@@ -30,7 +32,8 @@ from typing import NamedTuple
 from fixtures import bisect, write
 from mpmath import mp, mpf
 from reference_values import (
-    CONDITION_DIGITS, FOLD_LAMBDA, SMALLEST_ANGLE, STRESS_FACTOR, VALUE_DIGITS, VALUES, contact_end, contact_state, zone_radius,
+    CONDITION_DIGITS, FOLD_LAMBDA, SMALLEST_ANGLE, STRESS_FACTOR, VALUE_DIGITS, VALUES, contact_end,
+    contact_state, zone_radius,
 )  # fmt: skip
 
 mp.dps = 80
@@ -61,7 +64,8 @@ QUADRATURE_REACH = 40
 
 
 class Quantity(NamedTuple):
-    """A value, delta times its derivative with respect to delta, and lambda times that with respect to lambda."""
+    """A value, delta times its derivative with respect to delta, and lambda times that with respect to
+    lambda."""
 
     value: mpf
     by_delta: mpf
@@ -178,7 +182,8 @@ def md(path, lam, delta):
     return md_contact(lam, delta) if delta >= end else noncontact()
 
 
-# MD-Kim: before contact delta = C^2 / 2 - (8 lambda / 3 pi) C - 2 / (pi lambda), C the radius of the adhesive zone
+# MD-Kim: before contact delta = C^2 / 2 - (8 lambda / 3 pi) C - 2 / (pi lambda), C the radius of the adhesive
+# zone
 
 
 def kim_reach(lam):
@@ -229,8 +234,9 @@ def end_points(lam_text):
     return points + [repr(float(middle)) for middle in between]
 
 
-# Kogut-Etsion: up to which delta / omega_c, then (factor, exponent) of the load over P_c, of the contact area over
-# pi R omega_c, and (factor, exponent, exponent of Z_0 / omega_c) of the adhesion force over 2 pi R (work of adhesion)
+# Kogut-Etsion: up to which delta / omega_c, then (factor, exponent) of the load over P_c, of the contact area
+# over pi R omega_c, and (factor, exponent, exponent of Z_0 / omega_c) of the adhesion force over 2 pi R (work
+# of adhesion)
 
 KE_PIECES = [
     ("1", ("1", "1.5"), ("1", "1"), ("0.98", "0.298", "-0.29")),
@@ -267,9 +273,9 @@ def ke(path, lam, delta, critical, poisson):
     return ke_contact(lam, delta, critical, poisson) if delta >= 0 else rigid_sphere(lam, delta)
 
 
-# Lennard-Jones stress over the Hertz gap. With r = a sec(phi), t = tan(phi), a^2 = R delta and p = delta / (pi Z_0)
-# the gap is Z = Z_0 (1 + p G), G = t + (t^2 - 1) arctan(t), and the adhesion force in units of pi R (work of adhesion)
-#     (16 pi / 3) p * integral of [(1 + p G)^-3 - (1 + p G)^-9] t dt over t > 0.
+# Lennard-Jones stress over the Hertz gap. With r = a sec(phi), t = tan(phi), a^2 = R delta and p = delta /
+# (pi Z_0) the gap is Z = Z_0 (1 + p G), G = t + (t^2 - 1) arctan(t), and the adhesion force in units of pi R
+# (work of adhesion)     (16 pi / 3) p * integral of [(1 + p G)^-3 - (1 + p G)^-9] t dt over t > 0.
 
 
 @functools.cache
@@ -281,7 +287,8 @@ def hertz_gap(k):
 
 @functools.cache
 def hertz_profile_force(p):
-    """Adhesion force and p times its derivative, by the trapezoidal rule in log(t), which converges exponentially."""
+    """Adhesion force and p times its derivative, by the trapezoidal rule in log(t), which converges
+    exponentially."""
     typical = min(mp.cbrt(3 / (4 * p)), mp.sqrt(2 / (mp.pi * p))) if p > 1 else mp.sqrt(2 / (mp.pi * p))
     middle = int(mp.nint(mp.log(typical) / QUADRATURE_STEP))
     reach = int(QUADRATURE_REACH / QUADRATURE_STEP)
@@ -300,8 +307,9 @@ def hertz_profile_force(p):
 def hertz_profile_force_again(p):
     """The same force in the variable q = Z_0 / Z, by the double-exponential rule.
 
-    As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1, with
-    w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT value 2.
+    As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1,
+    with w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT
+    value 2.
     """
 
     def integrand(q):
@@ -381,14 +389,17 @@ def table():
         external = Quantity(*(f - a for f, a in zip(force, adhesion)))
         quantities = adhesion, external, radius
         scales = adhesion.value, force.value + adhesion.value, radius.value
-        numbers = [q.sensitivity() / scale if scale and q.value else mpf(0) for q, scale in zip(quantities, scales)]
+        numbers = [q.sensitivity() / scale if scale and q.value else mpf(0) for q,
+                   scale in zip(quantities, scales)]
         values = [mp.nstr(q.value, VALUE_DIGITS) for q in quantities]
-        yield [law.__name__, path, *inputs, state.branch, *values, *(mp.nstr(n, CONDITION_DIGITS) for n in numbers)]
+        yield [law.__name__, path, *inputs, state.branch, *values,
+               *(mp.nstr(n, CONDITION_DIGITS) for n in numbers)]
 
 
 def main():
     write("laws.csv", KEYS + VALUES + CONDITIONS, table())
-    ratios = [hertz_profile_force_again(mpf(10) ** n) / hertz_profile_force(mpf(10) ** n)[0] for n in (-12, -6, -2, 0, 1, 4, 7)]
+    ratios = [hertz_profile_force_again(mpf(10) ** n) / hertz_profile_force(mpf(10) ** n)[0]
+              for n in (-12, -6, -2, 0, 1, 4, 7)]
     print(f"sbl: the two quadratures agree within {mp.nstr(max(abs(ratio - 1) for ratio in ratios), 2)}")
 
 

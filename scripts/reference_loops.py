@@ -1,12 +1,14 @@
 """Areas of the loops of one elastic asperity: what its jump-in and its jump-off dissipate.
 
-Above λ_f = [9π/(16(π−1))]^(1/3) an asperity of the extended Maugis-Dugdale law touches at Δ₀ on its way there and lets go at
-the fold Δ_min of its contact on its way back. Between the two the way there is before contact, the way back in contact:
+Above λ_f = [9π/(16(π−1))]^(1/3) an asperity of the extended Maugis-Dugdale law touches at Δ₀ on its way there
+and lets go at the fold Δ_min of its contact on its way back. Between the two the way there is before contact,
+the way back in contact:
 
     ∮F̂ dΔ = ∫ from Δ_min to Δ₀ of (F̂_there − F̂_back) dΔ.
 
-Both are integrated over their parameters, θ and z, in which they have closed forms: no inversion, no fold in the way. The
-edges are roots: Δ(θ) = Δ₀ on the stable branch, and the outermost z with Δ(z) = Δ_min and Δ₀. Writes tests/data/loops.csv.
+Both are integrated over their parameters, θ and z, in which they have closed forms: no inversion, no fold in
+the way. The edges are roots: Δ(θ) = Δ₀ on the stable branch, and the outermost z with Δ(z) = Δ_min and Δ₀.
+Writes tests/data/loops.csv.
 """
 
 import mpmath as mp
@@ -14,8 +16,8 @@ from fixtures import DATA, bisect
 from reference_values import contact_state, noncontact_state
 
 mp.mp.dps = 40
-HEADER = """# Area of the loop of one asperity in units of s_F s_δ, and the approaches at which it lets go and touches.
-lambda,area,release,touch
+HEADER = """# Area of the loop of one asperity in units of s_F s_δ, and the approaches at which it lets go and
+touches. lambda,area,release,touch
 """
 
 
@@ -53,5 +55,6 @@ def loop_area(lam):
 
 
 if __name__ == "__main__":
-    rows = [[text, *(mp.nstr(value, 20) for value in loop_area(mp.mpf(text)))] for text in "1.2 1.5 2.4903 5 10".split()]
+    rows = [[text, *(mp.nstr(value, 20) for value in loop_area(mp.mpf(text)))]
+            for text in "1.2 1.5 2.4903 5 10".split()]
     (DATA / "loops.csv").write_text(HEADER + "".join(",".join(row) + "\n" for row in rows), encoding="utf-8")

@@ -1,17 +1,17 @@
 """Reference values of the elastic-plastic adhesion of flattened tops, the law md_plastic.
 
-Writes tests/data/md_plastic.csv: the adhesion force, the contact force and the contact radius of one asperity that was pressed
-to the interference `largest` and is a `distance` from there, with 25 digits of 60. A contact is an elastic Maugis-Dugdale
-contact of the radius R1 = K a^3 / P of its top, with the load P and the contact radius a of a plastic contact without adhesion
-at the interference omega:
+Writes tests/data/md_plastic.csv: the adhesion force, the contact force and the contact radius of one asperity
+that was pressed to the interference `largest` and is a `distance` from there, with 25 digits of 60. A contact
+is an elastic Maugis-Dugdale contact of the radius R1 = K a^3 / P of its top, with the load P and the contact
+radius a of a plastic contact without adhesion at the interference omega:
 
-* the edge of the adhesive zone, m = c/a, is where the gap is (work of adhesion)/sigma_0 (D. Maugis, J. Colloid Interface Sci.
-  150 (1992) 243);
+* the edge of the adhesive zone, m = c/a, is where the gap is (work of adhesion)/sigma_0 (D. Maugis, J.
+  Colloid Interface Sci. 150 (1992) 243);
 * delta = omega - 2 sigma_0 a sqrt(m^2 - 1)/E, and a contact that unloads keeps R1;
 * P is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4): a loop of a larger load would give out energy.
 
-Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random. Scaled quantities
-as in reference_plastic.py, whose plastic contacts these are.
+Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random.
+Scaled quantities as in reference_plastic.py, whose plastic contacts these are.
 """
 
 import random
@@ -21,7 +21,8 @@ from mpmath import mp, mpf
 from reference_plastic import MODULUS, WORK, jg, ke, pressure_factor, tn, zmc
 from reference_values import VALUE_DIGITS
 
-KEYS = ["contact", "lambda", "critical_interference", "poisson_ratio", "hardness_ratio", "largest", "distance"]
+KEYS = ["contact", "lambda", "critical_interference", "poisson_ratio", "hardness_ratio", "largest",
+        "distance"]
 VALUES = ["adhesion_force", "contact_force", "contact_radius"]
 
 # R, E, work of adhesion, Z_0, H in SI, Poisson's ratio
@@ -36,9 +37,9 @@ RANDOM = 40
 SMALL = mpf(10) ** -25
 
 
-def scaled(radius, modulus, work, spacing, hardness, poisson):
+def scaled(*texts):
     """lambda, omega_c of Chang, Etsion and Bogy, Poisson's ratio and H/E of an asperity, as doubles."""
-    radius, modulus, work, spacing, hardness, poisson = map(mpf, (radius, modulus, work, spacing, hardness, poisson))
+    radius, modulus, work, spacing, hardness, poisson = map(mpf, texts)
     stiffness = 4 * modulus / 3
     length = mp.cbrt((mp.pi * work / stiffness) ** 2 * radius)
     critical = (mp.pi * pressure_factor(poisson) * hardness / (2 * modulus)) ** 2 * radius
@@ -70,7 +71,8 @@ def gap_of(m, radius, flattened, stress):
 
 
 def zone_of(m, radius, stress):
-    """The adhesion force of a zone of a stress to m = c/a, and E times the displacement by which it draws the surfaces."""
+    """The adhesion force of a zone of a stress to m = c/a, and E times the displacement by which it draws the
+    surfaces."""
     root, angle = mp.sqrt(m * m - 1), mp.acos(1 / m)
     return 2 * stress * radius**2 * (root + m * m * angle), 2 * stress * radius * root
 
@@ -123,7 +125,8 @@ def derivative(state_at, place, delta):
 
 
 def history(contact, omega):
-    """`largest`, `distance` and the state of a contact that is loaded to omega and unloaded, where delta is a double."""
+    """`largest`, `distance` and the state of a contact that is loaded to omega and unloaded, where delta is a
+    double."""
 
     def loading(omega):
         load, radius = contact.bare(omega)
@@ -166,7 +169,8 @@ def table_of(kind, cases):
         contact = kind(law, texts)
         for text in multiples:
             for largest, distance, state in history(contact, contact.critical * mpf(text)):
-                yield [law.__name__, *texts, *(mp.nstr(value, VALUE_DIGITS) for value in (largest, distance, *state))]
+                yield [law.__name__, *texts,
+                       *(mp.nstr(value, VALUE_DIGITS) for value in (largest, distance, *state))]
 
 
 def cases():
@@ -176,7 +180,8 @@ def cases():
     draw = random.Random(1)
     for number in range(RANDOM):
         lam, critical = 10 ** draw.uniform(-2, 2), 10 ** draw.uniform(-0.5, 2)
-        texts = tuple(repr(value) for value in (lam, critical, draw.uniform(0.1, 0.45), 10 ** draw.uniform(-3, -1.3)))
+        texts = tuple(repr(value)
+                      for value in (lam, critical, draw.uniform(0.1, 0.45), 10 ** draw.uniform(-3, -1.3)))
         omegas = [repr(10 ** draw.uniform(0.3, 2.47)) for _ in range(2)]
         yield (jg, zmc, tn, ke)[number % 4 if number % 2 else 0], texts, omegas
 

@@ -1,13 +1,15 @@
-"""Reference values of one asperity where solving is hard: at the ends of branches, in the limits of lambda, far and deep.
+"""Reference values of one asperity where solving is hard: at the ends of branches, in the limits of lambda,
+far and deep.
 
-Writes tests/data/stability.csv: the adhesion force, the external force and the contact radius of one asperity as functions
-of lambda and delta, region by region, with the condition number of each and the distance to the nearest place where the
-history changes the branch. The law `emd` is that of reference_values.py (Maugis-Dugdale in contact, extended Maugis-Dugdale
-before it), the other laws are those of reference_laws.py; the equations are written down there. What this file adds is the
-folds, found by the derivatives of those equations at 80 digits, so that a row 1e-15 beside a fold is on the right side of it.
+Writes tests/data/stability.csv: the adhesion force, the external force and the contact radius of one asperity
+as functions of lambda and delta, region by region, with the condition number of each and the distance to the
+nearest place where the history changes the branch. The law `emd` is that of reference_values.py
+(Maugis-Dugdale in contact, extended Maugis-Dugdale before it), the other laws are those of reference_laws.py;
+the equations are written down there. What this file adds is the folds, found by the derivatives of those
+equations at 80 digits, so that a row 1e-15 beside a fold is on the right side of it.
 
-Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the digits that give it
-back, and the rows are the truth for exactly these doubles.
+Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the
+digits that give it back, and the rows are the truth for exactly these doubles.
 """
 
 import functools
@@ -23,8 +25,8 @@ from reference_values import (
 
 EPSILON = mpf(2) ** -52
 LAMBDAS = (
-    "1e-06 1e-05 0.0001 0.001 0.01 0.1 0.3 0.6 0.85 0.888 0.889 0.89 0.9 0.92 0.937 0.94 0.95 1.0 1.05 1.1 1.115 "
-    "1.117 1.15 1.3 2.0 2.5 3.0 5.0 10.0 30.0 100.0 1000.0 10000.0 100000.0 1000000.0"
+    "1e-06 1e-05 0.0001 0.001 0.01 0.1 0.3 0.6 0.85 0.888 0.889 0.89 0.9 0.92 0.937 0.94 0.95 1.0 1.05 "
+    "1.1 1.115 1.117 1.15 1.3 2.0 2.5 3.0 5.0 10.0 30.0 100.0 1000.0 10000.0 100000.0 1000000.0"
 ).split()
 FAR = "-1e6 -1e5 -1e4 -1e3 -100 -30".split()
 BEFORE = "-10 -4 -3.001 -2.5 -1.5 -1.2 -1.05 -1.01 -0.95 -0.8 -0.5 -0.1 -0.01 -1e-3".split()
@@ -39,8 +41,9 @@ KEYS = ["region", "law", "path", "lambda", "delta", "critical_interference", "po
 VALUE_DIGITS = 20
 CONDITION_DIGITS = 5
 
-# The slope of the noncontact curve has its only hump between the folds, which appear at lambda = 0.88832. Between these lambda the
-# hump is narrow and between these logarithms of z - 1; log(0.4) is outside the outer fold for every lambda.
+# The slope of the noncontact curve has its only hump between the folds, which appear at lambda = 0.88832.
+# Between these lambda the hump is narrow and between these logarithms of z - 1; log(0.4) is outside the outer
+# fold for every lambda.
 SINGLE, NARROW = mpf("0.88"), mpf("0.95")
 HUMP = (mpf("-2.4"), mpf("-1.3"))
 OUTSIDE = mp.log(mpf("0.4"))
@@ -101,7 +104,8 @@ def cusp_lambda():
 def contact_end(lam):
     """Angle and approach at the end of the stable contact branch.
 
-    The closed form of FOLD_LAMBDA says on which side of it lambda is, so the angle may be as close to first touch as it likes.
+    The closed form of FOLD_LAMBDA says on which side of it lambda is, so the angle may be as close to first
+    touch as it likes.
     """
     angle = mp.pi / 2
     if lam > FOLD_LAMBDA:
@@ -121,7 +125,8 @@ def end(path, lam):
 def invert(state, lam, delta, low, high):
     """The parameter between low and high at which delta, which falls from low to high or rises, is met.
 
-    Halvings to 1e-12 of the bracket, then Newton's rule to the digits of mp; a step that leaves the bracket is a halving too.
+    Halvings to 1e-12 of the bracket, then Newton's rule to the digits of mp; a step that leaves the bracket
+    is a halving too.
     """
     rises = state(lam, high)[0] > state(lam, low)[0]
     below, above = (low, high) if rises else (high, low)
@@ -135,7 +140,8 @@ def invert(state, lam, delta, low, high):
             continue
         slope = mp.diff(lambda p: state(lam, p)[0], x)
         step = value / slope if slope else mp.inf
-        # The next step would be of the order of the square of this one; beside a fold, of that over the distance to it.
+        # The next step would be of the order of the square of this one; beside a fold, of that over the
+        # distance to it.
         if abs(step) < abs(x) * mpf(10) ** -55:
             return x - step
         # Every third step halves the bracket, so that no flat place can hold the search.
@@ -148,7 +154,9 @@ def emd_parameter(path, lam, delta):
     """Branch and parameter (angle or log of the gap) that the history selects."""
     if delta >= end(path, lam):
         last, approach = contact_end(lam)
-        return "contact", last if delta == approach else invert(contact_state, lam, delta, SMALLEST_ANGLE, last)
+        if delta == approach:
+            return "contact", last
+        return "contact", invert(contact_state, lam, delta, SMALLEST_ANGLE, last)
     undeformed = mp.log(-delta * mp.pi * lam / (2 * STRESS_FACTOR))  # here the undeformed gap alone is -delta
     fold = noncontact_fold(lam)
     if fold and delta < fold[1]:
@@ -156,7 +164,8 @@ def emd_parameter(path, lam, delta):
     innermost = undeformed
     while noncontact_state(lam, innermost)[0] < delta:
         innermost -= 8
-    return "noncontact", invert(noncontact_state, lam, delta, innermost, min(fold[0], undeformed) if fold else undeformed)
+    return "noncontact", invert(noncontact_state, lam, delta, innermost,
+                                min(fold[0], undeformed) if fold else undeformed)
 
 
 @functools.cache
@@ -167,11 +176,13 @@ def switches(law, path, lam):
         fold = noncontact_fold(lam)
         if fold and fold[1] < end(path, lam):
             ends.append((noncontact_state, fold[0]))
-        # At a fold the parameter may be held fixed, because the approach does not depend on it to first order.
+        # At a fold the parameter may be held fixed, because the approach does not depend on it to first
+        # order.
         return [(state(lam, p)[0], lam * mp.diff(lambda s: state(s, p)[0], lam)) for state, p in ends]
     if law == "md_kim":
         count = range(2)
-        return [(kim_ends(path, lam)[i], lam * mp.diff(lambda s, i=i: kim_ends(path, s)[i], lam)) for i in count]
+        return [(kim_ends(path, lam)[i], lam * mp.diff(lambda s, i=i: kim_ends(path, s)[i], lam))
+                for i in count]
     if law == "jkr":
         return [(mpf(0) if path == "approach" else jkr_delta(reference_laws.JKR_END), mpf(0))]
     if law == "ke":
@@ -180,7 +191,8 @@ def switches(law, path, lam):
 
 
 def margin(law, path, lam, delta):
-    """Distance to the nearest switch in roundings of the inputs: epsilon (|delta| + |lambda d(switch)/d(lambda)|)."""
+    """Distance to the nearest switch in roundings of the inputs: epsilon (|delta| + |lambda
+    d(switch)/d(lambda)|)."""
 
     def distance(place, by_lam):
         size = EPSILON * (abs(place) + abs(by_lam))
@@ -222,9 +234,11 @@ def emd_points(lam_double):
         yield from points("noncontact fold", beside(fold[1]), "approach")
         if fold[1] < last:
             yield from points("noncontact fold", beside(fold[1], FEW_SHIFTS), "retraction")
-        yield from points("gap", [fold[1] + (touch - fold[1]) * mpf(share) / 8 for share in range(1, 8)], "approach")
+        yield from points("gap", [fold[1] + (touch - fold[1]) * mpf(share) / 8 for share in range(1, 8)],
+                          "approach")
     if lam > 2:
-        gaps = [mp.log(mpf(x) * lam ** (mpf(3) / 7) - 1) for x in CUSP_GAPS if mpf(x) * lam ** (mpf(3) / 7) > 1.3]
+        gaps = [mp.log(mpf(x) * lam ** (mpf(3) / 7) - 1) for x in CUSP_GAPS
+                if mpf(x) * lam ** (mpf(3) / 7) > 1.3]
         yield from points("near-cusp", before(noncontact_state(lam, x)[0] for x in gaps), "approach")
 
 
@@ -239,19 +253,22 @@ def near_special_lambdas():
     for shift in [0] + [sign * mpf(10) ** -k for k in (4, 6, 9, 12, 15) for sign in (-1, 1)]:
         lam = float(cusp_lambda() * (1 + shift))
         place = noncontact_state(mpf(lam), hump(mpf(lam)))[0]
-        yield from (Point("noncontact cusp", "emd", "approach", lam, delta) for delta in beside(place, FEW_SHIFTS))
+        yield from (Point("noncontact cusp", "emd", "approach", lam, delta)
+                    for delta in beside(place, FEW_SHIFTS))
 
 
 def law_points():
     """The other laws at the ends of their branches and in the limits of lambda."""
     for path in ("approach", "retraction"):
         jkr_place = mpf(0) if path == "approach" else jkr_delta(reference_laws.JKR_END)
-        jkr_deltas = (beside(jkr_place) if jkr_place else []) + [float(d) for d in ["0", "-1e-15", "1e-15", *DEEP]]
+        jkr_deltas = beside(jkr_place) if jkr_place else []
+        jkr_deltas += [float(d) for d in ["0", "-1e-15", "1e-15", *DEEP]]
         yield from (Point("jkr", "jkr", path, 1.0, delta) for delta in jkr_deltas)
         for lam in map(float, "1e-06 0.001 0.1 0.5 0.65 0.66 0.9 0.94 1.0 2.5 10.0 1000.0 1000000.0".split()):
             contact, zone = kim_ends(path, mpf(lam))
             for place in {contact, zone}:
-                yield from (Point("md_kim", "md_kim", path, lam, delta) for delta in beside(place, FEW_SHIFTS))
+                yield from (Point("md_kim", "md_kim", path, lam, delta)
+                            for delta in beside(place, FEW_SHIFTS))
     tiny = ["-1e-300", "-1e-15", "-1e-9", "-1e-3", "0", "1e-15", "1e-300"]
     for law in ("hertz", "dmt"):
         yield from (Point(law, law, "approach", 1.0, float(d)) for d in tiny + DEEP)
@@ -259,9 +276,12 @@ def law_points():
         for delta in map(float, tiny + FAR + ["-1", "-10"]):
             yield Point("idmt", "idmt", "approach", lam, delta)
         joints = [float(mpf(x) * mpf(float(CRITICAL)) * (1 + sign * shift))
-                  for x in ("1", "6", "110") for shift in (mpf("1e-2"), mpf("1e-9"), mpf("1e-14")) for sign in (-1, 1)]
+                  for x in ("1", "6", "110") for shift in (mpf("1e-2"), mpf("1e-9"),
+                                                           mpf("1e-14")) for sign in (-1, 1)]
         for law in ("ke", "sbl"):
-            for delta in joints + [float(d) for d in ("-1e6", "-1e-15", "0", "1e-300", "1e-15", "1e-9", "1e-3", "1e3", "1e6")]:
+            for delta in joints + [float(d)
+                                   for d in ("-1e6", "-1e-15", "0", "1e-300", "1e-15", "1e-9", "1e-3", "1e3",
+                                             "1e6")]:
                 yield Point(law, law, "approach", lam, delta)
 
 
@@ -302,8 +322,8 @@ def other_values(point, lam, delta):
 
 def row(point):
     lam, delta = mpf(point.lam), mpf(point.delta)
-    is_emd = point.law == "emd"
-    branch, values, numbers = emd_values(point.path, lam, delta) if is_emd else other_values(point, lam, delta)
+    found = emd_values(point.path, lam, delta) if point.law == "emd" else other_values(point, lam, delta)
+    branch, values, numbers = found
     plastic = (CRITICAL, POISSON) if point.law in ("ke", "sbl") else ("", "")
     numbers = [mp.nstr(v, CONDITION_DIGITS) for v in (*numbers, margin(point.law, point.path, lam, delta))]
     keys = [point.region, point.law, point.path, repr(point.lam), repr(point.delta), *plastic, branch]

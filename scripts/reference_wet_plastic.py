@@ -1,16 +1,18 @@
 """Reference values of wet asperities whose tops are flattened, the law capillary.
 
-Writes tests/data/wet_plastic.csv: the adhesion force, the contact force and the contact radius of one asperity in a vapour that was
-pressed to the interference `largest` and is a `distance` from there, SI, with 25 digits of 60. A contact is at every moment an
-elastic wet contact of the radius R1 = K a^3 / P of its top, with the load P and the contact radius a of a plastic contact without
-adhesion at the interference omega (reference_md_plastic.py):
+Writes tests/data/wet_plastic.csv: the adhesion force, the contact force and the contact radius of one
+asperity in a vapour that was pressed to the interference `largest` and is a `distance` from there, SI, with
+25 digits of 60. A contact is at every moment an elastic wet contact of the radius R1 = K a^3 / P of its top,
+with the load P and the contact radius a of a plastic contact without adhesion at the interference omega
+(reference_md_plastic.py):
 
-* the solids in the liquid have W = (work of adhesion) - (share of) gamma s and the range H = Z_0/1.03. Their zone is that of Maugis
-  around a, with the stress W/H; less what they draw, their interference is delta_1 = a^2/R1 - 2 (W/H) a sqrt(m^2 - 1)/E. With no W
-  above 0 there is none;
-* the bridge has the tension p_c = gamma/r_K up to the gap h_0 - kappa/c at the edge c of the liquid, kappa = pi r_K^2/2 of faces that
-  are wetted perfectly. With delta_1 > 0 its zone is that of Maugis around a_0 = sqrt(R1 delta_1), with delta = a_0^2/R1 - 2 p_c a_0
-  sqrt(m^2 - 1)/E; otherwise around the gap -delta_1 in the middle (Kim, McMeeking and Johnson, J. Mech. Phys. Solids 46 (1998) 243);
+* the solids in the liquid have W = (work of adhesion) - (share of) gamma s and the range H = Z_0/1.03. Their
+  zone is that of Maugis around a, with the stress W/H; less what they draw, their interference is delta_1 =
+  a^2/R1 - 2 (W/H) a sqrt(m^2 - 1)/E. With no W above 0 there is none;
+* the bridge has the tension p_c = gamma/r_K up to the gap h_0 - kappa/c at the edge c of the liquid, kappa =
+  pi r_K^2/2 of faces that are wetted perfectly. With delta_1 > 0 its zone is that of Maugis around a_0 =
+  sqrt(R1 delta_1), with delta = a_0^2/R1 - 2 p_c a_0 sqrt(m^2 - 1)/E; otherwise around the gap -delta_1 in
+  the middle (Kim, McMeeking and Johnson, J. Mech. Phys. Solids 46 (1998) 243);
 * of gamma s and p_c there is the share h_0/H - 1, from 0 to 1.
 
 Of two edges the larger is taken: it is searched for downwards from the edge without kappa.
@@ -23,12 +25,13 @@ from mpmath import mp, mpf
 from reference_md_plastic import Apart, bare, critical_of, gap_of, table_of, zone_of
 from reference_plastic import jg, ke, pressure_factor, tn, zmc
 
-KEYS = ["contact", "radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness", "poisson_ratio",
+KEYS = ["contact", "radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness",
+        "poisson_ratio",
         "surface_tension", "kelvin_radius", "largest", "distance"]
 VALUES = ["adhesion_force", "contact_force", "contact_radius"]
 
-# Silicon in moist air, a metal that keeps adhesion in the liquid, steel in a film, and a metal between wet and dry: R, E,
-# work of adhesion, Z_0, H, Poisson's ratio, gamma, r_K
+# Silicon in moist air, a metal that keeps adhesion in the liquid, steel in a film, and a metal between wet
+# and dry: R, E, work of adhesion, Z_0, H, Poisson's ratio, gamma, r_K
 ASPERITIES = [
     ("0.5e-6", "85.6e9", "0.02", "0.2e-9", "11e9", "0.22", "72.7e-3", "3.3e-9"),
     ("3.33e-6", "85.29e9", "0.3", "0.2e-9", "2.5e9", "0.27", "72.7e-3", "1.5e-9"),
@@ -47,7 +50,8 @@ class Wet:
 
     def __init__(self, law, texts):
         self.law = law
-        radius, modulus, work, spacing, hardness, poisson, tension, kelvin = (mpf(float(text)) for text in texts)
+        numbers = (mpf(float(text)) for text in texts)
+        radius, modulus, work, spacing, hardness, poisson, tension, kelvin = numbers
         self.radius, self.modulus, self.stiffness = radius, modulus, 4 * modulus / 3
         reach, self.range = spacing / mpf("1.03"), 2 * kelvin
         share = min(max(self.range / reach - 1, 0), 1)
@@ -95,9 +99,11 @@ class Wet:
         beta = 4 * self.pressure / (mp.pi * self.modulus)
 
         def excess(c):
-            return c**2 / (2 * flattened) + (mp.pi / 2 - 1) * beta * c + self.curvature / c - self.range - inner
+            return c**2 / (2 * flattened) + (mp.pi / 2
+                                             - 1) * beta * c + self.curvature / c - self.range - inner
 
-        circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100, verify=False)
+        circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100,
+                             verify=False)
         if not (abs(excess(circle)) < mpf(10) ** -40 * self.range and circle > 0):
             raise Apart
         return mp.pi * self.pressure * circle**2, mp.pi / 2 * beta * circle
@@ -127,8 +133,10 @@ def cases():
     draw = random.Random(2)
     for number in range(RANDOM):
         modulus = 10 ** draw.uniform(10.3, 11.3)
-        values = (10 ** draw.uniform(-7, -5), modulus, 10 ** draw.uniform(-1.7, 0), 10 ** draw.uniform(-9.8, -9.4),
-                  modulus * 10 ** draw.uniform(-2, -1.2), draw.uniform(0.15, 0.45), 10 ** draw.uniform(-1.7, -1.1),
+        values = (10 ** draw.uniform(-7, -5), modulus, 10 ** draw.uniform(-1.7, 0),
+                  10 ** draw.uniform(-9.8, -9.4),
+                  modulus * 10 ** draw.uniform(-2, -1.2), draw.uniform(0.15, 0.45),
+                  10 ** draw.uniform(-1.7, -1.1),
                   10 ** draw.uniform(-9.2, -8.2))  # fmt: skip
         multiples = [repr(10 ** draw.uniform(0.3, 2.2)) for _ in range(2)]
         yield (jg, zmc, tn, ke)[number % 4 if number % 2 else 0], tuple(map(repr, values)), multiples

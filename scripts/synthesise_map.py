@@ -1,11 +1,13 @@
-"""Makes the shipped height map configs/maps/polished.txt, a synthetic surface as the program of a microscope would export it.
+"""Makes the shipped height map configs/maps/polished.txt, a synthetic surface as the program of a microscope
+would export it.
 
 An isotropic Gaussian surface, periodic, from white noise filtered in Fourier space to the power spectrum
 
     C(q) ~ (1 + (q / q0)^2)^-1.8 exp(-(q / q1)^2),    q0 = 2 pi / 1.5 um,  q1 = 2 pi / 0.24 um,
 
-self-affine between the roll-off at q0 and the cut-off at q1, scaled to a standard deviation of 1.62 nm, tilted by 2 nm per um as
-samples are, and rounded to picometres. 192 x 192 pixels on 5.76 x 5.76 um^2. No measurement is in it.
+self-affine between the roll-off at q0 and the cut-off at q1, scaled to a standard deviation of 1.62 nm,
+tilted by 2 nm per um as samples are, and rounded to picometres. 192 x 192 pixels on 5.76 x 5.76 um^2. No
+measurement is in it.
 
 Usage:
     python scripts/synthesise_map.py [-o OUT.txt]
@@ -38,7 +40,8 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=MAP, metavar="OUT.txt")
     output = parser.parse_args().output
     size = f"{PIXELS * PIXEL:.3f} µm"
-    header = ["# Channel: Topography, synthetic (scripts/synthesise_map.py)", f"# Width: {size}", f"# Height: {size}",
+    header = ["# Channel: Topography, synthetic (scripts/synthesise_map.py)", f"# Width: {size}",
+              f"# Height: {size}",
               "# Value units: nm"]
     rows = ["\t".join(f"{height:.3f}" for height in row) for row in heights()]
     output.write_text("\n".join(header + rows) + "\n", encoding="utf-8")

@@ -1,9 +1,10 @@
-"""What accuracy costs: error over time, from tables that `cargo bench --bench work_precision` and benches/peers/peers.py write.
+"""What accuracy costs: error over time, from tables that `cargo bench --bench work_precision` and
+benches/peers/peers.py write.
 
 Usage: python scripts/work_precision.py FILE.csv... [-o OUT.png]
 
-A table has the header panel,method,setting,seconds,error,what; each method is a line through its points in the order of
-their settings, and its branches share a colour.
+A table has the header panel,method,setting,seconds,error,what; each method is a line through its points in
+the order of their settings, and its branches share a colour.
 """
 
 import argparse
@@ -23,21 +24,25 @@ BRANCHES = {", contact": "-", ", before contact": DASHED, ", moments": "-", ", d
 
 
 def draw_panel(axes, rows):
-    floor = min([sys.float_info.epsilon, *(float(row["error"]) or 1.0 for row in rows)])  # where an error of 0 is drawn
+    floor = min([sys.float_info.epsilon,
+                 *(float(row["error"]) or 1.0 for row in rows)])  # where an error of 0 is drawn
     styles = {}
     for method, points in itertools.groupby(rows, lambda row: row["method"]):
         points = list(points)
         branch = next((branch for branch in BRANCHES if method.endswith(branch)), "")
         name = method.removesuffix(branch)
-        color, marker = styles.setdefault(name, (COLORS[len(styles) % len(COLORS)], MARKERS[len(styles) % len(MARKERS)]))
+        color, marker = styles.setdefault(name, (COLORS[len(styles) % len(COLORS)],
+                                                 MARKERS[len(styles) % len(MARKERS)]))
         x, y = ([max(float(row[key]), floor) for row in points] for key in ("seconds", "error"))
         axes.loglog(x, y, color=color, marker=marker, linestyle=BRANCHES.get(branch, "-"), label=method)
         for place in sorted({0, len(points) - 1}):
-            axes.annotate(points[place]["setting"], (x[place], y[place]), xytext=(4, 4), textcoords="offset points", fontsize=5)
+            axes.annotate(points[place]["setting"], (x[place], y[place]), xytext=(4, 4),
+                          textcoords="offset points", fontsize=5)
     if rows and rows[0]["panel"] == "monte_carlo":
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         for step in range(-12, 13):
-            axes.plot([left, right], [10 ** (step / 2) * at**-0.5 for at in (left, right)], color="0.85", zorder=0)
+            axes.plot([left, right], [10 ** (step / 2) * at**-0.5 for at in (left, right)], color="0.85",
+                      zorder=0)
         axes.set(xlim=(left, right), ylim=(low, high))
     else:
         axes.axhline(sys.float_info.epsilon, color="0.6", linestyle=":", zorder=0)

@@ -24,11 +24,13 @@ class Comparison:
         self.data = {}
         with h5py.File(path) as file:
             self.attrs = dict(file.attrs)
-            file.visititems(lambda name, item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
+            file.visititems(lambda name,
+                            item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
         self.laws = [name.decode() for name in self.data["integral/law"]]
         self.regimes = [name.decode() for name in self.data["integral/regime"]]
         self.x, self.h = self.data["integral/h_star"], self.data["integral/separation"]
-        self.lam, self.psi = float(self.attrs["adhesion_parameter"]), float(self.attrs["asperity_plasticity_index"])
+        self.lam = float(self.attrs["adhesion_parameter"])
+        self.psi = float(self.attrs["asperity_plasticity_index"])
         self.sigma, self.count = float(self.attrs["surface_height_std"]), int(self.attrs["asperity_count"])
         self.length, self.force = float(self.attrs["approach_unit"]), float(self.attrs["force_unit"])
         self.omega_c = float(self.attrs["critical_interference"])
@@ -54,7 +56,8 @@ class Program:
     """The program `stiction`, and the folder that its files are kept in."""
 
     def __init__(self, path, scenes, folder, keep = False, replicas = None):
-        self.path, self.scenes, self.folder, self.keep, self.replicas = path.absolute(), scenes, folder, keep, replicas
+        self.path, self.scenes, self.folder = path.absolute(), scenes, folder
+        self.keep, self.replicas = keep, replicas
         if not path.is_file():
             raise PaperError(f"{path} is not there: build it with `cargo build --release`, or name another "
                              "by --program")
@@ -71,7 +74,8 @@ class Program:
             return Comparison(output)
         more = ["--ensemble"] if ensemble else []
         more += ["--replicas", self.replicas] if ensemble and self.replicas else []
-        self.run("compare", self.scenes / f"{scene}.toml", "--laws", laws, "--quiet", "--force", "-o", output, *more)
+        self.run("compare", self.scenes / f"{scene}.toml", "--laws", laws, "--quiet", "--force", "-o", output,
+                 *more)
         return Comparison(output)
 
     def asperity(self, law, lam, delta, path = "approach"):
@@ -162,7 +166,8 @@ def gaussian_sum(case, delta, force):
 
 
 def without_contact_below_zero(program, case):
-    """External force of the direct law when, as in eq. 20, asperities at -delta_A < delta < 0 have no contact force."""
+    """External force of the direct law when, as in eq. 20, asperities at -delta_A < delta < 0 have no contact
+    force."""
     delta = np.linspace(-case.delta_a * (1.0 - 1e-12), 0.0, 2001)
     sphere = program.sphere(case, "emd", delta)
     contact = sphere["external_force"] + sphere["adhesion_force"]

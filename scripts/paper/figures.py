@@ -9,7 +9,8 @@ SEPARATION, MN, DOTTED = r"separation $h$* = $h/\sigma$", 1e-3, (0, (1.2, 1.2))
 # Label, colour and line of a law; in grey the lines tell them apart.
 LAWS = {
     "hybrid": ("hybrid", BLUE, "-"), "emd": ("EMD", VERMILION, DASHED), "isbl": ("ISBL", GREEN, DASH_DOT),
-    "sbl": ("SBL", COLORS[4], (0, (7, 1.5, 1, 1.5, 1, 1.5))), "jkr": ("JKR", COLORS[4], (0, (7, 1.5, 1, 1.5, 1, 1.5))),
+    "sbl": ("SBL", COLORS[4], (0, (7, 1.5, 1, 1.5, 1, 1.5))),
+    "jkr": ("JKR", COLORS[4], (0, (7, 1.5, 1, 1.5, 1, 1.5))),
     "idmt": ("IDMT", GREEN, DASH_DOT), "fit:paper": ("hybrid with the paper's fits", "black", DOTTED),
 }  # fmt: skip
 REGIMES = {
@@ -43,7 +44,8 @@ def curve(axes, case, law, unit, name="adhesion_force", style=None):
     axes.plot(case.x, force, color=color, linestyle=line, label=label)
     if "fit" not in law:
         std = case.by_law(law, f"ensemble/{name}_std") / unit
-        axes.fill_between(case.x, force - std, force + std, facecolor=color, alpha=0.22, linewidth=0, zorder=1)
+        axes.fill_between(case.x, force - std, force + std, facecolor=color, alpha=0.22, linewidth=0,
+                          zorder=1)
 
 
 def figure_1(program, runs):
@@ -56,14 +58,16 @@ def figure_1(program, runs):
     c, _ = contact_zone(case.lam, contact["contact_radius"], contact["delta"])
     left.plot(delta / NM, contact["contact_radius"] * to_nm, color=BLUE, label="contact radius $a$")
     left.plot(delta / NM, c * to_nm, color=VERMILION, linestyle=DASHED, label="adhesive radius $c$")
-    left.set(xlabel=r"approach $\delta$ (nm)", ylabel="radius (nm)", ylim=(0, None), title="(a) Contact (Maugis-Dugdale)")
+    left.set(xlabel=r"approach $\delta$ (nm)", ylabel="radius (nm)", ylim=(0, None),
+             title="(a) Contact (Maugis-Dugdale)")
     z = np.geomspace(1.005, 6.0, 1500)
     c, delta, _ = noncontact(case.lam, z)
     outermost = delta > np.maximum.accumulate(np.append(delta, -np.inf)[::-1])[::-1][1:]
     reached, lowest = outermost & (delta < -case.delta_a / case.length), c.argmin()
     h0, label = z * case.spacing / NM, f"smallest $c$ at $h_0$ = {z[lowest]:.2f} $Z_0$"
     right.plot(h0, c * to_nm, color="0.45", linestyle=DOTTED, label="not reached on approach")
-    right.plot(h0, np.where(reached, c * to_nm, np.nan), color=VERMILION, label="adhesive radius $c$, reached on approach")
+    right.plot(h0, np.where(reached, c * to_nm, np.nan), color=VERMILION,
+               label="adhesive radius $c$, reached on approach")
     right.plot(h0[lowest], c[lowest] * to_nm, "o", color="black", markerfacecolor="white", label=label)
     right.set(xlabel="separation $h_0$ at the centre (nm)", ylabel="adhesive radius $c$ (nm)")
     right.set(ylim=(0, None), xlim=(0.16, 1.22), title="(b) Before contact")
@@ -81,7 +85,8 @@ def figure_2(program, runs):
         delta = np.sort(np.concatenate([np.linspace(low * NM, high * NM, 1200), *touch]))
         for law in ("emd", "idmt", "jkr"):
             sphere = program.sphere(case, law, delta, "retraction" if law == "jkr" else "approach")
-            force = np.where((law == "jkr") & (sphere["branch"] != "contact"), np.nan, sphere["adhesion_force"])
+            force = np.where((law == "jkr") & (sphere["branch"] != "contact"), np.nan,
+                             sphere["adhesion_force"])
             label, color, line = LAWS[law]
             axes.plot(delta / NM, force / UN, color=color, linestyle=line, label=label)
         axes.set(xlabel=r"approach $\delta$ (nm)", ylim=(0, None))
@@ -96,7 +101,8 @@ def figure_4(_, runs):
     for law in ("emd", "sbl", "isbl"):
         curve(axes, runs["III"], law, MN)
     curve(axes, runs["III"], "fit:paper", MN, style=("EMD with the paper's fits", *LAWS["fit:paper"][1:]))
-    axes.set(xlabel=SEPARATION, ylabel="adhesion force (mN)", xlim=(0, 7), ylim=(0, 330), title=named(runs["III"], "III"))
+    axes.set(xlabel=SEPARATION, ylabel="adhesion force (mN)", xlim=(0, 7), ylim=(0, 330),
+             title=named(runs["III"], "III"))
     legend_below(figure, axes, 4, BAND)
     return figure
 
@@ -110,9 +116,11 @@ def figure_5(_, runs):
             for law in ("hybrid", "emd", "isbl", "fit:paper"):
                 curve(axes, case, law, unit)
         force = case.by_law("hybrid", "integral/adhesion_force")
-        column[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN), title=f"({letter}) {named(case, name)}")
+        column[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN),
+                      title=f"({letter}) {named(case, name)}")
         shown = force[(case.x >= start - 1) & (case.x <= 8)] / UN
-        column[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()), xlabel=SEPARATION)
+        column[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()),
+                      xlabel=SEPARATION)
         column[1].axvline(start, color="0.6", linewidth=0.7, zorder=0)
         column[1].set_title(f"before contact, line at $h$* = {start:g}")
     for axes, unit in zip(grid[:, 0], ("mN", "µN")):
@@ -140,7 +148,8 @@ def figure_6(_, runs):
 def figure_7(_, runs):
     """A column for each case: its force, and the slope of that."""
     figure, grid = panels(11, 6.5, 3, 2)
-    limits = {"I": (UN, "µN", (4.5, 8), (-4, 2)), "II": (UN, "µN", (2, 5), (-900, 300)), "III": (MN, "mN", (0, 8), (-135, 135))}
+    limits = {"I": (UN, "µN", (4.5, 8), (-4, 2)), "II": (UN, "µN", (2, 5), (-900, 300)),
+              "III": (MN, "mN", (0, 8), (-135, 135))}
     slopes = {"I": (1.0, "N/m", (-5, 35)), "II": (1e3, "kN/m", (-100, 420)), "III": (1e6, "MN/m", (-45, 190))}
     for (top, bottom), letters, (name, (unit, sign, x, y)) in zip(grid.T, ("ad", "be", "cf"), limits.items()):
         case, (slope, of_slope, z) = runs[name], slopes[name]
@@ -151,8 +160,10 @@ def figure_7(_, runs):
             bottom.plot(case.x, np.gradient(force, case.h, edge_order=2) / slope, color=color, linestyle=line)
         for axes in (top, bottom):
             axes.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-        top.set(xlim=x, ylim=y, ylabel=f"external force ({sign})", title=f"({letters[0]}) {named(case, name)}")
-        bottom.set(xlim=x, ylim=z, xlabel=SEPARATION, ylabel=f"stiffness $dF/dh$ ({of_slope})", title=f"({letters[1]})")
+        top.set(xlim=x, ylim=y, ylabel=f"external force ({sign})",
+                title=f"({letters[0]}) {named(case, name)}")
+        bottom.set(xlim=x, ylim=z, xlabel=SEPARATION, ylabel=f"stiffness $dF/dh$ ({of_slope})",
+                   title=f"({letters[1]})")
         top.legend(loc="upper right")
     grid[1, 2].axvline(2e-9 / runs["III"].sigma, color="0.55", linewidth=0.8, zorder=0, label="$h$ = 2 nm")
     grid[1, 2].legend()
@@ -164,12 +175,14 @@ def figure_8(_, runs):
     figure, ((axes,),) = panels(6.5, 4.8)
     for name in ENERGIES:
         case = runs[name]
-        curve(axes, case, "hybrid", MN, "external_force", (rf"$\Delta\gamma$ = {name} J/m$^2$", *SCENES[name]))
+        curve(axes, case, "hybrid", MN, "external_force",
+              (rf"$\Delta\gamma$ = {name} J/m$^2$", *SCENES[name]))
         place, label = case.place("hybrid", "pull_off"), "pull-off" if name == "0.04" else "_"
         force = -case.number("hybrid", "pull_off_force") / MN
         axes.plot(place, force, "o", color="black", markerfacecolor="white", zorder=4, label=label)
     axes.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-    axes.set(xlabel=SEPARATION, ylabel="external force, compressive positive (mN)", xlim=(0.5, 6), ylim=(-42, 30))
+    axes.set(xlabel=SEPARATION, ylabel="external force, compressive positive (mN)", xlim=(0.5, 6),
+             ylim=(-42, 30))
     axes.set_title(r"Surface of case III, $\sigma$ = 0.6541 nm")
     legend_below(figure, axes, 4, BAND)
     return figure
@@ -183,7 +196,8 @@ def figure_9(program, runs):
         delta, direct, paper = fit_points(program, runs["II"], "fit:paper", force)
         top.plot(delta / NM, direct / UN, color=BLUE, label="direct solution")
         top.plot(delta / NM, paper / UN, color="black", linestyle=DOTTED, label="the paper's fit (Table 3)")
-        bottom.plot(delta / NM, 100 * (paper - direct) / np.abs(direct).max(), color="black", linestyle=DOTTED)
+        bottom.plot(delta / NM, 100 * (paper - direct) / np.abs(direct).max(), color="black",
+                    linestyle=DOTTED)
         bottom.axhspan(-1, 1, facecolor="0.9", zorder=0)
         bottom.set_xlabel(r"approach $\delta$ (nm)")
         top.set_title(title)
@@ -193,7 +207,8 @@ def figure_9(program, runs):
     return figure
 
 
-FIGURES = {1: figure_1, 2: figure_2, 4: figure_4, 5: figure_5, 6: figure_6, 7: figure_7, 8: figure_8, 9: figure_9}
+FIGURES = {1: figure_1, 2: figure_2, 4: figure_4, 5: figure_5, 6: figure_6, 7: figure_7, 8: figure_8,
+           9: figure_9}
 
 
 def draw_all(program, runs, dpi):

@@ -142,7 +142,7 @@ class Block:
 
 
 def digits(value, count = 3):
-    """So many significant digits, without a power of ten."""
+    """Significant digits, without a power of ten."""
     return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
 
 

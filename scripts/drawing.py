@@ -1,5 +1,4 @@
-"""What the scripts that draw for the documentation have in common: the style of this checkout's package,
-axes, runs."""
+"""Scripts that draw for the documentation share this: the style of this checkout's package, axes, runs."""
 
 import argparse
 import os

@@ -47,7 +47,7 @@ pub fn mutant(number: usize) -> bool {
 
 
 def tests_of(folder, prefix):
-    """What the names of the tests in the files of a folder begin with, and end with."""
+    """Beginnings and ends of the names of the tests in the files of a folder."""
     tests = re.compile(r"#\[test\](?:\s*#\[[^\n]*)*\s*fn (\w+)\(")
     for path in sorted(folder.rglob("*.rs")):
         room = [part for part in path.relative_to(folder).with_suffix("").parts

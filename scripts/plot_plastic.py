@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from drawing import BLUE, DOCS, GREEN, VERMILION, Figure, context, options, panel
 
-# Colour, marker and place beside its load of an unloading.
+# Colour and marker of an unloading, and its distance from its load.
 UNLOADINGS = {"ekk": ("0.25", "D", -0.24), "secant": (BLUE, "o", -0.08),
               "mesarovic_johnson": (VERMILION, "s", 0.08), "thornton_ning": (GREEN, "^", 0.24)}  # fmt: skip
 

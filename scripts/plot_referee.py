@@ -3,7 +3,7 @@ picture.
 
 Usage: python scripts/plot_referee.py [-o OUT.png] [--substrate TOML]
 
-The program runs on the same surfaces; --substrate is more of its table, such as 'kernel = "contact"'.
+The program runs on these surfaces; --substrate is more of its table, such as 'kernel = "contact"'.
 """
 
 import json
@@ -57,7 +57,7 @@ def errors(axes, parts, programs):
             axes.plot(share, np.abs(column(programs[name], "external_force") / true - 1), **OWN)
     axes.set(xscale="log", yscale="log", xlabel="share of the area in contact",
              ylabel="relative error of the total force")
-    axes.set_title("(b) error at the same separation")
+    axes.set_title("(b) error at equal separations")
     axes.legend(title="asperities")
 
 

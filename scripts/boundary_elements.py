@@ -1,11 +1,13 @@
 """Boundary-element solutions of surfaces on a plane that repeats, by the package tamaas, for referee.py.
 
-tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough surface with a flat
-elastic half-space by conjugate gradients on a regular grid, with the response of the substrate in Fourier space. Lengths
-are in nm and stresses in GPa here, so that forces are in nN; what goes in and comes out is in SI units.
+tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough
+surface with a flat elastic half-space by conjugate gradients on a regular grid, with the response of the
+substrate in Fourier space. Lengths are in nm and stresses in GPa here, so that forces are in nN; what goes in
+and comes out is in SI units.
 
-Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the surface on the grid, half a
-pixel apart both ways, on three grids, each twice as fine as the one before; from the last two it is extrapolated.
+Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the
+surface on the grid, half a pixel apart both ways, on three grids, each twice as fine as the one before; from
+the last two it is extrapolated.
 """
 
 import time
@@ -30,26 +32,30 @@ class Solution(NamedTuple):
     seconds: float
 
 
-def paraboloids(surface: dict, points: int, shift: float, reach: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+def paraboloids(surface, points, shift, reach = np.inf):
     """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels.
 
-    Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point that one does.
+    Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point
+    that one does.
     """
     cell = surface["cell"] / NM
     axis, pixel = (np.arange(points) - shift) * cell / points, cell / points
     heights, owner = np.full((points, points), -np.inf), np.zeros((points, points), np.int32)
     half = min(points // 2, int(min(reach / NM / pixel, points)))
     for index, ((x, y), z, radius) in enumerate(zip(surface["places"], surface["heights"], surface["radii"])):
-        near = [np.arange(half * 2 if half * 2 < points else points) + int(p / NM / pixel + shift) - half for p in (x, y)]
+        near = [np.arange(half * 2 if half * 2 < points else points) + int(p / NM / pixel + shift) - half
+                for p in (x, y)]
         window = np.ix_(*(values % points for values in near))
-        along, across = (gap - cell * np.rint(gap / cell) for gap in (axis[near[0] % points] - x / NM, axis[near[1] % points] - y / NM))
+        along, across = (gap - cell * np.rint(gap / cell)
+                         for gap in (axis[near[0] % points] - x / NM, axis[near[1] % points] - y / NM))
         height = z / NM - (along[:, None] ** 2 + across[None, :] ** 2) / (2 * radius / NM)
         higher = height > heights[window]
-        heights[window], owner[window] = np.where(higher, height, heights[window]), np.where(higher, index, owner[window])
+        heights[window] = np.where(higher, height, heights[window])
+        owner[window] = np.where(higher, index, owner[window])
     return np.maximum(heights, heights[np.isfinite(heights)].min()), owner
 
 
-def refined(heights: np.ndarray, times: int) -> np.ndarray:
+def refined(heights, times):
     """A periodic map on a grid that is finer by a whole number, by its Fourier series."""
     count = len(heights)
     transformed, half = np.fft.fft2(heights), count // 2
@@ -61,19 +67,20 @@ def refined(heights: np.ndarray, times: int) -> np.ndarray:
     return np.fft.ifft2(finer).real * times**2
 
 
-def contact_area(pressed: np.ndarray, pixel: float) -> float:
-    """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int. 114 (2017) 161."""
+def contact_area(pressed, pixel):
+    """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int.
+    114 (2017) 161."""
     edge = sum(int(np.sum(pressed != np.roll(pressed, 1, axis))) for axis in (0, 1))
     return (float(pressed.sum()) - (np.pi - 1 + np.log(2)) / 24 * edge) * pixel**2
 
 
-def model_of(points: int, cell: float, modulus: float):
+def model_of(points, cell, modulus):
     model = tamaas.Model(tamaas.model_type.basic_2d, [cell / NM] * 2, [points] * 2)
     model.E, model.nu = modulus / GPA, 0.0
     return model
 
 
-def press(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, pressure: float, tolerance: float = 1e-10) -> Solution:
+def press(heights, owner, cell, modulus, pressure, tolerance = 1e-10):
     """Without adhesion under a mean pressure in Pa."""
     model, pixel = model_of(len(heights), cell, modulus), cell / len(heights)
     begin = time.perf_counter()
@@ -88,7 +95,7 @@ def press(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, p
     return Solution(separation, loads, contact_area(traction > 0, pixel), seconds)
 
 
-def hold(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, work: float, stress: float, separation: float) -> Solution:
+def hold(heights, owner, cell, modulus, work, stress, separation):
     """With the adhesion of Maugis, the theoretical stress up to the gap work/stress, at a separation in m."""
     model, pixel, tolerance = model_of(len(heights), cell, modulus), cell / len(heights), 1e-7
     gaps = tamaas.PolonskyKeerRey.gap
@@ -106,14 +113,16 @@ def hold(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, wo
     return Solution(separation, loads, contact_area(np.array(model["gap"]) <= 0.0, pixel), seconds)
 
 
-def over_shifts(solve, surface_at) -> Solution:
-    """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives heights and owners."""
+def over_shifts(solve, surface_at):
+    """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives
+    heights and owners."""
     found = [solve(*surface_at(shift)) for shift in SHIFTS]
     return Solution(*(np.mean([getattr(one, name) for one in found], axis=0) for name in Solution._fields))
 
 
-def extrapolated(coarse, middle, fine, order: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids show."""
+def extrapolated(coarse, middle, fine, order):
+    """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids
+    show."""
     coarse, middle, fine = (np.asarray(value, float) for value in (coarse, middle, fine))
     limit = fine + (fine - middle) / (2.0**order - 1)
     with np.errstate(divide="ignore", invalid="ignore"):

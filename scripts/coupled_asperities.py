@@ -1,20 +1,22 @@
-"""A dense solver of elastically coupled asperities, for reference_coupling.py and referee.py; it shares nothing with the program.
+"""A dense solver of elastically coupled asperities, for reference_coupling.py and referee.py; it shares
+nothing with the program.
 
 Asperity i at x_i with the height z_i, at the separation d, has the approach
 
     delta_i = z_i - d - u_i,    u_i = sum_j G_ij f_j,    f_j = f(delta_j)
 
-where f is the external force of its law (compression positive) and G the displacement of an elastic half-space under a
-unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a square cell that repeats (`periodic`)
-the same without its mean, by the sum of Ewald, with the images of asperity i itself in G_ii.
+where f is the external force of its law (compression positive) and G the displacement of an elastic
+half-space under a unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a
+square cell that repeats (`periodic`) the same without its mean, by the sum of Ewald, with the images of
+asperity i itself in G_ii.
 
-The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of doubles, but residuals
-are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17 digits: iterative refinement.
+The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of
+doubles, but residuals are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17
+digits: iterative refinement.
 """
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -26,11 +28,12 @@ PI = Long("3.14159265358979323846264338327950288")
 ROUNDS = 200
 
 
-# --- The substrate -----------------------------------------------------------------------------------------------------
+# --- The substrate
 
 
 def lattice(x, y, splitting=None):
-    """pi E* L G of the unit cell at (x, y), without the mean, by the sum of Ewald in the working precision of mpmath.
+    """pi E* L G of the unit cell at (x, y), without the mean, by the sum of Ewald in the working precision of
+    mpmath.
 
     At (0, 0) the source itself is left out: that is the self term, 4 zeta(1/2) beta(1/2) = -3.90026492...
     """
@@ -58,7 +61,8 @@ def lattice(x, y, splitting=None):
 
 @functools.cache
 def smooth_part():
-    """Chebyshev coefficients, in x and in y over 0 ... 1/2, of `lattice` less the terms 1/r of the nine nearest sources.
+    """Chebyshev coefficients, in x and in y over 0 ... 1/2, of `lattice` less the terms 1/r of the nine
+    nearest sources.
 
     The nearest source left is two cells away, so that 20 terms each way leave 1e-20.
     """
@@ -67,7 +71,8 @@ def smooth_part():
         angles = [mp.pi * (2 * i + 1) / (2 * count) for i in range(count)]
         places = [(1 + mp.cos(angle)) / 4 for angle in angles]
         values = [[lattice(x, y) - nearest(x, y, mp.hypot) for y in places] for x in places]
-        basis = mp.matrix([[mp.cos(k * angle) * (1 if k == 0 else 2) / count for angle in angles] for k in range(count)])
+        basis = mp.matrix([[mp.cos(k * angle) * (1 if k == 0 else 2) / count for angle in angles]
+                           for k in range(count)])
         coefficients = basis * mp.matrix(values) * basis.T
         return np.array([[long(coefficients[i, j]) for j in range(count)] for i in range(count)])
 
@@ -78,7 +83,8 @@ def nearest(x, y, hypot):
     for i in (-1, 0, 1):
         for j in (-1, 0, 1):
             r = hypot(x - i, y - j)
-            total = total + (1 / np.where(r == 0, np.inf, r) if isinstance(r, np.ndarray) else 1 / r if r else 0)
+            total = total + (1 / np.where(r == 0, np.inf, r) if isinstance(r, np.ndarray) else 1 / r if r
+                             else 0)
     return total
 
 
@@ -88,7 +94,7 @@ def lattice_of(x, y):
     return nearest(x, y, np.hypot) + np.polynomial.chebyshev.chebval2d(4 * x - 1, 4 * y - 1, smooth_part())
 
 
-def green_matrix(places, modulus: float, cell: float | None):
+def green_matrix(places, modulus, cell):
     """G_ij in m/N as long doubles; `cell` is the side of the periodic cell in m, None on a half-space."""
     x, y = np.asarray(places, Long).T
     x, y = x[:, None] - x[None, :], y[:, None] - y[None, :]
@@ -98,17 +104,18 @@ def green_matrix(places, modulus: float, cell: float | None):
     return 1 / (scale * np.where(np.eye(len(x), dtype=bool), np.inf, np.hypot(x, y)))
 
 
-def long(value) -> Long:
+def long(value):
     """The long double nearest to a number of mpmath."""
     return Long(mp.nstr(mp.mpf(value), 24))
 
 
-# --- Laws of one asperity ----------------------------------------------------------------------------------------------
+# --- Laws of one asperity
 
 
 @dataclass
 class Asperities:
-    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in J/m^2, Z_0 in m."""
+    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in
+    J/m^2, Z_0 in m."""
 
     radius: np.ndarray
     modulus: float
@@ -125,18 +132,18 @@ class Asperities:
         return np.cbrt((PI * Long(self.work) / self.stiffness) ** 2 * Long(1) * self.radius)
 
 
-def hertz(asperity: Asperities, delta):
+def hertz(asperity, delta):
     inside = np.maximum(delta, 0)
     factor = asperity.stiffness * np.sqrt(Long(1) * asperity.radius)
     return factor * inside * np.sqrt(inside), Long(3) / 2 * factor * np.sqrt(inside)
 
 
-def dmt(asperity: Asperities, delta):
+def dmt(asperity, delta):
     force, slope = hertz(asperity, delta)
     return np.where(delta >= 0, force - 2 * PI * asperity.radius * Long(asperity.work), 0), slope
 
 
-def idmt(asperity: Asperities, delta):
+def idmt(asperity, delta):
     """The undeformed sphere under the Lennard-Jones stress before contact, dmt in contact."""
     unit = PI * asperity.radius * Long(asperity.work)
     s = Long(asperity.spacing) / (Long(asperity.spacing) - np.minimum(delta, 0))
@@ -165,7 +172,7 @@ def jkr_radius(scaled):
 JKR_END = -3 * Long(6) ** (-Long(2) / 3)  # the least Delta
 
 
-def jkr(asperity: Asperities, delta):
+def jkr(asperity, delta):
     length, unit = asperity.length, PI * Long(asperity.work) * asperity.radius
     radius = jkr_radius(delta / length)
     root = np.sqrt(6 * radius)
@@ -180,11 +187,13 @@ def dugdale_state(theta, lam):
     beta = 4 * lam**2 / 3 * (theta * sine + cosine - 1)
     outer = 2 / (beta + np.sqrt(beta**2 + 4 * alpha))
     radius = outer * cosine
-    return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - lam * outer**2 * (sine * cosine + theta), radius
+    pull = lam * outer**2 * (sine * cosine + theta)
+    return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - pull, radius
 
 
-def dugdale(stress: float) -> Callable:
-    """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with theta all the way."""
+def dugdale(stress):
+    """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with
+    theta all the way."""
 
     def law(asperity, delta):
         modulus, length = asperity.stiffness, asperity.length
@@ -204,7 +213,7 @@ def dugdale(stress: float) -> Callable:
 LAWS = {"hertz": hertz, "dmt": dmt, "idmt": idmt, "jkr": jkr}
 
 
-# --- The equations -----------------------------------------------------------------------------------------------------
+# --- The equations
 
 
 class State(NamedTuple):
@@ -215,14 +224,16 @@ class State(NamedTuple):
     force: np.ndarray
 
 
-def stability(law: Callable, asperity: Asperities, green, state: State) -> float:
-    """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable state."""
+def stability(law, asperity, green, state):
+    """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable
+    state."""
     slope = law(asperity, state.approach)[1].astype(float)
     return float(np.linalg.eigvals(np.eye(len(slope)) + green.astype(float) * slope).real.min())
 
 
-def solve(law: Callable, asperity: Asperities, heights, green, separation: float, start) -> State:
-    """The state at a separation from approaches that are near it; ValueError where Newton's method does not settle."""
+def solve(law, asperity, heights, green, separation, start):
+    """The state at a separation from approaches that are near it; ValueError where Newton's method does not
+    settle."""
     heights, delta = np.asarray(heights, Long), np.array(start, Long)
     target, identity, coarse = heights - Long(separation), np.eye(len(heights)), green.astype(float)
     best, factor = np.inf, 1.0
@@ -239,8 +250,9 @@ def solve(law: Callable, asperity: Asperities, heights, green, separation: float
     raise ValueError(f"no state at the separation {separation}: residual {size} m")
 
 
-def follow(law: Callable, asperity: Asperities, heights, green, separations, start=None) -> list[State]:
-    """States at separations one after the other, each from the one before, the first from asperities without coupling."""
+def follow(law, asperity, heights, green, separations, start=None):
+    """States at separations one after the other, each from the one before, the first from asperities without
+    coupling."""
     delta = np.asarray(heights, Long) - Long(separations[0]) if start is None else start
     states = []
     for separation in separations:
@@ -249,27 +261,29 @@ def follow(law: Callable, asperity: Asperities, heights, green, separations, sta
     return states
 
 
-def steps(start: float, end: float, step: float) -> list:
+def steps(start, end, step):
     """Separations from one to another, no step longer than given."""
     return np.linspace(start, end, max(2, math.ceil(abs(end - start) / step)) + 1).tolist()
 
 
-# --- Contacts that are not small -----------------------------------------------------------------------------------------
+# --- Contacts that are not small
 
-# u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR, that of a flat punch.
+# u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR,
+# that of a flat punch.
 SERIES = {  # in s^2
     "load": [Long(v) for v in (1, Long(1) / 10, Long(9) / 280, Long(5) / 336, Long(35) / 4224)],
     "punch": [Long(v) for v in (1, Long(1) / 6, Long(3) / 40, Long(5) / 112, Long(35) / 1152)],
 }
 
 
-def beyond_point(s, kind: str):
+def beyond_point(s, kind):
     """u pi E* r / f - 1 at s = a/r: by its series where the closed form cancels."""
     s = np.minimum(np.asarray(s, Long), 1)
     series = sum(c * s ** (2 * k) for k, c in enumerate(SERIES[kind]) if k)
     wide = np.where(s > 0.03, s, 1)
     if kind == "load":
-        closed = Long(3) / 4 * ((2 / wide - 1 / wide**3) * np.arcsin(wide) + np.sqrt(1 - wide**2) / wide**2) - 1
+        closed = Long(3) / 4 * ((2 / wide - 1 / wide**3) * np.arcsin(wide)
+                                + np.sqrt(1 - wide**2) / wide**2) - 1
     else:
         closed = np.arcsin(wide) / wide - 1
     return np.where(s > 0.03, closed, series)
@@ -278,13 +292,15 @@ def beyond_point(s, kind: str):
 def laplacian(coefficients):
     """Of a series in Chebyshev polynomials of 4 x - 1 and 4 y - 1."""
     twice = np.polynomial.chebyshev.chebder
-    return np.pad(twice(coefficients, 2, 4, 0), ((0, 2), (0, 0))) + np.pad(twice(coefficients, 2, 4, 1), ((0, 0), (0, 2)))
+    along, across = (twice(coefficients, 2, 4, axis) for axis in (0, 1))
+    return np.pad(along, ((0, 2), (0, 0))) + np.pad(across, ((0, 0), (0, 2)))
 
 
 class Distances:
-    """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what all others sum to."""
+    """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what
+    all others sum to."""
 
-    def __init__(self, places, cell: float | None):
+    def __init__(self, places, cell):
         x, y = np.asarray(places, Long).T
         x, y, self.rest = x[:, None] - x[None, :], y[:, None] - y[None, :], {}
         near = np.hypot(x, y)[None]
@@ -304,29 +320,33 @@ class Distances:
         """The sum of 1/r^3 over all images."""
         return np.sum(1 / self.near**3, axis=0) + self.rest.get(3, 0)
 
-    def beyond(self, radius, kind: str):
-        """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact of each column."""
+    def beyond(self, radius, kind):
+        """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact
+        of each column."""
         total = np.sum(beyond_point(radius / self.near, kind) / self.near, axis=0)
         for power, values in self.rest.items():
             total = total + SERIES[kind][(power - 1) // 2] * radius ** (power - 1) * values
         return total
 
 
-def contact_radius(law: Callable, asperity: Asperities, delta):
+def contact_radius(law, asperity, delta):
     """Radius of the contact in m of `hertz` or `jkr`."""
     if law is jkr:
-        return np.cbrt(PI * Long(asperity.work) * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
+        return np.cbrt(PI * Long(asperity.work)
+                       * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
     return np.sqrt(asperity.radius * np.maximum(delta, 0))
 
 
 def solve_contact(
-    law: Callable, asperity: Asperities, heights, places, cell, separation: float, start, is_whole: bool = True
-) -> tuple[State, np.ndarray]:
-    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under each.
+    law, asperity, heights, places, cell, separation, start, is_whole = True
+):
+    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under
+    each.
 
-    The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others' forces bend the
-    substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the contacts in m. Of what contacts displace
-    only the order after point forces is taken unless it `is_whole`: M / (4 pi E* r^3), M the second moment of the pressure.
+    The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others'
+    forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the
+    contacts in m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
+    M / (4 pi E* r^3), M the second moment of the pressure.
     """
     green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
     scale, cubes = PI * Long(asperity.modulus), distances.cubes()
@@ -337,7 +357,8 @@ def solve_contact(
         load = bent.stiffness * radius**3 / bent.radius
         before, delta = sunk, state.approach
         if is_whole:
-            sunk = (distances.beyond(radius, "load") @ load + distances.beyond(radius, "punch") @ (state.force - load)) / scale
+            sunk = (distances.beyond(radius, "load") @ load
+                    + distances.beyond(radius, "punch") @ (state.force - load)) / scale
         else:
             sunk = cubes @ (radius**2 * (2 * load / 5 + 2 * (state.force - load) / 3)) / (4 * scale)
         curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)

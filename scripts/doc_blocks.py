@@ -3,10 +3,11 @@
 Usage:
     python scripts/doc_blocks.py [--only LANGUAGE]... PAGE...
 
-Blocks ```sh are given to bash; those in ```python of a page are one program for this interpreter, which runs behind the commands. The first block ```toml of a page is saved as
-first.toml and each further one appended to it, as the tutorial tells its reader. The scenes and the map that ship with the source are
-there as in the source, in configs/, and the map as scan.txt. What stands behind `<!-- not run -->` is left out. Nothing but the standard library is needed here.
-Exit codes: 0 all ran; 1 one failed, which ends it.
+Blocks ```sh are given to bash; those in ```python of a page are one program for this interpreter, which runs
+behind the commands. The first block ```toml of a page is saved as first.toml and each further one appended to
+it, as the tutorial tells its reader. The scenes and the map that ship with the source are there as in the
+source, in configs/, and the map as scan.txt. What stands behind `<!-- not run -->` is left out. Nothing but
+the standard library is needed here. Exit codes: 0 all ran; 1 one failed, which ends it.
 """
 
 import argparse
@@ -19,21 +20,25 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-BLOCK = re.compile(r"^(?P<skip><!-- not run -->\n+)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^(?P<skip><!-- not run -->\n+)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
+                   re.MULTILINE | re.DOTALL)
 
 
-def blocks(page: Path, only: set[str]) -> list[tuple[str, str, int]]:
+def blocks(page, only):
     """Language, text and line of each block that is run."""
     whole = page.read_text(encoding="utf-8")
-    found = [(match["language"], match["text"], whole[: match.start("text")].count("\n") + 1, match["skip"]) for match in BLOCK.finditer(whole)]
+    found = [(match["language"], match["text"], whole[: match.start("text")].count("\n") + 1, match["skip"])
+             for match in BLOCK.finditer(whole)]
     return [(language, text, line) for language, text, line, skip in found if language in only and not skip]
 
 
-def run(page: Path, folder: Path, only: set[str]) -> tuple[int, str]:
-    """How many blocks of a page ran in a folder, and what its Python printed; the first that fails is an error."""
+def run(page, folder, only):
+    """How many blocks of a page ran in a folder, and what its Python printed; the first that fails is an
+    error."""
     shutil.copytree(ROOT / "configs", folder / "configs", dirs_exist_ok=True)
     shutil.copy(ROOT / "configs" / "maps" / "polished.txt", folder / "scan.txt")
-    environment = {**os.environ, "MPLBACKEND": "agg", "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    environment = {**os.environ, "MPLBACKEND": "agg",
+                   "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     python, found = "", blocks(page, only)
     for language, text, line in found:
         print(f"{page.name}, line {line}: {language}", flush=True)
@@ -47,14 +52,16 @@ def run(page: Path, folder: Path, only: set[str]) -> tuple[int, str]:
             subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, check=True)
     if not python:
         return len(found), ""
-    done = subprocess.run([sys.executable, "-c", python], cwd=folder, env=environment, check=True, stdout=subprocess.PIPE, encoding="utf-8")
+    done = subprocess.run([sys.executable, "-c", python], cwd=folder, env=environment, check=True,
+                          stdout=subprocess.PIPE, encoding="utf-8")
     print(done.stdout, end="", flush=True)
     return len(found), done.stdout
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Runs the commands and the Python of pages of the documentation.")
-    parser.add_argument("--only", action="append", choices=["sh", "python", "toml"], help="blocks of this language alone")
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", action="append", choices=["sh", "python", "toml"],
+                        help="blocks of this language alone")
     parser.add_argument("pages", nargs="+", type=Path)
     arguments = parser.parse_args()
     for page in arguments.pages:

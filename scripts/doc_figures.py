@@ -1,18 +1,15 @@
-"""Figures of README and docs, computed anew and compared with the pages: those that take seconds each, a few minutes in all.
+"""Figures of README and docs, computed anew and compared with the pages: those that take seconds each, a few
+minutes in all.
 
 Usage:
     python scripts/doc_figures.py [--write] [--program PATH] [PAGE...]
 
-A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With --write numbers that differ
-are replaced in the pages. Only figures of the PAGEs named are looked at, if any are. The program is target/release/stiction, or that of
-the environment variable STICTION, unless --program says otherwise.
-Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the program fails.
+A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With
+--write numbers that differ are replaced in the pages. Only figures of the PAGEs named are looked at, if any
+are. The program is target/release/stiction, or that of the environment variable STICTION, unless --program
+says otherwise. Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the
+program fails.
 """
-
-# /// script
-# requires-python = ">=3.11"
-# dependencies = ["numpy>=1.24", "h5py>=3.8"]
-# ///
 
 import argparse
 import functools
@@ -31,25 +28,26 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 # A number as pages write it.
 NUMBER = r"([-+−]?[0-9][0-9.]*(?:e-?[0-9]+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
-SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness", "peak_secant_stiffness_separation"]
+SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness",
+           "peak_secant_stiffness_separation"]
 CASES = ["case_i", "case_ii", "case_iii"]
 
 
 class Program:
     """Runs the program in a folder of its own, each command once."""
 
-    def __init__(self, path: Path, folder: Path):
+    def __init__(self, path, folder):
         self.path, self.folder = path, folder
 
     @functools.cache
-    def said(self, *arguments: str) -> str:
+    def said(self, *arguments):
         run = subprocess.run([self.path, *arguments], cwd=self.folder, capture_output=True, text=True)
         if run.returncode:
             sys.exit(f"doc_figures.py: stiction {' '.join(arguments)}: {run.stderr.strip()}")
         return run.stdout
 
     @functools.cache
-    def run(self, scene: str, sampling: str = "independent") -> h5py.File:
+    def run(self, scene, sampling = "independent"):
         """The result of `stiction run configs/SCENE.toml`, with another sampling."""
         path = ROOT / "configs" / f"{scene}.toml"
         if sampling != "independent":
@@ -59,7 +57,7 @@ class Program:
         return self.file("run", path)
 
     @functools.cache
-    def file(self, command: str, scene: Path, *arguments: str) -> h5py.File:
+    def file(self, command, scene, *arguments):
         output = f"{len(list(self.folder.glob('*.h5')))}.h5"
         self.said(command, str(scene), *arguments, "-o", output)
         return h5py.File(self.folder / output)
@@ -73,7 +71,7 @@ class Figure:
     text: str
     values: Callable[[Program], list[str]]
 
-    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+    def compared(self, page, program):
         """The page with the numbers as they are, and how they differ."""
         parts = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in self.text.split("{}")]
         found = re.findall(NUMBER.join(parts), page)
@@ -85,20 +83,22 @@ class Figure:
         differences = []
         for group in range(len(values), 0, -1):
             if match[group] != values[group - 1]:
-                differences.insert(0, f"{match[group]} is now {values[group - 1]}: {self.text.splitlines()[0]}")
+                differences.insert(0,
+                                   f"{match[group]} is now {values[group - 1]}: {self.text.splitlines()[0]}")
                 page = page[: match.start(group)] + values[group - 1] + page[match.end(group) :]
         return page, differences
 
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block of a page that begins with a line: rows of what a command prints, `...` for those that are left out."""
+    """A fenced block of a page that begins with a line: rows of what a command prints, `...` for those that
+    are left out."""
 
     page: str
     first: str
     command: tuple[str, ...]
 
-    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+    def compared(self, page, program):
         match = re.search(rf"(?<=```text\n){re.escape(self.first)}.*?(?=```)", page, re.S)
         if not match:
             return page, [f"has no block that begins with {self.first}"]
@@ -121,10 +121,10 @@ class Block:
         return page[: match.start()] + now + page[match.end() :], differences
 
     @staticmethod
-    def piece(kept: list[str], said: list[str]) -> str:
+    def piece(kept, said):
         """The rows from the first label of a piece to its last, with the rows that go on from that."""
 
-        def label(line: str) -> str:
+        def label(line):
             return line[2:20].strip()
 
         labels = [label(line) for line in kept if label(line)]
@@ -141,12 +141,12 @@ class Block:
         return "\n".join(said[start:end])
 
 
-def digits(value: float, count: int = 3) -> str:
-    """So many significant digits, without a power of ten."""
+def digits(value, count = 3):
+    """Significant digits, without a power of ten."""
     return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
 
 
-def power(value: float) -> str:
+def power(value):
     """Two significant digits; from a thousand on with a power of ten."""
     if value < 1000.0:
         return digits(value, 2)
@@ -154,31 +154,35 @@ def power(value: float) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
 
 
-def error(run: h5py.File, scalar: str, controlled: bool) -> float:
+def error(run, scalar, controlled):
     name = "scalar_controlled_standard_error" if controlled else "scalar_standard_error"
     return float(run[f"ensemble/{name}"][SCALARS.index(scalar)])
 
 
-def reductions(program: Program) -> list[str]:
-    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain independent replicas."""
+def reductions(program):
+    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain
+    independent replicas."""
     values = []
     for scalar in SCALARS:
         for case in CASES:
             plain = error(program.run(case), scalar, controlled=False)
-            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False), ("stratified", True)]
-            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme, controlled in own]
+            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False),
+                   ("stratified", True)]
+            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme,
+                      controlled in own]
             values += [f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.1f}" for ratio in ratios]
     return values
 
 
-def reduction(program: Program, case: str) -> float:
+def reduction(program, case):
     return float(program.run(case)["ensemble/scalar_variance_reduction"][0])
 
 
-def strata(program: Program) -> list[str]:
-    """By how many times the variance of the mean external force is smaller with strata, and with opposite heights."""
+def strata(program):
+    """By how many times the variance of the mean external force is smaller with strata, and with opposite
+    heights."""
 
-    def ratio(case: str, scheme: str, h_star: float) -> float:
+    def ratio(case, scheme, h_star):
         plain, other = program.run(case), program.run(case, scheme)
         place = int(np.argmin(np.abs(plain["ensemble/h_star"][:] - h_star)))
         assert abs(plain["ensemble/h_star"][place] - h_star) < 1e-9, f"{case} has no separation h* = {h_star}"
@@ -186,73 +190,78 @@ def strata(program: Program) -> list[str]:
         return (errors[0] / errors[1]) ** 2
 
     places = [("case_ii", 0.7), ("case_ii", 1.0), ("case_iii", 1.0), ("case_iii", 2.0)]
-    return [digits(ratio(case, scheme, h_star), 2) for case, h_star in places for scheme in ("stratified", "antithetic")]
+    return [digits(ratio(case, scheme, h_star), 2) for case,
+            h_star in places for scheme in ("stratified", "antithetic")]
 
 
-def mean_pull_off(program: Program) -> list[str]:
+def mean_pull_off(program):
     ensemble = program.run("case_ii")["ensemble"]
     names = ["controlled_mean", "controlled_standard_error", "mean", "standard_error"]
     mean, precise, plain, rough = [1e6 * ensemble[f"scalar_{name}"][0] for name in names]
     return [f"{mean:.1f}", f"{precise:.2f}", f"{plain:.1f}", f"{rough:.1f}"]
 
 
-def fits(case: str, unit: float, decimals: tuple[int, int, int]) -> Callable[[Program], list[str]]:
-    """Pull-off of the integral and the h* of its stiffest point: directly, with the published fits, refitted."""
+def fits(case, unit, decimals):
+    """Pull-off of the integral and the h* of its stiffest point: directly and with the published fits."""
 
-    def values(program: Program) -> list[str]:
-        file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper,fit:refit")
+    def values(program):
+        file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper")
         force = file["integral/pull_off_force"][:]
         place = file["integral/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
         forces = [f"{value / unit:.{count}f}" for value, count in zip(force, decimals, strict=True)]
         ratio = force[1] / force[0]
         excess = f"{ratio:.1f}" if ratio > 2.0 else f"+{100 * (ratio - 1):.1f}"
         places = [f"{value:.2f}" for value in place]
-        return [forces[0], places[0], forces[1], excess, places[1], forces[2], places[2]]
+        return [forces[0], places[0], forces[1], excess, places[1]]
 
     return values
 
 
-def cycle(program: Program) -> list[str]:
+def cycle(program):
     run = program.run("loop")
     energy = 1e12 * run["replicas/dissipated_energy"][:]
     there, back = [run[f"integral/{way}external_force"][:] for way in ("", "retraction_")]
     integral = 1e12 * np.trapezoid(there - back, run["ensemble/separation"][:])
     error = energy.std(ddof=1) / len(energy) ** 0.5
-    return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}", f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
+    return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}",
+            f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
 
 
-def pulled(program: Program) -> list[str]:
+def pulled(program):
     run = program.run("loop")["ensemble"]
     means = dict(zip(run["scalar"].asstr()[:], 1e6 * run["scalar_controlled_mean"][:], strict=True))
     return [f"{means[name]:.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
 
 
-def contact(program: Program) -> list[str]:
+def contact(program):
     run = program.run("loop")
     sigma = run.attrs["surface_height_std"]
-    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("detachment", "touchdown")]
+    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}"
+            for name in ("detachment", "touchdown")]
 
 
-def surface_energy(program: Program) -> list[str]:
+def surface_energy(program):
     run = program.file("run", ROOT / "configs/sweep_surface_energy.toml")
     values = []
     for point in (0, 2, 3):
-        mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0]) for name in ("mean", "standard_error")]
+        mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0])
+                       for name in ("mean", "standard_error")]
         integral = 1e3 * float(run["integral/pull_off_force"][point])
         decimals = 3 if mean < 10 else 2
         place = float(run["integral/peak_stiffness_separation"][point] / run["surface_height_std"][point])
-        values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}", f"{place:.2f}"]
+        values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}",
+                   f"{place:.2f}"]
     return values
 
 
-def sizes(program: Program) -> list[str]:
+def sizes(program):
     """Of case II, the sizes at which the bias is 10 and 5 %, between three sizes of the default ones."""
     run = program.file("finite-size", ROOT / "configs/case_ii.toml", "--counts", "1000,3162,10000")
     accuracies = list(np.round(run["accuracy"][:], 4))
     return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]
 
 
-def scientific(value: float) -> str:
+def scientific(value):
     """Two significant digits; below 0.01 with a power of ten."""
     if value >= 0.01:
         return digits(value, 2)
@@ -260,10 +269,11 @@ def scientific(value: float) -> str:
     return f"{mantissa}·10⁻{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
 
 
-def independence(case: str, metres: float) -> Callable[[Program], list[str]]:
-    """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a unit, per cent in contact."""
+def independence(case, metres):
+    """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a
+    unit, per cent in contact."""
 
-    def values(program: Program) -> list[str]:
+    def values(program):
         own = program.file("compare", ROOT / "configs" / f"{case}.toml", "--laws", "hybrid")["independence"]
         of = {name: abs(float(own[name][0])) for name in own if name not in ("law", "verdict")}
         shift = 1e9 * of["shift"]
@@ -272,7 +282,8 @@ def independence(case: str, metres: float) -> Callable[[Program], list[str]]:
             scientific(of["relative_shift"]),
             scientific(of["relative_attractive_stiffness"]),
             scientific(of["relative_fluctuation"]),
-            digits(of["longest_stable_wavelength"] / metres, 3 if metres == 1e-6 and case == "case_ii" else 2),
+            digits(of["longest_stable_wavelength"] / metres,
+                   3 if metres == 1e-6 and case == "case_ii" else 2),
             scientific(100.0 * of["contact_share"]),
         ]
 
@@ -290,41 +301,53 @@ TABLE = "\n".join(
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
     Block("docs/tutorial.md", "  lambda ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
-    Block("docs/laws.md", "$ stiction compare configs/case_ii.toml", ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
+    Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
+          ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
     Figure(
         "docs/overview.md",
         "{} times less variance of the mean pull-off in case II, {} in case III",
         lambda program: [f"{reduction(program, case):.0f}" for case in ("case_ii", "case_iii")],
     ),
-    Figure("docs/publication.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} | {} µN, {} |", fits("case_i", 1e-6, (3, 3, 2))),
-    Figure("docs/publication.md", "| case II | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 0.6 mN", fits("case_ii", 1e-3, (3, 3, 3))),
-    Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 93.5 mN", fits("case_iii", 1e-3, (1, 1, 1))),
+    Figure("docs/publication.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} |",
+           fits("case_i", 1e-6, (3, 3))),
+    Figure("docs/publication.md", "| case II | {} mN, {} | {} mN ({} %), {} | 0.6 mN",
+           fits("case_ii", 1e-3, (3, 3))),
+    Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | 93.5 mN",
+           fits("case_iii", 1e-3, (1, 1))),
     Figure("docs/sampling.md", TABLE, reductions),
-    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN", mean_pull_off),
+    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN",
+           mean_pull_off),
     Figure(
         "docs/sampling.md",
-        "falls {} times at h* = 0.7 in case II (antithetic: {}), {} times at h* = 1 ({}) and not at all from h* = 2.5; "
+        "falls {} times at h* = 0.7 in case II (antithetic: {}), {} times at h* = 1 ({}) "
+        "and not at all from h* = 2.5; "
         "in case III {} times at h* = 1 (antithetic: {}), and {} times at h* = 2 ({})",
         strata,
     ),
-    Figure("docs/hysteresis.md", "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
-    Figure("docs/hysteresis.md", "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
+    Figure("docs/hysteresis.md",
+           "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
+    Figure("docs/hysteresis.md",
+           "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
     Figure(
         "docs/sweeps.md",
-        "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n| 0.09 | 19.9 mN | {} ± {} mN | {} mN | 2.75 | {} |\n"
+        "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n"
+        "| 0.09 | 19.9 mN | {} ± {} mN | {} mN | 2.75 | {} |\n"
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
     Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
-    Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |", independence("case_i", 1.0)),
-    Figure("docs/independence.md", "| case II | {} nm = {} σ | {} | {} σ | {} µm | {} % | a shift |", independence("case_ii", 1e-6)),
-    Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |", independence("case_iii", 1e-6)),
+    Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |",
+           independence("case_i", 1.0)),
+    Figure("docs/independence.md", "| case II | {} nm = {} σ | {} | {} σ | {} µm | {} % | a shift |",
+           independence("case_ii", 1e-6)),
+    Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |",
+           independence("case_iii", 1e-6)),
     Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
 ]
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as docs/sampling.md")
     parser.add_argument("--write", action="store_true", help="replace the numbers that differ")
@@ -339,7 +362,8 @@ def main() -> int:
                 continue
             path = ROOT / figure.page
             page, found = figure.compared(path.read_text(), program)
-            print("\n".join(f"{figure.page}: {difference}" for difference in found), end="\n" if found else "")
+            print("\n".join(f"{figure.page}: {difference}" for difference in found),
+                  end="\n" if found else "")
             differences += len(found)
             if arguments.write and page != path.read_text():
                 path.write_text(page)

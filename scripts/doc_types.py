@@ -4,9 +4,10 @@
     cargo doc --release --no-deps --lib && scripts/doc_types.py [target/doc/stiction]
 
 The public ones are those that the list of all items has, `all.html` of `cargo doc`; items behind
-`#[doc(hidden)]` are not among them. A type is used where its name stands in a doctest, that is in Rust code of a
-doc comment under src, on a line that readers see and outside of comments and `use`. Where two types have one name
-the doctest has to name the module as well. Prints the types that no doctest uses, and fails if there are any.
+`#[doc(hidden)]` are not among them. A type is used where its name stands in a doctest, that is in Rust code
+of a doc comment under src, on a line that readers see and outside of comments and `use`. Where two types have
+one name the doctest has to name the module as well. Prints the types that no doctest uses, and fails if there
+are any.
 """
 
 import collections

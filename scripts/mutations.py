@@ -1,112 +1,191 @@
 #!/usr/bin/env python3
-"""Plants the mistakes of tests/mutations.toml, and requires that the test that each names fails of it and passes without it.
+"""Plants the mistakes of tests/mutations.toml, and requires that the test that each names fails of it and
+passes without it.
 
     scripts/mutations.py              all, in one build, each behind a switch
     scripts/mutations.py sign         those whose description has "sign" in it
     scripts/mutations.py --check      only whether each still applies, and its test is there; builds nothing
-    scripts/mutations.py --find       which test is the quickest to notice each, of all that reach it
-    scripts/mutations.py --markdown   prints a table for the documentation
 
-planting.py tells how the place of a mistake is named. The tree as it stands is copied to target/mutations and changed there (switches.py;
-needs `pip install tree-sitter tree-sitter-rust`). Exit code 1 if a mistake survives, does not apply or does not compile.
+The tree as it stands is copied to target/mutations and changed there (planting.py). Exit code 1 if a mistake
+survives, does not apply or does not compile.
 """
 
 import argparse
+import concurrent.futures
+import json
+import math
+import os
 import re
+import resource
+import shutil
+import signal
+import subprocess
 import sys
-import time
+import threading
 import tomllib
+from pathlib import Path
 
-from planting import Source, place, switched
-from switches import PATIENCE, ROOT, TARGET, Build, Unfit, side_by_side
+from planting import ROOT, Unfit, edits_of, rendered, source
 
-PLACE = TARGET / "mutations"
-# Seconds of a processor after which a test is not the one to name.
-SLOWEST = 8
-# And after which a test without any mistake is taken not to end.
-ENDLESS = 120
-
-
-def read(path=ROOT / "tests" / "mutations.toml"):
-    return tomllib.loads(path.read_text())["mutation"]
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
+TREE, OWN = TARGET / "mutations" / "tree", TARGET / "mutations" / "target"
+# The seconds of a processor that a test may take without a mistake; with it, this many times what it took,
+# and some more.
+ENDLESS, PATIENCE = 120.0, (3.0, 2.0)
+# After this many seconds a test is ended even if it takes no processor.
+WAIT = 300.0
+SWITCH = """
+/// Whether a mistake is planted; for scripts/mutations.py.
+#[doc(hidden)]
+#[inline]
+pub fn mutant(number: usize) -> bool {
+    static ACTIVE: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    let read = || std::env::var("STICTION_MUTANT").ok().and_then(|number| number.parse().ok());
+    *ACTIVE.get_or_init(|| read().unwrap_or(usize::MAX)) == number
+}
+"""
 
 
 def tests_of(folder, prefix):
-    """What the names of the tests in the files of a folder begin with, and end with."""
+    """Beginnings and ends of the names of the tests in the files of a folder."""
     tests = re.compile(r"#\[test\](?:\s*#\[[^\n]*)*\s*fn (\w+)\(")
     for path in sorted(folder.rglob("*.rs")):
-        room = [part for part in path.relative_to(folder).with_suffix("").parts if part not in ("mod", "lib", "main")]
-        yield from (("::".join([*prefix, *room, ""]), f"::{name}") for name in tests.findall(path.read_text()))
+        room = [part for part in path.relative_to(folder).with_suffix("").parts
+                if part not in ("mod", "lib", "main")]
+        yield from (("::".join([*prefix, *room, ""]), f"::{name}")
+                    for name in tests.findall(path.read_text()))
 
 
-def problems(source, mutations):
-    """Why mistakes cannot be planted, or their tests not run."""
+def planted(mutations):
+    """The edits of each file, and why mistakes cannot be planted, or their tests not run."""
+    items, edits, problems = source(), {}, []
     tests = [*tests_of(ROOT / "src", ["lib"]), *tests_of(ROOT / "tests" / "suite", [])]
-    for mutation in mutations:
+    for number, mutation in enumerate(mutations):
         try:
-            mutation["file"] = place(source, mutation)[0].name
+            file, own = edits_of(items, mutation, number)
+            edits.setdefault(file.name, (file, []))[1].extend(own)
         except Unfit as reason:
-            yield f"{mutation['mistake']}\n  {reason}"
-        test = mutation["test"]
-        if not any(test.startswith(begin) and test.endswith(end) for begin, end in tests):
-            yield f"{mutation['mistake']}\n  there is no test {test}"
+            problems.append(f"{mutation['mistake']}\n  {reason}")
+        if not any(mutation["test"].startswith(begin) and mutation["test"].endswith(end) for begin,
+                   end in tests):
+            problems.append(f"{mutation['mistake']}\n  there is no test {mutation['test']}")
+    return edits, problems
 
 
-def judged(build, mutations):
-    """For each mistake of a build what becomes of it: its test has to pass without it, and to fail with it."""
+def write(edits):
+    """Copies the source with its switches; files that are as they were are left alone, so that little is
+    built again."""
+    listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listing, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
+    names = {name for name in names if name and (ROOT / name).is_file()}
+    for old in TREE.glob("src/**/*.rs"):
+        if str(old.relative_to(TREE)) not in names:
+            old.unlink()
+    for name in names:
+        path, text = TREE / name, (ROOT / name).read_bytes()
+        if name in edits:
+            text = rendered(*edits[name]).encode()
+        if name == "src/lib.rs":
+            text += SWITCH.encode()
+        if not path.is_file() or path.read_bytes() != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text)
+            shutil.copymode(ROOT / name, path)
+
+
+def borrow():
+    """Links the dependencies that the source's own target directory has."""
+    there = TARGET / "release"
+    if (OWN / "release").exists() or not there.exists():
+        return
+
+    def others(folder, names):
+        if folder == str(there / "deps"):
+            return [name for name in names if "stiction" in name
+                    or Path(name).suffix not in (".rlib", ".rmeta", ".so", ".d")]
+        return [name for name in names if name.startswith("stiction-")]
+
+    for part in (".fingerprint", "build", "deps"):
+        shutil.copytree(there / part, OWN / "release" / part, ignore=others, copy_function=os.link,
+                        symlinks=True)
+
+
+def built():
+    """Builds the unit tests, `lib`, and the suite: their programs."""
+    command = ["cargo", "test", "--no-run", "--lib", "--test", "suite", "--release", "--message-format=json"]
+    # What libhdf5 is built with is part of what cargo tells builds apart by.
+    environment = {"CMAKE": str(ROOT / "scripts" / "cmake"), **os.environ}
+    run = subprocess.run([*command, "--target-dir", str(OWN)], cwd=TREE, env=environment, capture_output=True,
+                         text=True)
+    messages = [json.loads(line) for line in run.stdout.splitlines() if line.startswith("{")]
+    if run.returncode:
+        sys.exit("".join(message["message"]["rendered"] for message in messages
+                         if "message" in message)[-6000:] + run.stderr[-2000:])
+    made = [message for message in messages if message.get("executable") and message["profile"]["test"]]
+    return {"lib" if "lib" in message["target"]["kind"] else "suite": message["executable"]
+            for message in made}
+
+
+def run(programs, test, limit, mutant=""):
+    """Runs one test by itself within seconds of a processor: whether it passes, None when it does not end,
+    and its seconds."""
+    seconds, name = math.ceil(limit), test.removeprefix("lib::")
+    child = subprocess.Popen(
+        [programs["suite" if name == test else "lib"], "--exact", name, "--test-threads", "1"],
+        cwd=TREE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+        env={**os.environ, "CARGO_MANIFEST_DIR": str(TREE), "RUST_BACKTRACE": "0", "STICTION_MUTANT": mutant},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds)),
+    )  # fmt: skip
+    # Ends the group of this test: it and what it has started.
+    timer = threading.Timer(WAIT, os.killpg, (child.pid, signal.SIGKILL))
+    timer.start()
+    _, status, usage = os.wait4(child.pid, 0)
+    timer.cancel()
+    child.returncode = code = os.waitstatus_to_exitcode(status)
+    return (None if -code in (signal.SIGXCPU, signal.SIGKILL) else code == 0), usage.ru_utime + usage.ru_stime
+
+
+def judged(programs, mutations):
+    """What becomes of each mistake: its test has to pass without it, and to fail with it."""
     tests = sorted({mutation["test"] for mutation in mutations})
-    begun = time.monotonic()
-    build.build_tests()
-    print(f"the build of tests: {time.monotonic() - begun:.0f} s", flush=True)
-    without = dict(zip(tests, side_by_side(lambda test: build.run(test, ENDLESS), tests), strict=True))
 
     def verdict(number):
-        test = mutations[number]["test"]
-        passes, seconds = without[test]
+        passes, seconds = without[mutations[number]["test"]]
         if not passes:
             return "FAILS WITHOUT IT"
-        passes, _ = build.run(test, PATIENCE[0] * seconds + PATIENCE[1], STICTION_MUTANT=str(number))
+        limit = PATIENCE[0] * seconds + PATIENCE[1]
+        passes, _ = run(programs, mutations[number]["test"], limit, str(number))
         return {True: "SURVIVED", False: "caught", None: "caught: does not end"}[passes]
 
-    return side_by_side(lambda number: (number, verdict(number)), range(len(mutations)))
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        without = dict(zip(tests, pool.map(lambda test: run(programs, test, ENDLESS), tests), strict=True))
+        yield from zip(mutations, pool.map(verdict, range(len(mutations))), strict=True)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("only", nargs="?", default="", help="part of the description of the mistakes to plant")
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("only", nargs="?", default="",
+                        help="part of the description of the mistakes to plant")
     parser.add_argument("--check", action="store_true", help="only check that each mistake still applies")
-    parser.add_argument("--find", action="store_true", help="find the quickest test that notices each")
-    parser.add_argument("--markdown", action="store_true", help="print a table for the documentation")
     arguments = parser.parse_args()
-    mutations = [mutation for mutation in read() if arguments.only in mutation["mistake"]]
+    mutations = tomllib.loads((ROOT / "tests" / "mutations.toml").read_text())["mutation"]
+    mutations = [mutation for mutation in mutations if arguments.only in mutation["mistake"]]
     if not mutations:
         parser.error(f"no mistake has {arguments.only!r} in its description")
-    source = Source()
-    if found := list(problems(source, mutations)):
-        sys.exit("\n".join([*found, f"{len(found)} of {len(mutations)} mistakes have to be mended"]))
+    edits, problems = planted(mutations)
+    if problems:
+        sys.exit("\n".join([*problems, f"{len(problems)} of {len(mutations)} mistakes have to be mended"]))
     if arguments.check:
         print(f"{len(mutations)} mistakes apply")
         return
-    if arguments.markdown:
-        print("| mistake | caught by |\n|---|---|")
-        print("\n".join(f"| {mutation['mistake']} | `{mutation['test']}` |" for mutation in mutations))
-        return
-    begun = time.monotonic()
-    build = Build(PLACE, mutations, lambda _, mutation, number: switched(source, mutation, number))
-    print(f"the build of the library: {time.monotonic() - begun:.0f} s", flush=True)
-    if left_out := [f"{mutation['mistake']}\n  {mutation['left out']}" for mutation in mutations if "left out" in mutation]:
-        sys.exit("\n".join(left_out))
-    if arguments.find:
-        build.build_tests()
-        tests = build.trace(SLOWEST)
-        for number, mutation in enumerate(mutations):
-            print(f"{mutation['mistake']}\n  {' by '.join(build.judge(number, tests))}", flush=True)
-        return
+    write(edits)
+    borrow()
     survived = 0
-    for number, result in judged(build, mutations):
+    for mutation, result in judged(built(), mutations):
         survived += not result.startswith("caught")
-        print(f"{mutations[number]['mistake']}\n  {result} by {mutations[number]['test']}", flush=True)
-    print(f"{len(mutations)} mistakes planted in {time.monotonic() - begun:.0f} s")
+        print(f"{mutation['mistake']}\n  {result} by {mutation['test']}", flush=True)
+    print(f"{len(mutations)} mistakes planted")
     if survived:
         sys.exit(f"{survived} of {len(mutations)} mistakes were not caught as they should be")
 

@@ -1,26 +1,19 @@
-"""The program against a boundary-element package that is not ours, tamaas: coupled asperities, and the whole surface they stand for.
+"""Surfaces solved by a boundary-element package that is not ours, tamaas, extrapolated in the grid
+(boundary_elements.py).
 
-`solve` makes tests/data/referee.json, which holds what tamaas says of surfaces that are given, extrapolated in the grid (boundary_elements.py):
+Usage: python scripts/referee.py [paraboloids adhesive map times]      writes tests/data/referee.json, 20
+minutes in all
 
 * `paraboloids`: spheres of one radius on a plane that repeats, under mean pressures;
-* `adhesive`: two and four of them with the adhesion of Maugis (the theoretical stress up to the gap work/stress), at separations;
+* `adhesive`: two and four of them with the adhesion of Maugis (the stress up to the gap work/stress), at
+  separations;
 * `map`: the shipped map without its tilt, refined by its Fourier series, and its summits;
 * `times`: what tamaas took, by grid, at the error of the total force.
 
-`draw` draws the referee against point forces, the next orders and independent asperities (coupled_asperities.py), and against the
-program where its result is given.
-
-Usage:
-    python scripts/referee.py solve [paraboloids adhesive map times] [-o OUT.json]    (20 minutes in all)
-    python scripts/referee.py draw [--program STICTION] [-o OUT.png]
+Parts that are not named stay as they are. The asperities of the program and of coupled_asperities.py on these
+surfaces are below, for plot_referee.py and the tests.
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "mpmath>=1.3", "matplotlib>=3.7", "h5py>=3.8", "tamaas>=2.8"]
-# ///
-
-import argparse
 import json
 import subprocess
 import sys
@@ -28,16 +21,18 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from coupled_asperities import Asperities, Long, dugdale, follow, green_matrix, hertz, solve, solve_contact, steps
+from coupled_asperities import (
+    Asperities, Long, dugdale, follow, green_matrix, hertz, solve, solve_contact, steps,
+)  # fmt: skip
+from fixtures import DATA
 from reference_coupling import hard_core, text
 from synthesise_map import MAP, PIXEL, TILT
 
-ROOT = Path(__file__).resolve().parents[1]
-FILE = ROOT / "tests" / "data" / "referee.json"
-REFERENCES = ROOT / "tests" / "data"
+FILE = DATA / "referee.json"
 MODULUS = 85.29e9  # Pa
 ORDER, ADHESIVE_ORDER = 2.0, 1.0  # of the extrapolation in the grid
-PRESSURES = {"twelve": (256, [1e6, 5e6, 2e7]), "thirty": (256, [5e6, 2e7, 5e7, 1e8]), "two hundred": (256, [2e6, 1e7, 5e7]),
+PRESSURES = {"twelve": (256, [1e6, 5e6, 2e7]), "thirty": (256, [5e6, 2e7, 5e7, 1e8]),
+             "two hundred": (256, [2e6, 1e7, 5e7]),
              "one": (128, [4.27e6, 3.41e7, 1.15e8, 2.73e8, 5.33e8, 9.22e8])}
 STRESS = 1.03 * 0.09 / 0.2e-9  # Pa, of case II
 SEPARATIONS = [-4e-10, -2e-10, 0.0, 1e-10]
@@ -49,39 +44,45 @@ SPHERES = {
 MAP_PRESSURES = [2e6, 1e7, 5e7, 2e8]
 
 
-# --- Surfaces ----------------------------------------------------------------------------------------------------------
+# --- Surfaces
 
 
-def surfaces() -> dict:
+def surfaces():
     """The paraboloids that are solved."""
-    drawn = json.loads((REFERENCES / "coupling.json").read_text())["surfaces"]
-    twelve = json.loads((REFERENCES / "coupled_bem.json").read_text())
-    twelve = {"cell": twelve["cell"], "places": twelve["x"], "heights": twelve["z"], "radii": [twelve["radius"]] * len(twelve["z"])}
+    drawn = json.loads((DATA / "coupling.json").read_text())["surfaces"]
+    twelve = json.loads((DATA / "coupled_bem.json").read_text())
+    twelve = {"cell": twelve["cell"], "places": twelve["x"], "heights": twelve["z"],
+              "radii": [twelve["radius"]] * len(twelve["z"])}
     return {"twelve": twelve, **{name: drawn[name] for name in ("thirty", "two hundred", "one")}}
 
 
-def level_map() -> tuple[np.ndarray, float]:
-    """Heights of the shipped map in m without its tilt, so that it is periodic, rows along x; and its side in m."""
+def level_map():
+    """Heights of the shipped map in m without its tilt, so that it is periodic, rows along x; and its side in
+    m."""
     heights = np.loadtxt(MAP).T
     heights -= TILT * PIXEL * np.arange(len(heights))[:, None]
     return (heights - heights.mean()) * 1e-9, PIXEL * len(heights) * 1e-6
 
 
-def summits(heights: np.ndarray, cell: float) -> dict:
-    """Points that are higher than their eight neighbours, over the border too; radii from second differences, as the program has them."""
+def summits(heights, cell):
+    """Points that are higher than their eight neighbours, over the border too; radii from second differences,
+    as the program has them."""
     pixel = cell / len(heights)
     around = [np.roll(heights, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
     highest = np.all([heights > other for other in around], axis=0)
-    curvature = -sum(np.roll(heights, 1, axis) - 2 * heights + np.roll(heights, -1, axis) for axis in (0, 1)) / (2 * pixel**2)
+    curvature = -sum(np.roll(heights, 1, axis) - 2 * heights + np.roll(heights, -1, axis)
+                     for axis in (0, 1)) / (2 * pixel**2)
     x, y = np.nonzero(highest)
-    return {"cell": cell, "places": np.stack([x, y], 1) * pixel, "heights": heights[highest], "radii": 1 / curvature[highest]}
+    return {"cell": cell, "places": np.stack([x, y], 1) * pixel, "heights": heights[highest],
+            "radii": 1 / curvature[highest]}
 
 
-# --- Fixtures ------------------------------------------------------------------------------------------------------------
+# --- Fixtures
 
 
-def three_grids(solve, surface_at, coarsest: int, order: float) -> dict:
-    """Loads, area and separation extrapolated from three grids, with their distance from the finest and the orders seen."""
+def three_grids(solve, surface_at, coarsest, order):
+    """Loads, area and separation extrapolated from three grids, with their distance from the finest and the
+    orders seen."""
     import boundary_elements as be
 
     found = [be.over_shifts(solve, lambda shift, n=coarsest * 2**k: surface_at(n, shift)) for k in range(3)]
@@ -97,7 +98,7 @@ def three_grids(solve, surface_at, coarsest: int, order: float) -> dict:
     return row
 
 
-def paraboloids() -> dict:
+def paraboloids():
     import boundary_elements as be
 
     rows = {}
@@ -113,7 +114,7 @@ def paraboloids() -> dict:
     return rows
 
 
-def adhesive() -> dict:
+def adhesive():
     import boundary_elements as be
 
     rows = {}
@@ -123,15 +124,17 @@ def adhesive() -> dict:
         for separation in SEPARATIONS:
             print(name, separation, file=sys.stderr, flush=True)
             states.append(three_grids(
-                lambda heights, owner, d=separation: be.hold(heights, owner, surface["cell"], MODULUS, 0.09, STRESS, d),
+                lambda heights, owner,
+                d=separation: be.hold(heights, owner, surface["cell"], MODULUS, 0.09, STRESS, d),
                 lambda points, shift: be.paraboloids(surface, points, shift), 128, ADHESIVE_ORDER))
         material = {"reduced_modulus": MODULUS, "work_of_adhesion": 0.09, "theoretical_stress": STRESS}
         rows[name] = {**surface, **material, "states": states}
     return rows
 
 
-def whole_map() -> dict:
-    """The map on grids 1, 2 and 4 times as fine; its summits are those of the finest, which the coarse pixels cut off."""
+def whole_map():
+    """The map on grids 1, 2 and 4 times as fine; its summits are those of the finest, which the coarse pixels
+    cut off."""
     import boundary_elements as be
 
     heights, cell = level_map()
@@ -151,7 +154,7 @@ def whole_map() -> dict:
     return {"reduced_modulus": MODULUS, **tops, "states": states}
 
 
-def case_ii() -> dict:
+def case_ii():
     """As many asperities as case II has, 7390 on 1000 um^2."""
     rng, side = np.random.Generator(np.random.PCG64(21)), 3.1622777e-5
     places = hard_core(rng, 7390, side, 0.184e-6)
@@ -159,13 +162,15 @@ def case_ii() -> dict:
     return {"cell": side, "places": places, "heights": heights, "radii": [3.33e-6] * len(places)}
 
 
-def times() -> list:
-    """One state by grid: seconds of one solution, and its error of the total force at equal separation against the finest grids."""
+def times():
+    """One state by grid: seconds of one solution, and its error of the total force at equal separation
+    against the finest grids."""
     import boundary_elements as be
 
     rows, pressure = [], 1e7
     hundreds = surfaces()["two hundred"]
-    for name, surface, grids in [("two hundred", hundreds, (128, 256, 512, 1024, 2048)), ("case II", case_ii(), (512, 1024, 2048))]:
+    for name, surface, grids in [("two hundred", hundreds, (128, 256, 512, 1024, 2048)),
+                                 ("case II", case_ii(), (512, 1024, 2048))]:
         drawn, found = {points: be.paraboloids(surface, points, 0.0, 1e-6) for points in grids}, []
         for points in grids:
             print("times", name, points, file=sys.stderr, flush=True)
@@ -173,16 +178,19 @@ def times() -> list:
         true = float(be.extrapolated(*(one.separation for one in found[-3:]), ORDER)[0])
         near = be.press(*drawn[grids[1]], surface["cell"], MODULUS, 1.01 * pressure, 1e-8).separation
         slope = np.log(1.01) / (near - found[1].separation)  # of the logarithm of the force
-        grids = [{"points": n, "seconds": one.seconds, "force_error": abs((one.separation - true) * slope)} for n, one in zip(grids, found)]
-        rows.append({"surface": name, "asperities": len(surface["heights"]), "pressure": pressure, "grids": grids})
+        grids = [{"points": n, "seconds": one.seconds, "force_error": abs((one.separation - true) * slope)}
+                 for n, one in zip(grids, found)]
+        rows.append({"surface": name, "asperities": len(surface["heights"]), "pressure": pressure,
+                     "grids": grids})
     return rows
 
 
-# --- Asperities ----------------------------------------------------------------------------------------------------------
+# --- Asperities
 
 
-def states_of(surface: dict, separations: list, kind: str) -> list:
-    """States of Hertz asperities at separations that fall: `point` forces, with the next orders (`contact`), or `independent`."""
+def states_of(surface, separations, kind):
+    """States of Hertz asperities at separations that fall: `point` forces, with the next orders (`contact`),
+    or `independent`."""
     asperity = Asperities(np.array(surface["radii"], Long), MODULUS)
     green = green_matrix(surface["places"], MODULUS, surface["cell"]) * (kind != "independent")
     places = [max(surface["heights"]), *separations]
@@ -190,12 +198,14 @@ def states_of(surface: dict, separations: list, kind: str) -> list:
     states = {state.separation: state for state in follow(hertz, asperity, surface["heights"], green, path)}
     if kind == "contact":
         for d in separations:
-            states[d] = solve_contact(hertz, asperity, surface["heights"], surface["places"], surface["cell"], d, states[d].approach)[0]
+            states[d] = solve_contact(hertz, asperity, surface["heights"], surface["places"], surface["cell"],
+                                      d, states[d].approach)[0]
     return [states[d] for d in separations]
 
 
-def adhesive_state(surface: dict, separation: float, coupled: bool = True):
-    """State of spheres of Maugis and Dugdale on the way down: each touches where the stress begins to reach it, at Delta = -2/(pi lambda)."""
+def adhesive_state(surface, separation, coupled = True):
+    """State of spheres of Maugis and Dugdale on the way down: each touches where the stress begins to reach
+    it, at Delta = -2/(pi lambda)."""
     asperity = Asperities(np.array(surface["radii"], Long), MODULUS, surface["work_of_adhesion"])
     reach = asperity.work / surface["theoretical_stress"]  # nothing acts across a wider gap
     green = green_matrix(surface["places"], MODULUS, surface["cell"]) * coupled
@@ -212,11 +222,12 @@ def adhesive_state(surface: dict, separation: float, coupled: bool = True):
     return state
 
 
-# --- The program -----------------------------------------------------------------------------------------------------------
+# --- The program
 
 
-def write_asperities(path: Path, surface: dict) -> None:
-    """A file of asperities as `stiction asperities` writes it; what the surface around them is like is made up."""
+def write_asperities(path, surface):
+    """A file of asperities as `stiction asperities` writes it; what the surface around them is like is made
+    up."""
     import h5py
 
     heights, radii, places = (np.array(surface[name], float) for name in ("heights", "radii", "places"))
@@ -224,17 +235,22 @@ def write_asperities(path: Path, surface: dict) -> None:
     mean, density = heights.mean(), len(heights) / area
     spread = heights.std(ddof=1) if len(heights) > 1 else np.nan
     groups = {
-        "asperities": {"asperity": np.arange(len(heights), dtype=float), "height": heights, "radius": radii, "x": places[:, 0],
+        "asperities": {"asperity": np.arange(len(heights), dtype=float), "height": heights, "radius": radii,
+                       "x": places[:, 0],
                        "y": places[:, 1], "curvature_x": 1 / radii, "curvature_y": 1 / radii},
-        "surface": {"m0": 1e-18, "m2": 1e-4, "m4": 1e10, "slope_x": 1e-4, "slope_y": 1e-4, "alpha": 100.0, "skewness": 0.0,
+        "surface": {"m0": 1e-18, "m2": 1e-4, "m4": 1e10, "slope_x": 1e-4, "slope_y": 1e-4, "alpha": 100.0,
+                    "skewness": 0.0,
                     "excess_kurtosis": 0.0},
-        "measured": {"asperity_density": density, "asperity_radius": 1 / np.mean(1 / radii), "asperity_height_mean": mean,
+        "measured": {"asperity_density": density, "asperity_radius": 1 / np.mean(1 / radii),
+                     "asperity_height_mean": mean,
                      "asperity_height_std": spread, "asperity_curvature_std": 0.0},
-        "equivalent": {"asperity_density": density, "asperity_radius": radii.mean(), "asperity_height_mean": mean,
+        "equivalent": {"asperity_density": density, "asperity_radius": radii.mean(),
+                       "asperity_height_mean": mean,
                        "asperity_height_std": spread},
     }
     with h5py.File(path, "w") as file:
-        file.attrs.update(format="stiction-asperities", format_version=np.array([2, 0], np.int32), nominal_area=area, mean_plane_offset=mean,
+        file.attrs.update(format="stiction-asperities", format_version=np.array([2, 0], np.int32),
+                          nominal_area=area, mean_plane_offset=mean,
                           map_shape=np.array([1, 1], np.uint64), pixel_size=np.full(2, surface["cell"]))
         for group, datasets in groups.items():
             for name, values in datasets.items():
@@ -262,14 +278,16 @@ seed = 1
 SUBSTRATE = '[substrate]\ncoupling = "periodic"\nloads_at = ["{low!r} m"]\n{more}\n'
 
 
-def program_states(program: Path, surface: dict, separations: list, law: str = "gw", substrate: str | None = "") -> list[dict]:
-    """What the program says of a surface at separations, one run each down to it: force, area, and if coupled the load of each asperity.
+def program_states(program, surface, separations, law = "gw", substrate = ""):
+    """What the program says of a surface at separations, one run each down to it: force, area, and if coupled
+    the load of each asperity.
 
     `substrate` is more of the table, None is without.
     """
     import h5py
 
-    states, lift = [], max(0.0, 1e-9 - float(np.mean(surface["heights"])))  # the program wants summits above the mean plane
+    # The program wants summits above the mean plane.
+    states, lift = [], max(0.0, 1e-9 - float(np.mean(surface["heights"])))
     surface = {**surface, "heights": [z + lift for z in surface["heights"]]}
     with tempfile.TemporaryDirectory() as folder:
         scene, result = Path(folder) / "scene.toml", Path(folder) / "run.h5"
@@ -277,54 +295,32 @@ def program_states(program: Path, surface: dict, separations: list, law: str = "
         for separation in separations:
             high = max(surface["heights"]) + 1e-9
             text_of = SCENE.format(law=law, low=separation + lift, high=high)
-            scene.write_text(text_of + ("" if substrate is None else SUBSTRATE.format(low=separation + lift, more=substrate)))
+            scene.write_text(text_of
+                             + ("" if substrate is None
+                                else SUBSTRATE.format(low=separation + lift, more=substrate)))
             result.unlink(missing_ok=True)
             run = subprocess.run([program, "run", scene, "-o", result], capture_output=True, text=True)
             if run.returncode != 0:
                 raise ValueError(run.stderr.strip())
             with h5py.File(result) as file:
-                states.append({name: float(file["ensemble"][f"{name}_mean"][0]) for name in ("external_force", "contact_area")})
+                states.append({name: float(file["ensemble"][f"{name}_mean"][0])
+                               for name in ("external_force", "contact_area")})
                 if substrate is not None:
                     states[-1]["loads"] = file["asperities/external_force"][0]
     return states
 
 
-# --- The command -----------------------------------------------------------------------------------------------------------
-
 PARTS = {"paraboloids": paraboloids, "adhesive": adhesive, "map": whole_map, "times": times}
 
 
-def referee(parts: list, output: Path) -> None:
-    """Parts that are not named stay as they are in the file."""
+def main():
     import tamaas
 
-    content = json.loads(output.read_text()) if output.exists() else {}
+    content = json.loads(FILE.read_text()) if FILE.exists() else {}
     content["origin"] = f"scripts/referee.py, tamaas {tamaas.__version__}"
-    for name in parts or PARTS:
+    for name in sys.argv[1:] or PARTS:
         content[name] = PARTS[name]()
-    output.write_text(text(content) + "\n", encoding="utf-8")
-    print(output)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="The program against the boundary-element package tamaas.")
-    commands = parser.add_subparsers(dest="command", required=True)
-    solving = commands.add_parser("solve", help="make the fixtures, or the parts that are named")
-    solving.add_argument("parts", nargs="*", help=", ".join(PARTS))
-    solving.add_argument("-o", "--output", type=Path, default=FILE, metavar="OUT.json")
-    drawing = commands.add_parser("draw", help="draw referee, asperities and program")
-    drawing.add_argument("--program", type=Path, metavar="STICTION", help="the program, to be run on the same surfaces")
-    drawing.add_argument("--substrate", default="", metavar="TOML", help="more of its table [substrate], such as 'kernel = \"contact\"'")
-    drawing.add_argument("-o", "--output", type=Path, default=Path("referee.png"), metavar="OUT.png")
-    arguments = parser.parse_args()
-    if arguments.command == "solve":
-        if unknown := set(arguments.parts) - set(PARTS):
-            parser.error(f"no such part: {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-        referee(arguments.parts, arguments.output)
-    else:
-        from plot_referee import draw
-
-        draw(json.loads(FILE.read_text()), arguments.program, arguments.substrate, arguments.output)
+    FILE.write_text(text(content) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

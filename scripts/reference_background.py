@@ -4,38 +4,29 @@ Writes tests/data/background.csv. Between planes that are z apart act
 
 * van der Waals forces, W = A / [12 pi z^2 (1 + b z)] with b = 5.32 / wavelength or 0 (J. Gregory, J. Colloid
   Interface Sci. 83 (1981) 138), whose pressure is found here as -dW/dz by differentiation;
-* a voltage, p = e0 V^2 / 2 (g + t)^2, t the sum of thickness over relative permittivity, and g = 0 where the gap is
-  closed; e0 = 8.8541878128e-12 F/m (CODATA 2018).
+* a voltage, p = e0 V^2 / 2 (g + t)^2, t the sum of thickness over relative permittivity, and g = 0 where the
+  gap is closed; e0 = 8.8541878128e-12 F/m (CODATA 2018).
 
-Gaps are h + sigma x with a normal deviate x. Dispersion acts across gaps above a smallest one, at z = gap + contact
-distance. Of asperities whose attraction has no end a share s of the area is theirs: the mean planes act on the rest,
-and of every asperity 2 pi R W(D + rho^2 / 2R), pi eta rho^2 = s, is taken off, with the Lennard-Jones attraction
-W = work [4/3 (z0/z)^2 - 1/3 (z0/z)^8], as a mean over normal heights.
+Gaps are h + sigma x with a normal deviate x. Dispersion acts across gaps above a smallest one, at z = gap +
+contact distance. Of asperities whose attraction has no end a share s of the area is theirs: the mean planes
+act on the rest, and of every asperity 2 pi R W(D + rho^2 / 2R), pi eta rho^2 = s, is taken off, with the
+Lennard-Jones attraction W = work [4/3 (z0/z)^2 - 1/3 (z0/z)^8], as a mean over normal heights.
 
-The slope is a numerical derivative of the pressure by the separation. The energy is the integral of the pressure from
-there to infinity, in the other order: of a gap g the pressure counts with the probability that the gap is larger at the
-separation, so that energies between planes are not used. All arithmetic has 30 digits; inputs are the exact decimals.
-
-Usage: uv run scripts/reference_background.py [--check OTHER.csv]
+The slope is a numerical derivative of the pressure by the separation. The energy is the integral of the
+pressure from there to infinity, in the other order: of a gap g the pressure counts with the probability that
+the gap is larger at the separation, so that energies between planes are not used. All arithmetic has 30
+digits; inputs are the exact decimals.
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-from pathlib import Path
-
+from fixtures import write
 from mpmath import erfc, exp, inf, mp, mpf, pi, quad, sqrt
 
 mp.dps = 30
 VACUUM_PERMITTIVITY = mpf("8.8541878128e-12")
-TABLE = Path(__file__).parent.parent / "tests" / "data" / "background.csv"
 COLUMNS = "term,std,separation,strength,length,cut,share,energy,pressure,slope"
-# All lengths of the rows in nm. Of dispersion, `strength` is A in J, `length` the wavelength or 0, `cut` the smallest gap;
-# faces of gap 0 are 0.2 nm apart. `share` is that of caps, with the asperities below; 0 without caps. Of a voltage,
-# `strength` is V and `length` is t.
+# All lengths of the rows in nm. Of dispersion, `strength` is A in J, `length` the wavelength or 0, `cut` the
+# smallest gap; faces of gap 0 are 0.2 nm apart. `share` is that of caps, with the asperities below; 0 without
+# caps. Of a voltage, `strength` is V and `length` is t.
 CONTACT, WORK, SPACING = mpf("0.2e-9"), mpf("0.09"), mpf("0.2e-9")
 RADIUS, DENSITY, HEIGHT_STD, OFFSET = mpf("3.33e-6"), mpf("7.39e12"), mpf("1.417e-9"), mpf("1.867e-9")
 ROWS = [
@@ -64,39 +55,38 @@ def upper(x):
 
 
 def over(low, high, f, sigma, kink=None):
-    """Integral over deviates from low to high, in panels, one of which ends at a kink; towards that f rises steeply."""
+    """Integral over deviates from low to high, in panels, one of which ends at a kink; towards that f rises
+    steeply."""
     low, high = max(low, -mpf(14)), min(high, mpf(14))
     if low >= high:
         return mpf(0)
     ends = [low + (high - low) * i / 14 for i in range(15)]
     if kink is not None:
-        ends = sorted({*ends, *(x for x in (kink - mpf(1) / 2**i for i in range(6)) if low < x < high), *([kink] if low < kink < high else [])})
+        ends = sorted({*ends, *(x for x in (kink - mpf(1) / 2**i for i in range(6)) if low < x < high),
+                       *([kink] if low < kink < high else [])})
     return quad(lambda x: density(x) * f(sigma * x), ends, method="gauss-legendre", maxdegree=5)
 
 
 def beyond(low, middle, sigma, f):
-    """Integral of f from low to infinity, weighted by the probability of a normal variate to be larger than middle
-    less the place."""
+    """Integral of f from low to infinity, weighted by the probability of a normal variate to be larger than
+    middle less the place."""
     # Below the first the probability is less than 1e-43.
     ends = [max(low, middle - 14 * sigma)]
     ends += [end for end in (middle + sigma * x for x in range(-12, 15, 2)) if end > ends[0]]
     # The pressure rises steeply towards the smallest gap.
-    ends = sorted({*ends, *(low + sigma * x for x in (mpf("0.25"), mpf("0.5"), 1, 2, 3) if low + sigma * x > ends[0])})
+    ends = sorted({*ends,
+                   *(low + sigma * x for x in (mpf("0.25"), mpf("0.5"), 1, 2, 3)
+                     if low + sigma * x > ends[0])})
     ends += [ends[-1] * 2**i for i in range(1, 80)]
     weighted = lambda g: f(g) * upper((middle - g) / sigma)
     return sum(quad(weighted, pair, method="gauss-legendre", maxdegree=5) for pair in zip(ends, ends[1:]))
 
 
-def between_planes(hamaker, wavelength):
+def of_planes(hamaker, wavelength):
+    """W and -dW/dz, by the logarithmic derivative of W."""
     b = mpf("5.32") / wavelength if wavelength else mpf(0)
-    return lambda z: hamaker / (12 * pi * z**2 * (1 + b * z))
-
-
-def pressure_of_planes(hamaker, wavelength):
-    b = mpf("5.32") / wavelength if wavelength else mpf(0)
-    # -dW/dz, by the logarithmic derivative of W.
-    energy = between_planes(hamaker, wavelength)
-    return lambda z: energy(z) * (2 / z + b / (1 + b * z))
+    work = lambda z: hamaker / (12 * pi * z**2 * (1 + b * z))  # noqa: E731
+    return work, lambda z: work(z) * (2 / z + b / (1 + b * z))
 
 
 def lennard_jones(z):
@@ -105,7 +95,7 @@ def lennard_jones(z):
 
 
 def dispersion(sigma, hamaker, wavelength, cut, share):
-    planes = pressure_of_planes(hamaker, wavelength)
+    _, planes = of_planes(hamaker, wavelength)
 
     def pressure(h):
         mean = over((cut - h) / sigma, inf, lambda d: planes(h + d + CONTACT), sigma)
@@ -164,28 +154,12 @@ def row(fields):
         pressure, energy = voltage(sigma, strength, length * nm)
     step = sigma * mpf("1e-4")
     # Central differences of 4th order in two steps, and Richardson's extrapolation.
-    central = lambda s: (8 * (pressure(h + s) - pressure(h - s)) - pressure(h + 2 * s) + pressure(h - 2 * s)) / (12 * s)
+    central = lambda s: (8 * (pressure(h + s) - pressure(h - s)) - pressure(h + 2 * s)
+                         + pressure(h - 2 * s)) / (12 * s)
     slope = (16 * central(step) - central(2 * step)) / 15
     values = [energy(h), pressure(h), slope]
-    return ",".join([*fields, *(mp.nstr(value, 15) for value in values)])
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--check", metavar="OTHER.csv", help="compare another table with this one")
-    arguments = parser.parse_args()
-    lines = [COLUMNS]
-    for fields in ROWS:
-        lines.append(row(fields))
-        print(lines[-1], flush=True)
-    if arguments.check:
-        own = [line.split(",")[7:] for line in lines[1:]]
-        other = [line.split(",")[7:] for line in Path(arguments.check).read_text().splitlines()[1:]]
-        worst = max(abs(mpf(a) / mpf(b) - 1) for x, y in zip(own, other) for a, b in zip(x, y))
-        print(f"largest relative difference {mp.nstr(worst, 3)}")
-    else:
-        TABLE.write_text("\n".join(lines) + "\n")
+    return [*fields, *(mp.nstr(value, 15) for value in values)]
 
 
 if __name__ == "__main__":
-    main()
+    write("background.csv", COLUMNS.split(","), map(row, ROWS))

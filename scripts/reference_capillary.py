@@ -1,46 +1,37 @@
 """Reference values of a wet asperity: an elastic sphere with two nested Dugdale zones around its contact.
 
-Writes tests/data/capillary.csv: the adhesion force, the contact force and the contact radius of a sphere that the solids
-attract with the stress sigma_1 as far as the gap is below H_1, W_SLS = sigma_1 H_1, and the liquid with sigma_0 as far as it
-is below h_0, gamma s = sigma_0 h_0. The law `capillary` superposes two single zones in their place; this says by how much it
-is off.
+Writes tests/data/capillary.csv: the adhesion force, the contact force and the contact radius of a sphere that
+the solids attract with the stress sigma_1 as far as the gap is below H_1, W_SLS = sigma_1 H_1, and the liquid
+with sigma_0 as far as it is below h_0, gamma s = sigma_0 h_0. The law `capillary` superposes two single zones
+in their place; this says by how much it is off.
 
-The contact of radius a, with zones to b and c, follows from the transform g of the normal displacement of a half-space,
-u(r) = 2/pi int_0^r g(t)/sqrt(r^2 - t^2) dt: g = delta - t^2/R within the contact, and -2/E* sum sigma_i sqrt(e_i^2 - t^2) up to
-the edges e_i of the zones outside. No stress is infinite where g is continuous at a, which says delta(a, b, c); the gaps
-at b and c are H_1 and h_0, solved by a hybrid Powell method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution,
-which is checked.
+The contact of radius a, with zones to b and c, follows from the transform g of the normal displacement of a
+half-space, u(r) = 2/pi int_0^r g(t)/sqrt(r^2 - t^2) dt: g = delta - t^2/R within the contact, and -2/E* sum
+sigma_i sqrt(e_i^2 - t^2) up to the edges e_i of the zones outside. No stress is infinite where g is
+continuous at a, which says delta(a, b, c); the gaps at b and c are H_1 and h_0, solved by a hybrid Powell
+method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution, which is checked.
 
-Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of adhesion) = 1,
-Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
+Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of
+adhesion) = 1, Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
 
-Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the Young-Laplace equation, as a
-share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_K = `kelvin_radius` R and equal contact angles. The
-profile is integrated from the flat in its arc length, with the mean curvature -1/(2 r_K), up to where it meets the sphere under
-the contact angle; the circle on the flat follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta +
-pi x^2 gamma/r_K at the flat.
-
-Usage:
-    uv run scripts/reference_capillary.py               write the tables
-    uv run scripts/reference_capillary.py -o DIRECTORY  write them elsewhere
+Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the
+Young-Laplace equation, as a share of 2 pi R gamma s, at a distance D = `distance` h_0, of a Kelvin radius r_K
+= `kelvin_radius` R and equal contact angles. The profile is integrated from the flat in its arc length, with
+the mean curvature -1/(2 r_K), up to where it meets the sphere under the contact angle; the circle on the flat
+follows from D, on the side of the larger circles. The force is 2 pi gamma x sin theta + pi x^2 gamma/r_K at
+the flat.
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["scipy>=1.10", "numpy"]
-# ///
-
-import argparse
-import csv
 from math import acos, asin, cos, pi, radians, sin, sqrt
-from pathlib import Path
 
+from fixtures import write
+from mpmath import mpf
+from reference_values import contact_angle, contact_state
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, fsolve
 
 E = 0.75
 STRESS = 1.03
-DATA = Path(__file__).parent.parent / "tests" / "data"
 CASES = [
     (lam, share, reach)
     for lam in (0.03, 0.3, 1.0, 3.0)
@@ -92,11 +83,13 @@ class Sphere:
         return [a * (1 + v * v) for v in x]
 
     def state(self, delta, low, high):
-        """Adhesion force, contact force and contact radius at a displacement, of the contact between two radii."""
+        """Adhesion force, contact force and contact radius at a displacement, of the contact between two
+        radii."""
         a = brentq(lambda a: self.displacement(a, self.edges(a)) - delta, low, high, xtol=1e-14, rtol=1e-13)
         edges = self.edges(a)
         tails = sum(
-            s * (e * e * acos(min(1.0, a / e)) - a * sqrt(max(e * e - a * a, 0.0))) / 2 for (s, _), e in zip(self.zones, edges)
+            s * (e * e * acos(min(1.0, a / e)) - a * sqrt(max(e * e - a * a, 0.0))) / 2 for (s, _),
+            e in zip(self.zones, edges)
         )
         force = 2 * E * (delta * a - a**3 / 3) - 4 * tails
         return a**3 - force, a**3, a
@@ -107,19 +100,6 @@ class Sphere:
         deltas = [self.displacement(a, self.edges(a)) for a in radii]
         i = min(range(len(deltas)), key=lambda i: deltas[i])
         return radii[i], deltas[i]
-
-
-def maugis(lam, delta):
-    """Adhesion force and contact radius of one zone, by Maugis' equations in the angle."""
-    def at(angle):
-        alpha = lam / 2 * (sin(angle) * cos(angle) - angle * cos(2 * angle))
-        beta = 4 * lam**2 / 3 * (angle * sin(angle) + cos(angle) - 1)
-        outer = 2 / (beta + sqrt(beta**2 + 4 * alpha))
-        radius = outer * cos(angle)
-        return radius**2 - 4 / 3 * lam * outer * sin(angle), lam * outer**2 * (sin(angle) * cos(angle) + angle), radius
-
-    angle = brentq(lambda x: at(x)[0] - delta, 1e-4, pi / 2 if lam < 0.9 else 1.2, xtol=1e-15)
-    return at(angle)[1:]
 
 
 MENISCI = [
@@ -139,7 +119,8 @@ def meniscus(circle, angle, kelvin):
         return at[2] + 1.4
 
     down.terminal = True
-    found = solve_ivp(profile, [0, 12 * kelvin], [circle, 0, pi - angle], events=[down], rtol=1e-12, atol=1e-14 * kelvin,
+    found = solve_ivp(profile, [0, 12 * kelvin], [circle, 0, pi - angle], events=[down], rtol=1e-12,
+                      atol=1e-14 * kelvin,
                       dense_output=True, max_step=kelvin / 3)
 
     def excess(s):
@@ -161,37 +142,34 @@ def bridge(angle, kelvin, distance):
     states = [(circle, meniscus(circle, angle, kelvin)) for circle in circles]
     outer = [circle for circle, state in states if state and state[0] < distance * reach]
     inner = min(outer) - largest / 60
-    circle = brentq(lambda circle: meniscus(circle, angle, kelvin)[0] - distance * reach, inner, min(outer), xtol=1e-15, rtol=1e-12)
+    circle = brentq(lambda circle: meniscus(circle, angle, kelvin)[0] - distance * reach, inner, min(outer),
+                    xtol=1e-15, rtol=1e-12)
     return meniscus(circle, angle, kelvin)[1]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", default=DATA, type=Path)
-    arguments = parser.parse_args()
-    for lam, delta in ((0.3, 0.5), (2.0, 1.0)):
-        adhesion, load, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
-        expected = maugis(lam, delta)
-        assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius, expected)
-    with open(arguments.o / "capillary.csv", "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow("lambda,share,range,delta,adhesion_force,contact_force,contact_radius".split(","))
-        for lam, share, reach in CASES:
-            spacing = 2 * STRESS / (pi * lam)
-            liquid = (share / pi / (reach * spacing), reach * spacing)
-            solid = ((1 - share) / pi * STRESS / spacing, spacing / STRESS)
-            sphere = Sphere([solid, liquid])
-            begin, least = sphere.least()
-            for delta in (0.9 * least, 0.6 * least, 0.3 * least, 0.0, 0.3, 1.0, 3.0):
-                delta = float(f"{delta:.12g}")
-                values = sphere.state(delta, begin * 1.0000001, 6.0)
-                rows.writerow([lam, share, reach, delta] + [f"{value:.10e}" for value in values])
-    with open(arguments.o / "menisci.csv", "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow("contact_angle_deg,kelvin_radius,distance,force".split(","))
-        for angle, kelvin, distance in MENISCI:
-            rows.writerow([angle, kelvin, distance, f"{bridge(radians(angle), kelvin, distance):.10f}"])
+def check(lam, delta):
+    """One zone is Maugis' solution."""
+    adhesion, _, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
+    _, *expected = contact_state(mpf(lam), contact_angle(mpf(lam), mpf(delta)))
+    assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, lam
+
+
+def table():
+    for lam, share, reach in CASES:
+        spacing = 2 * STRESS / (pi * lam)
+        liquid = (share / pi / (reach * spacing), reach * spacing)
+        sphere = Sphere([((1 - share) / pi * STRESS / spacing, spacing / STRESS), liquid])
+        begin, least = sphere.least()
+        for delta in (0.9 * least, 0.6 * least, 0.3 * least, 0.0, 0.3, 1.0, 3.0):
+            delta = float(f"{delta:.12g}")
+            values = sphere.state(delta, begin * 1.0000001, 6.0)
+            yield [lam, share, reach, delta] + [f"{value:.10e}" for value in values]
 
 
 if __name__ == "__main__":
-    main()
+    check(0.3, 0.5)
+    check(2.0, 1.0)
+    keys = "lambda,share,range,delta,adhesion_force,contact_force,contact_radius"
+    write("capillary.csv", keys.split(","), table(), "\r\n")
+    rows = ([*case, f"{bridge(radians(case[0]), *case[1:]):.10f}"] for case in MENISCI)
+    write("menisci.csv", ["contact_angle_deg", "kelvin_radius", "distance", "force"], rows, "\r\n")

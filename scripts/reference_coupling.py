@@ -1,46 +1,38 @@
 """Reference values of elastically coupled asperities, for the tests: writes tests/data/coupling.json.
 
-Nothing of it comes from the program. The equations and their dense solution are in coupled_asperities.py; what concerns one or
-two asperities is solved here by mpmath in 30 digits. Sections of the file:
+Nothing of it comes from the program. The equations and their dense solution are in coupled_asperities.py;
+what concerns one or two asperities is solved here by mpmath in 30 digits. Sections of the file:
 
 * `green`: pi E* L G of a square cell that repeats, by the sum of Ewald with two splittings that agree;
 * `mean_field`: c of a square patch under uniform pressure, its mean displacement being c p L / E*;
 * `surfaces`: places, heights and radii, drawn here once (random sequential addition for the places);
 * `ensembles`: states of such surfaces, and of pairs and of one asperity, at given separations.
 
-Every number of an input is the double nearest to its decimals. Usage:
-    uv run scripts/reference_coupling.py                     write the file (a minute)
-    uv run scripts/reference_coupling.py -o OUT.json         write it elsewhere
-    uv run scripts/reference_coupling.py --check OTHER.json  compare with another file to 1e-14, write nothing
+Every number of an input is the double nearest to its decimals. It takes a minute.
 """
 
-# /// script
-# requires-python = ">=3.10"
-# dependencies = ["mpmath>=1.3", "numpy>=1.24"]
-# ///
-
-import argparse
 import json
-import math
 import sys
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
-from coupled_asperities import JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability, steps
+from coupled_asperities import (
+    JKR_END, LAWS, Asperities, follow, green_matrix, hertz, lattice, solve, stability, steps,
+)  # fmt: skip
+from fixtures import DATA
 
 mp.mp.dps = 30
-FILE = Path(__file__).resolve().parents[1] / "tests" / "data" / "coupling.json"
 MODULUS, RADIUS, WORK, SPACING = 85.29e9, 3.33e-6, 0.09, 0.2e-9  # case II
 SPLITTINGS = "1.2", "2.5"
-PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0001, -0.0003), (0.01, 0.02), (0.1, 0.3), (0.3, 0.1),
+PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0001, -0.0003), (0.01, 0.02),
+          (0.1, 0.3), (0.3, 0.1),
           (-0.4, 0.15), (0.49, 0.02), (1.25, -3.5), (0.7, 0.95)]
 
 
-# --- Surfaces ----------------------------------------------------------------------------------------------------------
+# --- Surfaces
 
 
-def hard_core(rng, count: int, side: float, distance: float) -> list:
+def hard_core(rng, count, side, distance):
     """Places in a square that repeats, each at least `distance` from those before, in whole picometres."""
     places, found = np.empty((count, 2)), 0
     while found < count:
@@ -52,8 +44,9 @@ def hard_core(rng, count: int, side: float, distance: float) -> list:
     return places.tolist()
 
 
-def surfaces() -> dict:
-    """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times smoother; pairs; one."""
+def surfaces():
+    """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times
+    smoother; pairs; one."""
     found = {}
     for name, count, side, seed in [("thirty", 30, 2e-6, 17), ("two hundred", 200, 5.2e-6, 18)]:
         rng = np.random.Generator(np.random.PCG64(seed))
@@ -64,7 +57,8 @@ def surfaces() -> dict:
             radii = np.round(RADIUS * np.exp(0.3 * rng.standard_normal(count)), 10).tolist()
             found["thirty radii"] = {**found[name], "radii": radii}
             found["thirty smooth"] = {**found[name], "heights": np.round(np.array(heights) / 16, 15).tolist()}
-    pair = {"cell": 1e-6, "places": [[2e-7, 3e-7], [6e-7, 5e-7]], "heights": [1e-9, 0.0], "radii": [RADIUS] * 2}
+    pair = {"cell": 1e-6, "places": [[2e-7, 3e-7], [6e-7, 5e-7]], "heights": [1e-9, 0.0],
+            "radii": [RADIUS] * 2}
     found["pair"] = pair
     found["near pair"] = {**pair, "places": [[2e-7, 3e-7], [3.2e-7, 3.5e-7]]}
     found["equal pair"] = {**pair, "heights": [0.0, 0.0], "radii": [RADIUS] * 2}
@@ -72,10 +66,10 @@ def surfaces() -> dict:
     return found
 
 
-# --- One and two asperities, in 30 digits --------------------------------------------------------------------------------
+# --- One and two asperities, in 30 digits
 
 
-def mp_force(law: str, delta, radius):
+def mp_force(law, delta, radius):
     stiffness, unit = 4 * mp.mpf(MODULUS) / 3, mp.pi * radius * mp.mpf(WORK)
     contact = stiffness * mp.sqrt(radius) * mp.sqrt(max(delta, 0)) ** 3
     if law == "hertz":
@@ -89,11 +83,12 @@ def mp_force(law: str, delta, radius):
     end = mp.mpf(6) ** (-mp.mpf(1) / 3)
     # A is the largest zero of Delta(A) - Delta, which lies above `end` and below this:
     scaled, high = delta / length, 2 + mp.sqrt(abs(delta / length)) * 2
-    a = mp.findroot(lambda a: a * a - 2 * mp.sqrt(6 * a) / 3 - scaled, (end, high), solver="anderson", tol=1e-50, maxsteps=200)
+    a = mp.findroot(lambda a: a * a - 2 * mp.sqrt(6 * a) / 3 - scaled, (end, high), solver="anderson",
+                    tol=1e-50, maxsteps=200)
     return unit * (a**3 - a * mp.sqrt(6 * a))
 
 
-def mp_green(surface: dict, periodic: bool) -> mp.matrix:
+def mp_green(surface, periodic):
     count, side, scale = len(surface["places"]), mp.mpf(surface["cell"]), mp.pi * mp.mpf(MODULUS)
     green = mp.matrix(count, count)
     for i in range(count):
@@ -106,15 +101,17 @@ def mp_green(surface: dict, periodic: bool) -> mp.matrix:
     return green
 
 
-def few(law: str, surface: dict, periodic: bool, separation: float) -> dict:
-    """One or two asperities at a separation: approaches and forces to 30 digits, polished from the dense solution."""
+def few(law, surface, periodic, separation):
+    """One or two asperities at a separation: approaches and forces to 30 digits, polished from the dense
+    solution."""
     green, target = mp_green(surface, periodic), [mp.mpf(z) - mp.mpf(separation) for z in surface["heights"]]
     count, radius = len(target), mp.mpf(RADIUS)
     unit = mp.mpf("1e-9")
 
     def residual(*scaled):
         forces = [mp_force(law, value * unit, radius) for value in scaled]
-        return [scaled[i] - (target[i] - sum(green[i, j] * forces[j] for j in range(count))) / unit for i in range(count)]
+        return [scaled[i] - (target[i] - sum(green[i, j] * forces[j] for j in range(count))) / unit
+                for i in range(count)]
 
     start = dense(law, surface, periodic, [separation])[0].approach
     begin = [mp.mpf(float(value)) / unit for value in start]
@@ -125,14 +122,15 @@ def few(law: str, surface: dict, periodic: bool, separation: float) -> dict:
     return {"separation": separation, "approaches": approaches, "forces": forces}
 
 
-# --- Ensembles -----------------------------------------------------------------------------------------------------------
+# --- Ensembles
 
 
 RAMP = np.longdouble("1e-27")  # m, over which the law of an asperity that rests at its touch jumps
 
 
-def with_sets(touched: np.ndarray, resting: np.ndarray):
-    """The law of DMT where it is given which asperities have touched, and which rest at the touch with a force in between."""
+def with_sets(touched, resting):
+    """The law of DMT where it is given which asperities have touched, and which rest at the touch with a
+    force in between."""
 
     def law(asperity, delta):
         force, slope = hertz(asperity, delta)
@@ -143,8 +141,9 @@ def with_sets(touched: np.ndarray, resting: np.ndarray):
     return law
 
 
-def dmt_path(asperity, heights, green, separations) -> list[State | None]:
-    """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips, one at a time.
+def dmt_path(asperity, heights, green, separations):
+    """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips,
+    one at a time.
 
     One that flips a third time at a separation rests at its touch. None where no sets agree with themselves.
     """
@@ -171,8 +170,9 @@ def dmt_path(asperity, heights, green, separations) -> list[State | None]:
     return states
 
 
-def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[State]:
-    """States at the separations, on the way down to each of them from afar, but `jkr` on the way back from contact of all."""
+def dense(law, surface, periodic, separations):
+    """States at the separations, on the way down to each of them from afar, but `jkr` on the way back from
+    contact of all."""
     asperity = Asperities(np.array(surface["radii"], np.longdouble), MODULUS, WORK, SPACING)
     green = green_matrix(surface["places"], MODULUS, surface["cell"] if periodic else None)
     heights = surface["heights"]
@@ -193,8 +193,9 @@ def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[St
     return [next(state for state in states if state.separation == s) for s in separations]
 
 
-def margin(law: str, surface: dict, state: State):
-    """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do neither."""
+def margin(law, surface, state):
+    """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do
+    neither."""
     if law == "dmt":
         return float(np.min(np.abs(state.approach[state.approach != 0])))
     if law == "jkr":
@@ -239,7 +240,7 @@ MANY = [
 ]
 
 
-def ensembles(surfaces: dict) -> list:
+def ensembles(surfaces):
     found = []
     for name, law, coupling, separations in FEW + MANY:
         print(name, law, coupling, file=sys.stderr)
@@ -254,7 +255,7 @@ def ensembles(surfaces: dict) -> list:
     return found
 
 
-def green_values() -> list:
+def green_values():
     rows = []
     for x, y in PLACES:
         values = [lattice(x, y, splitting) for splitting in SPLITTINGS]
@@ -264,54 +265,43 @@ def green_values() -> list:
     return rows
 
 
-def rest(surface: dict) -> list:
-    """One asperity of DMT in a periodic cell that rests at its touch: force between 0 and -2 pi R work, so that d = z - G f."""
+def rest(surface):
+    """One asperity of DMT in a periodic cell that rests at its touch: force between 0 and -2 pi R work, so
+    that d = z - G f."""
     green = mp_green(surface, True)[0, 0]
     jump = 2 * mp.pi * mp.mpf(RADIUS) * mp.mpf(WORK)
     rows = []
     for share in (0.25, 0.75):
-        separation = float(green * jump * share)  # negative: the asperity would be in contact if it were rigid
-        rows.append({"separation": separation, "approaches": [mp.mpf(0)], "forces": [-mp.mpf(separation) / green]})
+        separation = float(green * jump
+                           * share)  # negative: the asperity would be in contact if it were rigid
+        rows.append({"separation": separation, "approaches": [mp.mpf(0)],
+                     "forces": [-mp.mpf(separation) / green]})
     return [{"surface": "one", "law": "dmt", "coupling": "periodic", "states": rows}]
 
 
-# --- The file ------------------------------------------------------------------------------------------------------------
+# --- The file
 
 
-def text(value, indent: str = "") -> str:
+def text(value, indent = ""):
     """JSON with 20 digits of what mpmath computed and 18 of long doubles; lists of numbers on one line."""
     if isinstance(value, mp.mpf):
         return mp.nstr(value, 20, min_fixed=0, max_fixed=0) if value else "0.0"
     if isinstance(value, np.longdouble):
         return np.format_float_scientific(value, precision=17, unique=False) if value else "0.0"
     if isinstance(value, dict):
-        inner = [f'{indent} "{key}": {text(item, indent + " ")}' for key, item in value.items() if item is not None]
+        inner = [f'{indent} "{key}": {text(item, indent + " ")}' for key,
+                 item in value.items() if item is not None]
         return "{\n" + ",\n".join(inner) + "\n" + indent + "}"
     if isinstance(value, (list, tuple, np.ndarray)):
         flat = not any(isinstance(item, dict) for item in value)
         items = [text(item, indent + " ") for item in value]
-        return "[" + ", ".join(items) + "]" if flat else "[\n" + ",\n".join(indent + " " + item for item in items) + "\n" + indent + "]"
+        if flat:
+            return "[" + ", ".join(items) + "]"
+        return "[\n" + ",\n".join(indent + " " + item for item in items) + "\n" + indent + "]"
     return json.dumps(value)
 
 
-def differences(ours, theirs, where: str = ""):
-    """Where two files differ, numbers by more than 1e-14 of the largest of their list."""
-    if isinstance(ours, dict) and isinstance(theirs, dict):
-        for key in ours.keys() | theirs.keys():
-            yield from differences(ours.get(key), theirs.get(key), f"{where}/{key}")
-    elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
-        if all(isinstance(item, float) for item in ours + theirs):
-            bound = 1e-14 * max(map(abs, ours), default=0.0)
-            if any(abs(a - b) > bound for a, b in zip(ours, theirs)):
-                yield where
-        else:
-            for index, pair in enumerate(zip(ours, theirs)):
-                yield from differences(*pair, f"{where}/{index}")
-    elif ours != theirs and not (isinstance(ours, float) and isinstance(theirs, float) and math.isclose(ours, theirs, rel_tol=1e-14)):
-        yield where
-
-
-def content() -> dict:
+def content():
     drawn = surfaces()
     return {
         "origin": "scripts/reference_coupling.py",
@@ -323,20 +313,9 @@ def content() -> dict:
     }
 
 
-def command(content, file: Path, description: str) -> None:
-    """The command line of a script that writes what a function makes."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("-o", "--output", type=Path, default=file, metavar="OUT.json")
-    parser.add_argument("--check", type=Path, metavar="OTHER.json")
-    arguments = parser.parse_args()
-    written = text(content()) + "\n"
-    if arguments.check:
-        found = list(differences(json.loads(written), json.loads(arguments.check.read_text())))
-        print("\n".join(found) or "no difference")
-        sys.exit(1 if found else 0)
-    arguments.output.write_text(written, encoding="utf-8")
-    print(arguments.output)
+def write_json(name, content):
+    (DATA / name).write_text(text(content) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    command(content, FILE, "Reference values of coupled asperities.")
+    write_json("coupling.json", content())

@@ -8,44 +8,33 @@ functions of lambda and delta, with the condition number of each, by the laws
 * md: D. Maugis, J. Colloid Interface Sci. 150 (1992) 243, in contact; nothing before;
 * md_kim: md in contact, the Dugdale stress kept at sigma_0 before contact;
 * ke: idmt before contact, in contact the fits of L. Kogut and I. Etsion to their elastic-plastic sphere;
-* sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the contact,
-  with the load and the contact radius of ke;
-* ceb: idmt before contact, hertz with the adhesion force of sbl up to the critical interference; above it the contact of
-  constant volume of W. R. Chang, I. Etsion and D. B. Bogy under their mean pressure, with the adhesion force of dmt.
+* sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the
+  contact, with the load and the contact radius of ke;
+* ceb: idmt before contact, hertz with the adhesion force of sbl up to the critical interference; above it the
+  contact of constant volume of W. R. Chang, I. Etsion and D. B. Bogy under their mean pressure, with the
+  adhesion force of dmt.
 
 They are written down in closed form, along a parameter where delta cannot be solved for, with no series; all
-arithmetic has 80 digits instead. The one integral (sbl, ceb) is done twice, by different rules in different variables.
+arithmetic has 80 digits instead. The one integral (sbl, ceb) is done twice, by different rules in different
+variables.
 
 Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
     delta and omega_c in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,
     lambda = 2 sigma_0 (R / (g K^2))^(1/3), sigma_0 = 1.03 (work of adhesion) / Z_0,
     hence Z_0 = 2.06 / (pi lambda) in the unit of delta.
 The decimals of the table stand for the doubles nearest to them.
-
-Usage:
-    uv run scripts/reference_laws.py                      write the table and print the largest conditions
-    uv run scripts/reference_laws.py -o OUT.csv           write it elsewhere
-    uv run scripts/reference_laws.py --check OTHER.csv    compare with another table, write nothing
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-import csv
 import functools
-import sys
 from decimal import Decimal
-from pathlib import Path
 from typing import NamedTuple
 
+from fixtures import bisect, write
 from mpmath import mp, mpf
 from reference_values import (
-    CONDITION_DIGITS, FOLD_LAMBDA, SMALLEST_ANGLE, STRESS_FACTOR, VALUE_DIGITS, VALUES, bisect, contact_end, contact_state, largest,
-    write, zone_radius,
-)
+    CONDITION_DIGITS, FOLD_LAMBDA, SMALLEST_ANGLE, STRESS_FACTOR, VALUE_DIGITS, VALUES, contact_end,
+    contact_state, zone_radius,
+)  # fmt: skip
 
 mp.dps = 80
 
@@ -75,7 +64,8 @@ QUADRATURE_REACH = 40
 
 
 class Quantity(NamedTuple):
-    """A value, delta times its derivative with respect to delta, and lambda times that with respect to lambda."""
+    """A value, delta times its derivative with respect to delta, and lambda times that with respect to
+    lambda."""
 
     value: mpf
     by_delta: mpf
@@ -172,7 +162,7 @@ def first_touch(lam):
     return contact_state(lam, mp.pi / 2)[0]
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def md_contact(lam, delta):
     """The stable contact branch, along which delta falls from infinity as the angle grows."""
     theta = bisect(lambda t: contact_state(lam, t)[0] <= delta, SMALLEST_ANGLE, contact_end(lam))
@@ -192,7 +182,8 @@ def md(path, lam, delta):
     return md_contact(lam, delta) if delta >= end else noncontact()
 
 
-# MD-Kim: before contact delta = C^2 / 2 - (8 lambda / 3 pi) C - 2 / (pi lambda), C the radius of the adhesive zone
+# MD-Kim: before contact delta = C^2 / 2 - (8 lambda / 3 pi) C - 2 / (pi lambda), C the radius of the adhesive
+# zone
 
 
 def kim_reach(lam):
@@ -243,8 +234,9 @@ def end_points(lam_text):
     return points + [repr(float(middle)) for middle in between]
 
 
-# Kogut-Etsion: up to which delta / omega_c, then (factor, exponent) of the load over P_c, of the contact area over
-# pi R omega_c, and (factor, exponent, exponent of Z_0 / omega_c) of the adhesion force over 2 pi R (work of adhesion)
+# Kogut-Etsion: up to which delta / omega_c, then (factor, exponent) of the load over P_c, of the contact area
+# over pi R omega_c, and (factor, exponent, exponent of Z_0 / omega_c) of the adhesion force over 2 pi R (work
+# of adhesion)
 
 KE_PIECES = [
     ("1", ("1", "1.5"), ("1", "1"), ("0.98", "0.298", "-0.29")),
@@ -281,21 +273,22 @@ def ke(path, lam, delta, critical, poisson):
     return ke_contact(lam, delta, critical, poisson) if delta >= 0 else rigid_sphere(lam, delta)
 
 
-# Lennard-Jones stress over the Hertz gap. With r = a sec(phi), t = tan(phi), a^2 = R delta and p = delta / (pi Z_0)
-# the gap is Z = Z_0 (1 + p G), G = t + (t^2 - 1) arctan(t), and the adhesion force in units of pi R (work of adhesion)
-#     (16 pi / 3) p * integral of [(1 + p G)^-3 - (1 + p G)^-9] t dt over t > 0.
+# Lennard-Jones stress over the Hertz gap. With r = a sec(phi), t = tan(phi), a^2 = R delta and p = delta /
+# (pi Z_0) the gap is Z = Z_0 (1 + p G), G = t + (t^2 - 1) arctan(t), and the adhesion force in units of pi R
+# (work of adhesion)     (16 pi / 3) p * integral of [(1 + p G)^-3 - (1 + p G)^-9] t dt over t > 0.
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def hertz_gap(k):
     """t and G at the k-th node, log(t) = k QUADRATURE_STEP."""
     t = mp.exp(k * QUADRATURE_STEP)
     return t, t + (t**2 - 1) * mp.atan(t)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def hertz_profile_force(p):
-    """Adhesion force and p times its derivative, by the trapezoidal rule in log(t), which converges exponentially."""
+    """Adhesion force and p times its derivative, by the trapezoidal rule in log(t), which converges
+    exponentially."""
     typical = min(mp.cbrt(3 / (4 * p)), mp.sqrt(2 / (mp.pi * p))) if p > 1 else mp.sqrt(2 / (mp.pi * p))
     middle = int(mp.nint(mp.log(typical) / QUADRATURE_STEP))
     reach = int(QUADRATURE_REACH / QUADRATURE_STEP)
@@ -314,8 +307,9 @@ def hertz_profile_force(p):
 def hertz_profile_force_again(p):
     """The same force in the variable q = Z_0 / Z, by the double-exponential rule.
 
-    As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1, with
-    w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT value 2.
+    As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1,
+    with w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT
+    value 2.
     """
 
     def integrand(q):
@@ -388,82 +382,25 @@ def cases():
 
 
 def table():
-    """All rows as dictionaries from column name to text."""
-    rows = []
+    """All rows, as text."""
     for law, path, *inputs in cases():
         state = law(path, *(mpf(float(text)) for text in inputs if text))
         force, adhesion, radius = state.contact_force, state.adhesion, state.radius
         external = Quantity(*(f - a for f, a in zip(force, adhesion)))
-        row = dict(zip(KEYS, (law.__name__, path, *inputs, state.branch)))
-        row.update((c, mp.nstr(q.value, VALUE_DIGITS)) for c, q in zip(VALUES, (adhesion, external, radius)))
-        scales = (adhesion.value, force.value + adhesion.value, radius.value)
-        for column, quantity, scale in zip(CONDITIONS, (adhesion, external, radius), scales):
-            condition = quantity.sensitivity() / scale if scale and quantity.value else mpf(0)
-            row[column] = mp.nstr(condition, CONDITION_DIGITS)
-        rows.append(row)
-    return rows
-
-
-def key(row):
-    """What identifies a row, whatever the spelling of its numbers."""
-    return tuple(row[k] if k in ("law", "path", "branch") or not row[k] else mpf(row[k]) for k in KEYS)
-
-
-def describe(row):
-    return ", ".join(f"{name} {row[name]}" for name in KEYS if row[name])
-
-
-def check(rows, path):
-    """Print how far another table departs from rows, law by law; true if it has the same rows."""
-    with open(path, newline="", encoding="utf-8") as file:
-        others = {key(row): row for row in csv.DictReader(file)}
-    own = {key(row): row for row in rows}
-    for k in sorted(own.keys() ^ others.keys(), key=str):
-        print(f"in one table only: {describe(own.get(k) or others.get(k))}")
-    common = [k for k in own if k in others]
-    print(f"{len(common)} rows in common, {len(own)} here, {len(others)} there")
-    print("largest relative deviations (of the external force: relative to contact force + adhesion force)")
-    for law in dict.fromkeys(k[0] for k in common):
-        for column in VALUES:
-            worst, where = mpf(-1), None
-            for k in common:
-                if k[0] != law:
-                    continue
-                ours, theirs = mpf(own[k][column]), mpf(others[k][column])
-                scale = abs(ours)
-                if column == "external_force":
-                    scale = ours + 2 * mpf(own[k]["adhesion_force"])
-                deviation = abs(theirs - ours) / scale if scale else mpf(0 if theirs == ours else "inf")
-                if mp.isnan(deviation):
-                    deviation = mpf("inf")
-                if deviation > worst:
-                    worst, where = deviation, own[k]
-            print(f"{law} {column}: {mp.nstr(worst, 3)} ({describe(where)})")
-    return len(common) == len(own) == len(others)
-
-
-def compare_quadratures():
-    worst = mpf(0)
-    for exponent in (-12, -6, -2, 0, 1, 4, 7):
-        p = mpf(10) ** exponent
-        worst = max(worst, abs(hertz_profile_force_again(p) / hertz_profile_force(p)[0] - 1))
-    print(f"sbl: the two quadratures agree within {mp.nstr(worst, 2)}")
+        quantities = adhesion, external, radius
+        scales = adhesion.value, force.value + adhesion.value, radius.value
+        numbers = [q.sensitivity() / scale if scale and q.value else mpf(0) for q,
+                   scale in zip(quantities, scales)]
+        values = [mp.nstr(q.value, VALUE_DIGITS) for q in quantities]
+        yield [law.__name__, path, *inputs, state.branch, *values,
+               *(mp.nstr(n, CONDITION_DIGITS) for n in numbers)]
 
 
 def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "laws.csv"
-    parser = argparse.ArgumentParser(description="Reference values of the single-asperity laws.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    arguments = parser.parse_args()
-    rows = table()
-    if arguments.check:
-        sys.exit(0 if check(rows, arguments.check) else 1)
-    write(rows, KEYS + VALUES + CONDITIONS, arguments.output)
-    for column in CONDITIONS:
-        row = largest(rows, column)
-        print(f"{column}: largest {row[column]} ({describe(row)})")
-    compare_quadratures()
+    write("laws.csv", KEYS + VALUES + CONDITIONS, table())
+    ratios = [hertz_profile_force_again(mpf(10) ** n) / hertz_profile_force(mpf(10) ** n)[0]
+              for n in (-12, -6, -2, 0, 1, 4, 7)]
+    print(f"sbl: the two quadratures agree within {mp.nstr(max(abs(ratio - 1) for ratio in ratios), 2)}")
 
 
 if __name__ == "__main__":

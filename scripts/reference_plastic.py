@@ -1,44 +1,36 @@
 """Reference values of loading laws that flow, and of their unloading.
 
-Writes tests/data/plastic.csv: the adhesion force, the contact force and the contact radius of one asperity that was pressed to
-the interference `largest` and is a `distance` from there, with 25 digits of 60. Without an unloading the distance is 0 and the
-state is that of the law on approach. The laws
+Writes tests/data/plastic.csv: the adhesion force, the contact force and the contact radius of one asperity
+that was pressed to the interference `largest` and is a `distance` from there, with 25 digits of 60. Without
+an unloading the distance is 0 and the state is that of the law on approach. The laws
 
 * zmc: Y. Zhao, D. M. Maietta, L. Chang, J. Tribol. 122 (2000) 86;
 * jg: R. L. Jackson, I. Green, J. Tribol. 127 (2005) 343, with the yield strength H/2.84;
-* tn: C. Thornton, Z. Ning, Powder Technol. 99 (1998) 154, the load without adhesion, yielding at the pressure KH;
+* tn: C. Thornton, Z. Ning, Powder Technol. 99 (1998) 154, the load without adhesion, yielding at the pressure
+  KH;
 * ceb, ke: as in reference_laws.py,
 
-all but ke with the adhesion force of the Lennard-Jones stress over the Hertz gap up to where they yield, and 2 beyond. The
-unloadings
+all but ke with the adhesion force of the Lennard-Jones stress over the Hertz gap up to where they yield, and
+2 beyond. The unloadings
 
 * secant: the elastic part of the law for the radius R' = 4 E a^3 / (3 P), from the recovery 3 P / (4 E a);
 * thornton_ning: JKR's contact of that radius, by its contact radius, which is found by bisection;
-* mesarovic_johnson: S. D. Mesarovic, K. L. Johnson, J. Mech. Phys. Solids 48 (2000) 2009, by the contact radius, likewise.
+* mesarovic_johnson: S. D. Mesarovic, K. L. Johnson, J. Mech. Phys. Solids 48 (2000) 2009, by the contact
+  radius, likewise.
 
-Scaled quantities as in reference_laws.py: R, K = 4/3 E and pi (work of adhesion) are 1; hardness_ratio is H/E of the asperity
-with dimensions, on which jg alone depends.
-
-Usage:
-    uv run scripts/reference_plastic.py               write the table
-    uv run scripts/reference_plastic.py -o OUT.csv    write it elsewhere
+Scaled quantities as in reference_laws.py: R, K = 4/3 E and pi (work of adhesion) are 1; hardness_ratio is H/E
+of the asperity with dimensions, on which jg alone depends.
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-from pathlib import Path
-
+from fixtures import bisect, write
 from mpmath import mp, mpf
 from reference_laws import hertz_profile_force, ke_contact, spacing
-from reference_values import VALUE_DIGITS, bisect, write
+from reference_values import VALUE_DIGITS
 
 mp.dps = 60
 
-KEYS = ["law", "unloading", "lambda", "critical_interference", "poisson_ratio", "hardness_ratio", "largest", "distance"]
+KEYS = ["law", "unloading", "lambda", "critical_interference", "poisson_ratio", "hardness_ratio", "largest",
+        "distance"]
 VALUES = ["adhesion_force", "contact_force", "contact_radius"]
 
 # lambda, omega_c, Poisson's ratio, H/E
@@ -66,7 +58,8 @@ def elastic(lam, delta):
 
 def zmc(lam, critical, poisson, hardness, delta):
     k = mpf("0.4")
-    pressure = 3 * mp.sqrt(critical) / (2 * mp.pi * pressure_factor(poisson))  # H, for K H = 3 P_c/(2 pi omega_c)
+    pressure = 3 * mp.sqrt(critical) / (2 * mp.pi
+                                        * pressure_factor(poisson))  # H, for K H = 3 P_c/(2 pi omega_c)
     first = (3 * mp.pi * k * pressure / (4 * MODULUS)) ** 2
     last = 54 * first
     if delta <= first:
@@ -89,7 +82,8 @@ def jg(lam, critical, poisson, hardness, delta):
     square = x * (x / mpf("1.9")) ** (mpf("0.14") * mp.exp(23 * e))  # a^2 over R omega_c
     over_radius = mp.pi * c * e / 2 * mp.sqrt(square)
     over_yield = mpf("2.84") * (1 - mp.exp(-mpf("0.82") * over_radius ** mpf("-0.7")))
-    load = mp.exp(-(x ** (mpf(5) / 12)) / 4) * x ** mpf("1.5") + 4 * over_yield / c * (1 - mp.exp(-(x ** (mpf(5) / 9)) / 25)) * x
+    load = mp.exp(-(x ** (mpf(5) / 12)) / 4) * x ** mpf("1.5")
+    load += 4 * over_yield / c * (1 - mp.exp(-(x ** (mpf(5) / 9)) / 25)) * x
     return mpf(2), load * own ** mpf("1.5"), mp.sqrt(square * own)
 
 
@@ -149,7 +143,8 @@ def mesarovic_johnson(law, lam, critical, load, radius, share):
 
     # d(way)/da = 0
     fold = bisect(
-        lambda a: 2 * pressure / MODULUS * a / mp.sqrt(radius**2 - a**2) > mp.sqrt(mp.pi * WORK / (2 * a * MODULUS)),
+        lambda a: 2 * pressure / MODULUS * a / mp.sqrt(radius**2
+                                                       - a**2) > mp.sqrt(mp.pi * WORK / (2 * a * MODULUS)),
         mpf(0) + mpf(10) ** -30,
         radius * (1 - mpf(10) ** -40),
     )
@@ -162,9 +157,9 @@ def rows():
     for setting in SETTINGS:
         lam, critical, poisson, hardness = (mpf(float(text)) for text in setting)
 
-        def row(law, unloading, largest, distance, state):
-            texts = [law.__name__, unloading, *setting, mp.nstr(largest, VALUE_DIGITS), mp.nstr(distance, VALUE_DIGITS)]
-            return dict(zip(KEYS + VALUES, texts + [mp.nstr(value, VALUE_DIGITS) for value in state]))
+        def row(law, unloading, largest, distance, state, setting=setting):
+            numbers = [mp.nstr(value, VALUE_DIGITS) for value in (largest, distance, *state)]
+            return [law.__name__, unloading, *setting, *numbers]
 
         for law in (zmc, jg, tn):
             for text in LOADED:
@@ -183,14 +178,5 @@ def rows():
                         yield row(law, unloading.__name__, largest, distance, state)
 
 
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "plastic.csv"
-    parser = argparse.ArgumentParser(description="Reference values of loading laws that flow, and of their unloading.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    table = list(rows())
-    write(table, KEYS + VALUES, parser.parse_args().output)
-    print(f"{len(table)} rows")
-
-
 if __name__ == "__main__":
-    main()
+    write("plastic.csv", KEYS + VALUES, rows())

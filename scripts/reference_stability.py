@@ -1,47 +1,32 @@
-"""Reference values of one asperity where solving is hard: at the ends of branches, in the limits of lambda, far and deep.
+"""Reference values of one asperity where solving is hard: at the ends of branches, in the limits of lambda,
+far and deep.
 
-Writes tests/data/stability.csv: the adhesion force, the external force and the contact radius of one asperity as functions
-of lambda and delta, region by region, with the condition number of each and the distance to the nearest place where the
-history changes the branch. The law `emd` is that of reference_values.py (Maugis-Dugdale in contact, extended Maugis-Dugdale
-before it), the other laws are those of reference_laws.py; the equations are written down there. What this file adds is the
-folds, found by the derivatives of those equations at 80 digits, so that a row 1e-15 beside a fold is on the right side of it.
+Writes tests/data/stability.csv: the adhesion force, the external force and the contact radius of one asperity
+as functions of lambda and delta, region by region, with the condition number of each and the distance to the
+nearest place where the history changes the branch. The law `emd` is that of reference_values.py
+(Maugis-Dugdale in contact, extended Maugis-Dugdale before it), the other laws are those of reference_laws.py;
+the equations are written down there. What this file adds is the folds, found by the derivatives of those
+equations at 80 digits, so that a row 1e-15 beside a fold is on the right side of it.
 
-Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the digits that give it
-back, and the rows are the truth for exactly these doubles.
-
-Usage:
-    uv run scripts/reference_stability.py                      write the table and print what it holds
-    uv run scripts/reference_stability.py -o OUT.csv           write it elsewhere
-    uv run scripts/reference_stability.py --check OTHER.csv    compare with another table, write nothing
-    ... --only REGION                                          the rows of one region
+Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the
+digits that give it back, and the rows are the truth for exactly these doubles.
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-import csv
 import functools
-import sys
-from collections import Counter
-from pathlib import Path
 from typing import NamedTuple
 
-import mpmath
-from mpmath import mp, mpf
-
 import reference_laws
-from reference_laws import FOLD_LAMBDA, State, first_touch, jkr_delta, kim_ends
+from fixtures import bisect, write
+from mpmath import mp, mpf
+from reference_laws import FOLD_LAMBDA, first_touch, jkr_delta, kim_ends
 from reference_values import (
-    CONDITIONS, SMALLEST_ANGLE, STATES, STRESS_FACTOR, VALUES, bisect, conditions, contact_state, noncontact_state,
-)
+    CONDITIONS, SMALLEST_ANGLE, STATES, STRESS_FACTOR, VALUES, conditions, contact_state, noncontact_state,
+)  # fmt: skip
 
 EPSILON = mpf(2) ** -52
 LAMBDAS = (
-    "1e-06 1e-05 0.0001 0.001 0.01 0.1 0.3 0.6 0.85 0.888 0.889 0.89 0.9 0.92 0.937 0.94 0.95 1.0 1.05 1.1 1.115 "
-    "1.117 1.15 1.3 2.0 2.5 3.0 5.0 10.0 30.0 100.0 1000.0 10000.0 100000.0 1000000.0"
+    "1e-06 1e-05 0.0001 0.001 0.01 0.1 0.3 0.6 0.85 0.888 0.889 0.89 0.9 0.92 0.937 0.94 0.95 1.0 1.05 "
+    "1.1 1.115 1.117 1.15 1.3 2.0 2.5 3.0 5.0 10.0 30.0 100.0 1000.0 10000.0 100000.0 1000000.0"
 ).split()
 FAR = "-1e6 -1e5 -1e4 -1e3 -100 -30".split()
 BEFORE = "-10 -4 -3.001 -2.5 -1.5 -1.2 -1.05 -1.01 -0.95 -0.8 -0.5 -0.1 -0.01 -1e-3".split()
@@ -56,8 +41,9 @@ KEYS = ["region", "law", "path", "lambda", "delta", "critical_interference", "po
 VALUE_DIGITS = 20
 CONDITION_DIGITS = 5
 
-# The slope of the noncontact curve has its only hump between the folds, which appear at lambda = 0.88832. Between these lambda the
-# hump is narrow and between these logarithms of z - 1; log(0.4) is outside the outer fold for every lambda.
+# The slope of the noncontact curve has its only hump between the folds, which appear at lambda = 0.88832.
+# Between these lambda the hump is narrow and between these logarithms of z - 1; log(0.4) is outside the outer
+# fold for every lambda.
 SINGLE, NARROW = mpf("0.88"), mpf("0.95")
 HUMP = (mpf("-2.4"), mpf("-1.3"))
 OUTSIDE = mp.log(mpf("0.4"))
@@ -80,7 +66,7 @@ def noncontact_slope(lam, x):
     return mp.diff(lambda y: noncontact_state(lam, y)[0], x)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def hump(lam):
     """log(z - 1) where the slope of the noncontact curve is largest, for SINGLE <= lambda <= NARROW."""
 
@@ -90,7 +76,7 @@ def hump(lam):
     return bisect(falls, *HUMP)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def noncontact_fold(lam):
     """log(z - 1) and the approach at the outer fold of the noncontact curve, or None."""
     if lam < SINGLE:
@@ -107,18 +93,19 @@ def noncontact_fold(lam):
     return x, noncontact_state(lam, x)[0]
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def cusp_lambda():
     """lambda at which the folds of the noncontact curve appear, 0.88832..."""
     with mp.workdps(30):
         return bisect(lambda lam: noncontact_slope(lam, hump(lam)) > 0, mpf("0.888"), mpf("0.889"))
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def contact_end(lam):
     """Angle and approach at the end of the stable contact branch.
 
-    The closed form of FOLD_LAMBDA says on which side of it lambda is, so the angle may be as close to first touch as it likes.
+    The closed form of FOLD_LAMBDA says on which side of it lambda is, so the angle may be as close to first
+    touch as it likes.
     """
     angle = mp.pi / 2
     if lam > FOLD_LAMBDA:
@@ -138,7 +125,8 @@ def end(path, lam):
 def invert(state, lam, delta, low, high):
     """The parameter between low and high at which delta, which falls from low to high or rises, is met.
 
-    Halvings to 1e-12 of the bracket, then Newton's rule to the digits of mp; a step that leaves the bracket is a halving too.
+    Halvings to 1e-12 of the bracket, then Newton's rule to the digits of mp; a step that leaves the bracket
+    is a halving too.
     """
     rises = state(lam, high)[0] > state(lam, low)[0]
     below, above = (low, high) if rises else (high, low)
@@ -152,7 +140,8 @@ def invert(state, lam, delta, low, high):
             continue
         slope = mp.diff(lambda p: state(lam, p)[0], x)
         step = value / slope if slope else mp.inf
-        # The next step would be of the order of the square of this one; beside a fold, of that over the distance to it.
+        # The next step would be of the order of the square of this one; beside a fold, of that over the
+        # distance to it.
         if abs(step) < abs(x) * mpf(10) ** -55:
             return x - step
         # Every third step halves the bracket, so that no flat place can hold the search.
@@ -165,7 +154,9 @@ def emd_parameter(path, lam, delta):
     """Branch and parameter (angle or log of the gap) that the history selects."""
     if delta >= end(path, lam):
         last, approach = contact_end(lam)
-        return "contact", last if delta == approach else invert(contact_state, lam, delta, SMALLEST_ANGLE, last)
+        if delta == approach:
+            return "contact", last
+        return "contact", invert(contact_state, lam, delta, SMALLEST_ANGLE, last)
     undeformed = mp.log(-delta * mp.pi * lam / (2 * STRESS_FACTOR))  # here the undeformed gap alone is -delta
     fold = noncontact_fold(lam)
     if fold and delta < fold[1]:
@@ -173,10 +164,11 @@ def emd_parameter(path, lam, delta):
     innermost = undeformed
     while noncontact_state(lam, innermost)[0] < delta:
         innermost -= 8
-    return "noncontact", invert(noncontact_state, lam, delta, innermost, min(fold[0], undeformed) if fold else undeformed)
+    return "noncontact", invert(noncontact_state, lam, delta, innermost,
+                                min(fold[0], undeformed) if fold else undeformed)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def switches(law, path, lam):
     """Approaches at which the branch changes, each with lambda times its derivative by lambda."""
     if law == "emd":
@@ -184,11 +176,13 @@ def switches(law, path, lam):
         fold = noncontact_fold(lam)
         if fold and fold[1] < end(path, lam):
             ends.append((noncontact_state, fold[0]))
-        # At a fold the parameter may be held fixed, because the approach does not depend on it to first order.
+        # At a fold the parameter may be held fixed, because the approach does not depend on it to first
+        # order.
         return [(state(lam, p)[0], lam * mp.diff(lambda s: state(s, p)[0], lam)) for state, p in ends]
     if law == "md_kim":
         count = range(2)
-        return [(kim_ends(path, lam)[i], lam * mp.diff(lambda s, i=i: kim_ends(path, s)[i], lam)) for i in count]
+        return [(kim_ends(path, lam)[i], lam * mp.diff(lambda s, i=i: kim_ends(path, s)[i], lam))
+                for i in count]
     if law == "jkr":
         return [(mpf(0) if path == "approach" else jkr_delta(reference_laws.JKR_END), mpf(0))]
     if law == "ke":
@@ -197,7 +191,8 @@ def switches(law, path, lam):
 
 
 def margin(law, path, lam, delta):
-    """Distance to the nearest switch in roundings of the inputs: epsilon (|delta| + |lambda d(switch)/d(lambda)|)."""
+    """Distance to the nearest switch in roundings of the inputs: epsilon (|delta| + |lambda
+    d(switch)/d(lambda)|)."""
 
     def distance(place, by_lam):
         size = EPSILON * (abs(place) + abs(by_lam))
@@ -239,9 +234,11 @@ def emd_points(lam_double):
         yield from points("noncontact fold", beside(fold[1]), "approach")
         if fold[1] < last:
             yield from points("noncontact fold", beside(fold[1], FEW_SHIFTS), "retraction")
-        yield from points("gap", [fold[1] + (touch - fold[1]) * mpf(share) / 8 for share in range(1, 8)], "approach")
+        yield from points("gap", [fold[1] + (touch - fold[1]) * mpf(share) / 8 for share in range(1, 8)],
+                          "approach")
     if lam > 2:
-        gaps = [mp.log(mpf(x) * lam ** (mpf(3) / 7) - 1) for x in CUSP_GAPS if mpf(x) * lam ** (mpf(3) / 7) > 1.3]
+        gaps = [mp.log(mpf(x) * lam ** (mpf(3) / 7) - 1) for x in CUSP_GAPS
+                if mpf(x) * lam ** (mpf(3) / 7) > 1.3]
         yield from points("near-cusp", before(noncontact_state(lam, x)[0] for x in gaps), "approach")
 
 
@@ -256,19 +253,22 @@ def near_special_lambdas():
     for shift in [0] + [sign * mpf(10) ** -k for k in (4, 6, 9, 12, 15) for sign in (-1, 1)]:
         lam = float(cusp_lambda() * (1 + shift))
         place = noncontact_state(mpf(lam), hump(mpf(lam)))[0]
-        yield from (Point("noncontact cusp", "emd", "approach", lam, delta) for delta in beside(place, FEW_SHIFTS))
+        yield from (Point("noncontact cusp", "emd", "approach", lam, delta)
+                    for delta in beside(place, FEW_SHIFTS))
 
 
 def law_points():
     """The other laws at the ends of their branches and in the limits of lambda."""
     for path in ("approach", "retraction"):
         jkr_place = mpf(0) if path == "approach" else jkr_delta(reference_laws.JKR_END)
-        jkr_deltas = (beside(jkr_place) if jkr_place else []) + [float(d) for d in ["0", "-1e-15", "1e-15", *DEEP]]
+        jkr_deltas = beside(jkr_place) if jkr_place else []
+        jkr_deltas += [float(d) for d in ["0", "-1e-15", "1e-15", *DEEP]]
         yield from (Point("jkr", "jkr", path, 1.0, delta) for delta in jkr_deltas)
         for lam in map(float, "1e-06 0.001 0.1 0.5 0.65 0.66 0.9 0.94 1.0 2.5 10.0 1000.0 1000000.0".split()):
             contact, zone = kim_ends(path, mpf(lam))
             for place in {contact, zone}:
-                yield from (Point("md_kim", "md_kim", path, lam, delta) for delta in beside(place, FEW_SHIFTS))
+                yield from (Point("md_kim", "md_kim", path, lam, delta)
+                            for delta in beside(place, FEW_SHIFTS))
     tiny = ["-1e-300", "-1e-15", "-1e-9", "-1e-3", "0", "1e-15", "1e-300"]
     for law in ("hertz", "dmt"):
         yield from (Point(law, law, "approach", 1.0, float(d)) for d in tiny + DEEP)
@@ -276,9 +276,12 @@ def law_points():
         for delta in map(float, tiny + FAR + ["-1", "-10"]):
             yield Point("idmt", "idmt", "approach", lam, delta)
         joints = [float(mpf(x) * mpf(float(CRITICAL)) * (1 + sign * shift))
-                  for x in ("1", "6", "110") for shift in (mpf("1e-2"), mpf("1e-9"), mpf("1e-14")) for sign in (-1, 1)]
+                  for x in ("1", "6", "110") for shift in (mpf("1e-2"), mpf("1e-9"),
+                                                           mpf("1e-14")) for sign in (-1, 1)]
         for law in ("ke", "sbl"):
-            for delta in joints + [float(d) for d in ("-1e6", "-1e-15", "0", "1e-300", "1e-15", "1e-9", "1e-3", "1e3", "1e6")]:
+            for delta in joints + [float(d)
+                                   for d in ("-1e6", "-1e-15", "0", "1e-300", "1e-15", "1e-9", "1e-3", "1e3",
+                                             "1e6")]:
                 yield Point(law, law, "approach", lam, delta)
 
 
@@ -305,7 +308,7 @@ def emd_values(path, lam, delta):
 
 def other_values(point, lam, delta):
     plastic = (mpf(float(CRITICAL)), mpf(float(POISSON))) if point.law in ("ke", "sbl") else ()
-    state: State = getattr(reference_laws, point.law)(point.path, lam, delta, *plastic)
+    state = getattr(reference_laws, point.law)(point.path, lam, delta, *plastic)
     force, adhesion, radius = state.contact_force, state.adhesion, state.radius
     external = [f - a for f, a in zip(force, adhesion)]
 
@@ -319,54 +322,13 @@ def other_values(point, lam, delta):
 
 def row(point):
     lam, delta = mpf(point.lam), mpf(point.delta)
-    branch, values, numbers = emd_values(point.path, lam, delta) if point.law == "emd" else other_values(point, lam, delta)
+    found = emd_values(point.path, lam, delta) if point.law == "emd" else other_values(point, lam, delta)
+    branch, values, numbers = found
     plastic = (CRITICAL, POISSON) if point.law in ("ke", "sbl") else ("", "")
-    out = dict(zip(KEYS, (point.region, point.law, point.path, repr(point.lam), repr(point.delta), *plastic, branch)))
-    out.update((c, mp.nstr(v, VALUE_DIGITS)) for c, v in zip(VALUES, values))
-    out.update((c, mp.nstr(v, CONDITION_DIGITS)) for c, v in zip(CONDITIONS, numbers))
-    out["margin"] = mp.nstr(margin(point.law, point.path, lam, delta), CONDITION_DIGITS)
-    return out
-
-
-def table(only):
-    wanted = dict.fromkeys(point for point in points() if only in (None, point.region))
-    return [row(point) for point in wanted]
-
-
-def check(rows, path):
-    """Print how far another table departs from rows; true if it has the same rows with the same values."""
-    with open(path, newline="", encoding="utf-8") as file:
-        others = {tuple(row[k] for k in KEYS): row for row in csv.DictReader(file)}
-    own = {tuple(row[k] for k in KEYS): row for row in rows}
-    print(f"{len(own.keys() & others.keys())} rows in common, {len(own)} here, {len(others)} there")
-    worst = mpf(0)
-    for k in own.keys() & others.keys():
-        for column in VALUES:
-            ours, theirs = mpf(own[k][column]), mpf(others[k][column])
-            worst = max(worst, abs(theirs - ours) / abs(ours) if ours else abs(theirs))
-    print(f"largest relative deviation: {mp.nstr(worst, 3)}")
-    return own.keys() == others.keys() and worst < mpf(10) ** (2 - VALUE_DIGITS)
-
-
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "stability.csv"
-    parser = argparse.ArgumentParser(description="Reference values of one asperity where solving is hard.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    parser.add_argument("--only", metavar="REGION", help="the rows of one region")
-    arguments = parser.parse_args()
-    rows = table(arguments.only)
-    if arguments.check:
-        sys.exit(0 if check(rows, arguments.check) else 1)
-    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, KEYS + VALUES + CONDITIONS + ["margin"], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
-    for region, count in Counter(row["region"] for row in rows).items():
-        largest = max(mpf(row["adhesion_condition"]) for row in rows if row["region"] == region)
-        print(f"{region}: {count} rows, condition of the adhesion force up to {mp.nstr(largest, 3)}")
+    numbers = [mp.nstr(v, CONDITION_DIGITS) for v in (*numbers, margin(point.law, point.path, lam, delta))]
+    keys = [point.region, point.law, point.path, repr(point.lam), repr(point.delta), *plastic, branch]
+    return keys + [mp.nstr(v, VALUE_DIGITS) for v in values] + numbers
 
 
 if __name__ == "__main__":
-    main()
+    write("stability.csv", KEYS + VALUES + CONDITIONS + ["margin"], map(row, dict.fromkeys(points())))

@@ -16,26 +16,18 @@ contact folds below the end of its regime (case II), the rest is taken from the 
 All arithmetic has 40 digits; inputs are the exact decimals. Integrals run to where the Gaussian density falls
 60 decades below its largest in the regime. Counts come from erfc of tails; the script stops unless the
 quadrature gives each to 25 digits. Many values are below the range of a double.
-
-Usage: uv run scripts/reference_surfaces.py [--check OTHER.csv] [--refine PARTS]
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
 import itertools
-from pathlib import Path
 
+from fixtures import bisect, write
 from mpmath import mp, mpf
 from mpmath.calculus.quadrature import GaussLegendre
+from reference_values import FOLD_LAMBDA, STRESS_FACTOR, contact_state, noncontact_state
 
 mp.dps = 40
 E_R, HARDNESS, POISSON_RATIO = mpf("85.29e9"), mpf("2.5e9"), mpf("0.27")
 AREA, Z0, LUBRICANT = mpf("1000e-12"), mpf("0.2e-9"), mpf("5e-10")
-STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
 CASES = {  # radius, work of adhesion, height std of the surface, asperity density
     "I": ("1.66e-6", "0.01", "3.40e-9", "8.51e12"),
     "II": ("3.33e-6", "0.09", "1.619e-9", "7.39e12"),
@@ -81,53 +73,33 @@ class Case:
         return (below - above) / 2 if low >= 0 else 1 - (below + above) / 2
 
 
+def along(state, lam, x):
+    """Approach, d(approach)/dx, adhesion force and contact force (scaled) of a branch."""
+    delta, adhesion, radius = state(lam, x)
+    return delta, mp.diff(lambda y: state(lam, y)[0], x), adhesion, radius**3
+
+
 def contact(lam, x):
-    """Approach, d(approach)/dx, adhesion force and contact force (scaled) in contact at theta = e^x."""
-    theta = mp.exp(x)
-    sin, cos = mp.sin(theta), mp.cos(theta)
-    alpha = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
-    beta = 4 * lam**2 / 3 * (theta * sin + cos - 1)
-    c = 2 / (beta + mp.sqrt(beta**2 + 4 * alpha))
-    # alpha c^2 + beta c = 1, differentiated by theta
-    slope = -2 * lam * theta * cos * c * (sin * c + 2 * lam / 3) / (2 * alpha * c + beta)
-    delta = (c * cos) ** 2 - 4 * lam / 3 * c * sin
-    by_theta = 2 * c * cos * (slope * cos - c * sin) - 4 * lam / 3 * (slope * sin + c * cos)
-    return delta, by_theta * theta, lam * c**2 * (sin * cos + theta), (c * cos) ** 3
+    """In contact at theta = e^x."""
+    return along(lambda lam, x: contact_state(lam, mp.exp(x)), lam, x)
 
 
 def noncontact(lam, x):
-    """Approach, d(approach)/dx, adhesion force and contact force (scaled) before contact at z = 1 + e^x."""
-    z = 1 + mp.exp(x)
-    stress = mpf(8) / 3 * (z**-3 - z**-9) / STRESS_FACTOR
-    energy = (4 * z**-2 - z**-8) / 3
-    b = 4 * (mp.pi - 2) / (3 * mp.pi) * lam * stress
-    q = 2 * energy / (mp.pi * lam * stress)
-    c = 2 * q / (b + mp.sqrt(b**2 + 2 * q))
-    # c^2 / 2 + b c = q, differentiated by z; the energy is the integral of the stress beyond z
-    stress_slope = mpf(8) / 3 * (9 * z**-10 - 3 * z**-4) / STRESS_FACTOR
-    q_slope = q * (-STRESS_FACTOR * stress / energy - stress_slope / stress)
-    slope = (q_slope - b * stress_slope / stress * c) / (c + b)
-    spacing = 2 * STRESS_FACTOR / (mp.pi * lam)  # Z_0 in units of the approach
-    delta = -((z - 1) * spacing + 4 * lam / 3 * stress * c)
-    by_z = -(spacing + 4 * lam / 3 * (stress_slope * c + stress * slope))
-    return delta, by_z * (z - 1), mp.pi / 2 * lam * stress * c**2, mpf(0)
+    """Before contact at z = 1 + e^x."""
+    return along(noncontact_state, lam, x)
 
 
 def first(is_true, x):
     """Where is_true first turns true on the way from x to smaller values."""
     while not is_true(x - SCAN_STEP):
         x -= SCAN_STEP
-    below, above = x, x - SCAN_STEP
-    for _ in range(mp.prec + 16):
-        middle = (below + above) / 2
-        below, above = (below, middle) if is_true(middle) else (middle, above)
-    return (below + above) / 2
+    return bisect(is_true, x, x - SCAN_STEP)
 
 
 def contact_ends(lam, path, critical):
     """log(theta) at both ends of the elastic regime."""
     touch = end = mp.log(mp.pi / 2)
-    if lam > mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1))):
+    if lam > FOLD_LAMBDA:
         end = first(lambda x: contact(lam, x)[1] < 0, touch)
         if path == "approach":
             end = first(lambda x: contact(lam, x)[0] >= contact(lam, touch)[0], end)
@@ -152,30 +124,30 @@ def gauss(low, high, parts):
     return [(low + half * (2 * i + 1 + x), half * w) for i in range(parts) for x, w in RULE]
 
 
-def branch_nodes(case, state, ends, shift, refine):
+def branch_nodes(case, state, ends, shift):
     """(approach, weight, F_s, P) along a branch, in panels of at most sigma / 2 and LOG_STEP."""
     nodes = []
     coarse = mp.linspace(*ends, int(mp.ceil((ends[1] - ends[0]) / LOG_STEP)) + 1)
     for low, high in zip(coarse, coarse[1:]):
         span = abs(state(case.lam, high)[0] - state(case.lam, low)[0]) * case.length
-        for x, weight in gauss(low, high, refine * int(mp.ceil(2 * span / case.sigma))):
+        for x, weight in gauss(low, high, int(mp.ceil(2 * span / case.sigma))):
             delta, slope, *forces = state(case.lam, x)
             weight *= abs(slope) * case.length
             nodes.append((delta * case.length - shift, weight, *(f * case.force for f in forces)))
     return nodes
 
 
-def power_nodes(case, law, low, high, d, refine):
+def power_nodes(case, law, low, high, d):
     """The same, of F_s and P as powers of the approach, between low and high within the reach."""
     adhesion, adhesion_power, load, load_power = map(mpf, law)
     reach = case.reach(low + d, high + d)
     low, high = max(low, -reach - d), min(high, reach - d)
     parts = int(mp.ceil((high - low) / min(case.sigma / 2, FOLDS * case.sigma**2 / reach)))
-    scaled = [(delta, weight, delta / case.critical) for delta, weight in gauss(low, high, refine * parts)]
+    scaled = [(delta, weight, delta / case.critical) for delta, weight in gauss(low, high, parts)]
     return [(delta, w, adhesion * x**adhesion_power, load * x**load_power) for delta, w, x in scaled]
 
 
-def regimes(case, path, refine):
+def regimes(case, path):
     """Of each regime: name, ends in the approach, nodes as a function of d."""
     critical, unit, load, ratio = case.critical, 2 * case.force, case.critical_load, Z0 / case.critical
     ends = contact_ends(case.lam, path, critical / case.length)
@@ -183,13 +155,13 @@ def regimes(case, path, refine):
     wet = touch - LUBRICANT
     farthest = case.reach(-mp.inf, wet + case.separations[0]) + case.separations[-1]
     branches = noncontact_branches(case.lam, mp.log(farthest / Z0), touch / case.length)
-    before = [n for b in branches for n in branch_nodes(case, noncontact, b, LUBRICANT, refine)]
-    elastic = branch_nodes(case, contact, ends, 0, refine)
+    before = [n for b in branches for n in branch_nodes(case, noncontact, b, LUBRICANT)]
+    elastic = branch_nodes(case, contact, ends, 0)
     first_law = unit * mpf("0.79") * ratio ** mpf("-0.321"), "0.356", load * mpf("1.03"), "1.425"
     second_law = unit * mpf("1.19") * ratio ** mpf("-0.332"), "0.093", load * mpf("1.40"), "1.263"
 
     def powers(name, low, high, law):
-        return name, low, high, lambda d: power_nodes(case, law, low, high, d, refine)
+        return name, low, high, lambda d: power_nodes(case, law, low, high, d)
 
     return [
         ("noncontact", -mp.inf, wet, lambda d: before),
@@ -212,39 +184,16 @@ def integrate(case, d, low, high, nodes):
     return count, adhesion, mp.fdot(weights, loads) - adhesion
 
 
-def table(refine):
+def table():
     """All rows, as text."""
     for name, path in itertools.product(CASES, ("approach", "retraction")):
         case = Case(name)
-        laws = regimes(case, path, refine)
+        laws = regimes(case, path)
         for (h_star, d), (regime, *law) in itertools.product(zip(H_STARS, case.separations), laws):
             values = integrate(case, d, *law)
             texts = (mp.nstr(v, 15, strip_zeros=False, min_fixed=1, max_fixed=0) for v in values)
             yield [name, path, "5e-10", h_star, regime, *texts]
 
 
-def check(rows, others):
-    """Print by regime the largest relative deviation of the others, apart from their zeros."""
-    assert [row[:5] for row in rows] == [row[:5] for row in others], "the tables differ in their rows"
-    for regime, column in itertools.product(dict.fromkeys(row[4] for row in rows), (5, 6, 7)):
-        pairs = [(r, mpf(r[column]), mpf(o[column])) for r, o in zip(rows, others) if r[4] == regime]
-        worst = max(((abs(o / v - 1), *r[:4]) for r, v, o in pairs if o), default=(mpf(0), "no row"))
-        lost = sum(v != 0 and o == 0 for _, v, o in pairs)
-        print(regime, VALUES[column - 5], mp.nstr(worst[0], 3), "at", *worst[1:], f"({lost} zero there only)")
-
-
-def main():
-    parser = argparse.ArgumentParser(description="Reference values of three rough surfaces.")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    parser.add_argument("--refine", type=int, default=1, metavar="PARTS", help="of every panel (default 1)")
-    arguments = parser.parse_args()
-    rows = list(table(arguments.refine))
-    if arguments.check:
-        return check(rows, [line.split(",") for line in arguments.check.read_text().splitlines()[1:]])
-    output = Path(__file__).resolve().parent.parent / "tests" / "data" / "rough_surface.csv"
-    output.write_text("".join(",".join(row) + "\n" for row in [KEYS + VALUES, *rows]))
-    print(f"{len(rows)} rows written to {output}")
-
-
 if __name__ == "__main__":
-    main()
+    write("rough_surface.csv", KEYS + VALUES, table())

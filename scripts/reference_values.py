@@ -13,30 +13,16 @@ arithmetic has 80 digits instead, which leaves more than 50 correct ones after e
 Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
     delta in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,
     lambda = 2 sigma_0 (R / (g K^2))^(1/3), sigma_0 = 1.03 (work of adhesion) / Z_0.
-
-Usage:
-    uv run scripts/reference_values.py                      write the table and print the largest conditions
-    uv run scripts/reference_values.py --check OTHER.csv    compare with another table, write nothing
-    ... --decimals                                          take 0.1 as one tenth, not as the double next to it
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
-import csv
 import functools
-import sys
-from pathlib import Path
 
-import mpmath
+from fixtures import bisect, write
 from mpmath import mp, mpf
 
 mp.dps = 80
 
-# The grid: 0.1 means the double next to it, unless --decimals asks for one tenth.
+# The grid: 0.1 means the double next to it.
 LAMBDAS = "0.001 0.01 0.1 0.5 0.9 0.95 1.0 2.5 5.0 10.0 100.0 1000.0".split()
 DELTAS = (
     "-10000.0 -100.0 -10.0 -3.0 -1.5 -1.1 -1.04 -1.02 -0.99 -0.95 -0.9 -0.7 -0.5 -0.3 -0.1 -0.03 -0.01 "
@@ -91,20 +77,7 @@ def noncontact_state(lam, x):
 STATES = {"contact": contact_state, "noncontact": noncontact_state}
 
 
-def bisect(is_above, below, above):
-    """Where is_above turns from false (at below) to true (at above)."""
-    if is_above(below) or not is_above(above):
-        raise ValueError("no change of sign between the ends")
-    for _ in range(mp.prec + 16):
-        middle = (below + above) / 2
-        if is_above(middle):
-            above = middle
-        else:
-            below = middle
-    return (below + above) / 2
-
-
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def contact_end(lam):
     """Angle at which the stable contact branch ends: first touch or, for large lambda, the fold before it."""
     first_touch = mp.pi / 2
@@ -175,82 +148,18 @@ def conditions(state, lam, delta, parameter):
     )
 
 
-def table(read):
-    """All rows as dictionaries from column name to text; read turns the text of an input into a number."""
-    rows = []
+def table():
+    """All rows, as text."""
     for lam_text in LAMBDAS:
         for delta_text in DELTAS:
-            lam, delta = read(lam_text), read(delta_text)
+            lam, delta = mpf(float(lam_text)), mpf(float(delta_text))
             for branch, parameter in branch_points(lam, delta):
                 state = STATES[branch]
                 _, adhesion, radius = state(lam, parameter)
-                row = dict(zip(KEYS, (lam_text, delta_text, branch)))
-                values = (adhesion, radius**3 - adhesion, radius)
-                row.update((c, mp.nstr(v, VALUE_DIGITS)) for c, v in zip(VALUES, values))
-                numbers = conditions(state, lam, delta, parameter)
-                row.update((c, mp.nstr(v, CONDITION_DIGITS)) for c, v in zip(CONDITIONS, numbers))
-                rows.append(row)
-    return rows
-
-
-def key(row):
-    """What identifies a row, whatever the spelling of its numbers."""
-    return mpf(row["lambda"]), mpf(row["delta"]), row["branch"]
-
-
-def describe(row):
-    return ", ".join(f"{name} {row[name]}" for name in KEYS)
-
-
-def largest(rows, column):
-    return max(rows, key=lambda row: mpf(row[column]))
-
-
-def write(rows, columns, path):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} rows written to {path} (mpmath {mpmath.__version__})")
-
-
-def check(rows, path):
-    """Print how far another table departs from rows; true if it has the same rows."""
-    with open(path, newline="", encoding="utf-8") as file:
-        others = {key(row): row for row in csv.DictReader(file)}
-    own = {key(row): row for row in rows}
-    for lam, delta, branch in sorted(own.keys() ^ others.keys()):
-        print(f"in one table only: lambda {mp.nstr(lam, 6)}, delta {mp.nstr(delta, 6)}, {branch}")
-    common = own.keys() & others.keys()
-    print(f"{len(common)} rows in common, {len(own)} here, {len(others)} there")
-    for column in VALUES:
-        worst, where = mpf(-1), None
-        for k in common:
-            ours, theirs = mpf(own[k][column]), mpf(others[k][column])
-            deviation = abs(theirs - ours) / abs(ours) if ours else mpf(0 if theirs == 0 else "inf")
-            if deviation > worst:
-                worst, where = deviation, own[k]
-        if where:
-            print(f"{column}: largest relative deviation {mp.nstr(worst, 3)} ({describe(where)})")
-    return len(common) == len(own) == len(others)
-
-
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "single_asperity.csv"
-    parser = argparse.ArgumentParser(description="Reference values of one elastic adhesive asperity.")
-    parser.add_argument("--output", type=Path, default=default, help="table to write")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    parser.add_argument("--decimals", action="store_true", help="take the inputs as exact decimals")
-    arguments = parser.parse_args()
-    rows = table(lambda text: mpf(text) if arguments.decimals else mpf(float(text)))
-    if arguments.check:
-        sys.exit(0 if check(rows, arguments.check) else 1)
-    write(rows, KEYS + VALUES + CONDITIONS, arguments.output)
-    for column in CONDITIONS:
-        row = largest(rows, column)
-        print(f"{column}: largest {row[column]} ({describe(row)})")
+                values = (mp.nstr(v, VALUE_DIGITS) for v in (adhesion, radius**3 - adhesion, radius))
+                numbers = (mp.nstr(v, CONDITION_DIGITS) for v in conditions(state, lam, delta, parameter))
+                yield [lam_text, delta_text, branch, *values, *numbers]
 
 
 if __name__ == "__main__":
-    main()
+    write("single_asperity.csv", KEYS + VALUES + CONDITIONS, table())

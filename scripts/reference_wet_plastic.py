@@ -1,45 +1,37 @@
 """Reference values of wet asperities whose tops are flattened, the law capillary.
 
-Writes tests/data/wet_plastic.csv: the adhesion force, the contact force and the contact radius of one asperity in a vapour that was
-pressed to the interference `largest` and is a `distance` from there, SI, with 25 digits of 60. A contact is at every moment an
-elastic wet contact of the radius R1 = K a^3 / P of its top, with the load P and the contact radius a of a plastic contact without
-adhesion at the interference omega (reference_md_plastic.py):
+Writes tests/data/wet_plastic.csv: the adhesion force, the contact force and the contact radius of one
+asperity in a vapour that was pressed to the interference `largest` and is a `distance` from there, SI, with
+25 digits of 60. A contact is at every moment an elastic wet contact of the radius R1 = K a^3 / P of its top,
+with the load P and the contact radius a of a plastic contact without adhesion at the interference omega
+(reference_md_plastic.py):
 
-* the solids in the liquid have W = (work of adhesion) - (share of) gamma s and the range H = Z_0/1.03. Their zone is that of Maugis
-  around a, with the stress W/H; less what they draw, their interference is delta_1 = a^2/R1 - 2 (W/H) a sqrt(m^2 - 1)/E. With no W
-  above 0 there is none;
-* the bridge has the tension p_c = gamma/r_K up to the gap h_0 - kappa/c at the edge c of the liquid, kappa = pi r_K^2/2 of faces that
-  are wetted perfectly. With delta_1 > 0 its zone is that of Maugis around a_0 = sqrt(R1 delta_1), with delta = a_0^2/R1 - 2 p_c a_0
-  sqrt(m^2 - 1)/E; otherwise around the gap -delta_1 in the middle (Kim, McMeeking and Johnson, J. Mech. Phys. Solids 46 (1998) 243);
+* the solids in the liquid have W = (work of adhesion) - (share of) gamma s and the range H = Z_0/1.03. Their
+  zone is that of Maugis around a, with the stress W/H; less what they draw, their interference is delta_1 =
+  a^2/R1 - 2 (W/H) a sqrt(m^2 - 1)/E. With no W above 0 there is none;
+* the bridge has the tension p_c = gamma/r_K up to the gap h_0 - kappa/c at the edge c of the liquid, kappa =
+  pi r_K^2/2 of faces that are wetted perfectly. With delta_1 > 0 its zone is that of Maugis around a_0 =
+  sqrt(R1 delta_1), with delta = a_0^2/R1 - 2 p_c a_0 sqrt(m^2 - 1)/E; otherwise around the gap -delta_1 in
+  the middle (Kim, McMeeking and Johnson, J. Mech. Phys. Solids 46 (1998) 243);
 * of gamma s and p_c there is the share h_0/H - 1, from 0 to 1.
 
 Of two edges the larger is taken: it is searched for downwards from the edge without kappa.
-
-Usage:
-    uv run scripts/reference_wet_plastic.py               write the table
-    uv run scripts/reference_wet_plastic.py -o OUT.csv    write it elsewhere
 """
 
-# /// script
-# requires-python = ">=3.9"
-# dependencies = ["mpmath>=1.3"]
-# ///
-
-import argparse
 import random
-from pathlib import Path
 
+from fixtures import write
 from mpmath import mp, mpf
-from reference_md_plastic import SMALL, bare, critical_of
+from reference_md_plastic import Apart, bare, critical_of, gap_of, table_of, zone_of
 from reference_plastic import jg, ke, pressure_factor, tn, zmc
-from reference_values import VALUE_DIGITS, write
 
-KEYS = ["contact", "radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness", "poisson_ratio",
+KEYS = ["contact", "radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness",
+        "poisson_ratio",
         "surface_tension", "kelvin_radius", "largest", "distance"]
 VALUES = ["adhesion_force", "contact_force", "contact_radius"]
 
-# Silicon in moist air, a metal that keeps adhesion in the liquid, steel in a film, and a metal between wet and dry: R, E,
-# work of adhesion, Z_0, H, Poisson's ratio, gamma, r_K
+# Silicon in moist air, a metal that keeps adhesion in the liquid, steel in a film, and a metal between wet
+# and dry: R, E, work of adhesion, Z_0, H, Poisson's ratio, gamma, r_K
 ASPERITIES = [
     ("0.5e-6", "85.6e9", "0.02", "0.2e-9", "11e9", "0.22", "72.7e-3", "3.3e-9"),
     ("3.33e-6", "85.29e9", "0.3", "0.2e-9", "2.5e9", "0.27", "72.7e-3", "1.5e-9"),
@@ -47,20 +39,19 @@ ASPERITIES = [
     ("1e-6", "45e9", "0.5", "0.3e-9", "1e9", "0.42", "72.7e-3", "0.22e-9"),
 ]
 LOADED = "1.05 1.85 1.905 2.5 4.0 10.0 40.0 130.0".split()  # omega over omega_c
-SHARES = "0.99 0.8 0.5".split()  # contact radius over the largest
 RANDOM = 24
-
-
-class Apart(Exception):
-    """Contacts that their bridge does not reach."""
 
 
 class Wet:
     """An asperity, and the plastic contact that it has without adhesion."""
 
+    LEAST = mpf("0.05")
+    SHARES = "0.99 0.8 0.5".split()  # contact radius over the largest
+
     def __init__(self, law, texts):
         self.law = law
-        radius, modulus, work, spacing, hardness, poisson, tension, kelvin = (mpf(float(text)) for text in texts)
+        numbers = (mpf(float(text)) for text in texts)
+        radius, modulus, work, spacing, hardness, poisson, tension, kelvin = numbers
         self.radius, self.modulus, self.stiffness = radius, modulus, 4 * modulus / 3
         reach, self.range = spacing / mpf("1.03"), 2 * kelvin
         share = min(max(self.range / reach - 1, 0), 1)
@@ -68,34 +59,36 @@ class Wet:
         self.solid = (solid / reach, reach) if solid > 0 else None
         self.pressure, self.curvature = share * tension / kelvin, mp.pi / 2 * kelvin**2
         # Scaled quantities of the plastic contact: R and K are 1.
-        self.critical = (mp.pi * pressure_factor(poisson) * hardness / (2 * modulus)) ** 2
-        self.setting = (mpf(1), self.critical, poisson, hardness / modulus)
+        own = (mp.pi * pressure_factor(poisson) * hardness / (2 * modulus)) ** 2
+        self.setting = (mpf(1), own, poisson, hardness / modulus)
+        self.critical = critical_of(law, *self.setting[1:]) * radius
+
+    def touches(self, delta):
+        return delta > 0
+
+    def is_stable(self, slope, own, flattened):
+        return slope * own > self.LEAST * own**2 / flattened
 
     def bare(self, omega):
         load, radius = bare(self.law, self.setting, omega / self.radius)
         return load * self.stiffness * self.radius**2, radius * self.radius
 
-    def gap(self, m, stress, radius, flattened):
-        """The gap at m = c/a of a contact."""
-        root, angle = mp.sqrt(m * m - 1), mp.acos(1 / m)
-        profile = radius**2 / (mp.pi * flattened) * (root + (m * m - 2) * angle)
-        return profile + 4 * stress * radius / (mp.pi * self.modulus) * (root * angle - m + 1)
-
     def zone(self, stress, reach, curvature, radius, flattened):
         """The adhesion force of a zone, and the displacement by which it draws the surfaces nearer."""
 
-        def excess(place):
-            m = 1 + mp.exp(place)
-            return self.gap(m, stress, radius, flattened) + curvature / (m * radius) - reach
+        def gap(place):
+            return gap_of(1 + mp.exp(place), radius, flattened, stress / self.modulus) - reach
 
-        high = root_of(lambda place: self.gap(1 + mp.exp(place), stress, radius, flattened) - reach, mpf(-60), mpf(60))
+        def excess(place):
+            return gap(place) + curvature / ((1 + mp.exp(place)) * radius)
+
+        high = root_of(gap, mpf(-60), mpf(60))
         # The larger of two edges is between that without kappa and the least excess.
         low = high
         while excess(low) >= 0 and low > high - 40:
             low -= mpf("0.05")
-        m = 1 + mp.exp(root_of(excess, low, high))
-        root, angle = mp.sqrt(m * m - 1), mp.acos(1 / m)
-        return 2 * stress * radius**2 * (root + m * m * angle), 2 * stress * radius * root / self.modulus
+        force, drawn = zone_of(1 + mp.exp(root_of(excess, low, high)), radius, stress)
+        return force, drawn / self.modulus
 
     def bridge(self, inner, flattened):
         """F_s of the bridge, and the displacement by which it draws the surfaces nearer."""
@@ -106,9 +99,11 @@ class Wet:
         beta = 4 * self.pressure / (mp.pi * self.modulus)
 
         def excess(c):
-            return c**2 / (2 * flattened) + (mp.pi / 2 - 1) * beta * c + self.curvature / c - self.range - inner
+            return c**2 / (2 * flattened) + (mp.pi / 2
+                                             - 1) * beta * c + self.curvature / c - self.range - inner
 
-        circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100, verify=False)
+        circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100,
+                             verify=False)
         if not (abs(excess(circle)) < mpf(10) ** -40 * self.range and circle > 0):
             raise Apart
         return mp.pi * self.pressure * circle**2, mp.pi / 2 * beta * circle
@@ -122,11 +117,6 @@ class Wet:
         pull, bent = self.bridge(radius**2 / flattened - drawn, flattened)
         return force + pull, drawn + bent
 
-    def loading(self, omega):
-        load, radius = self.bare(omega)
-        force, drawn = self.state(load, radius)
-        return omega - drawn, (force, load, radius)
-
 
 def root_of(rising, low, high):
     """The root of a rising function: bisection, then secants."""
@@ -136,74 +126,21 @@ def root_of(rising, low, high):
     return mp.findroot(rising, (low, high), tol=mpf(10) ** -90, maxsteps=80, verify=False)
 
 
-def nearest(state_at, place):
-    """The state next to a place whose delta is a double; none where it is not stable."""
-    delta, _ = state_at(place)
-    slope = (state_at(place * (1 + SMALL))[0] - delta) / (place * SMALL)
-    if slope <= mpf("0.05"):
-        return None
-    place += (mpf(float(delta)) - delta) / slope
-    return (place, *state_at(place))
-
-
-def rows_of(law, texts, multiples):
-    wet = Wet(law, texts)
-    for text in multiples:
-        omega = critical_of(law, *wet.setting[1:]) * wet.radius * mpf(text)
-        try:
-            loaded = nearest(wet.loading, omega)
-        except Apart:
-            continue
-        # Contact begins at 0.
-        if loaded is None or loaded[1] <= 0:
-            continue
-        omega, largest, (force, load, radius) = loaded
-        yield (law, texts, largest, mpf(0), (force, load, radius))
-        flattened = wet.stiffness * radius**3 / load
-        lowered = omega - radius**2 / flattened
-
-        def unloading(own):
-            own_load = wet.stiffness * own**3 / flattened
-            own_force, drawn = wet.state(own_load, own)
-            return lowered + own**2 / flattened - drawn, (own_force, own_load, own)
-
-        for share in SHARES:
-            start = radius * mpf(share)
-            try:
-                delta, _ = unloading(start)
-                distance = mpf(float(largest - delta))
-                slope = (unloading(start * (1 + SMALL))[0] - delta) / (start * SMALL)
-                if distance <= 0 or slope * start <= mpf("0.05") * start**2 / flattened:
-                    continue
-                own = start + (largest - distance - delta) / slope
-                yield (law, texts, largest, distance, unloading(own)[1])
-            except Apart:
-                continue
-
-
-def rows():
+def cases():
     for asperity in ASPERITIES:
         for law in (jg, zmc, tn, ke):
-            yield from rows_of(law, asperity, LOADED if law is jg else LOADED[2::3])
+            yield law, asperity, LOADED if law is jg else LOADED[2::3]
     draw = random.Random(2)
     for number in range(RANDOM):
         modulus = 10 ** draw.uniform(10.3, 11.3)
-        values = (10 ** draw.uniform(-7, -5), modulus, 10 ** draw.uniform(-1.7, 0), 10 ** draw.uniform(-9.8, -9.4),
-                  modulus * 10 ** draw.uniform(-2, -1.2), draw.uniform(0.15, 0.45), 10 ** draw.uniform(-1.7, -1.1), 10 ** draw.uniform(-9.2, -8.2))
+        values = (10 ** draw.uniform(-7, -5), modulus, 10 ** draw.uniform(-1.7, 0),
+                  10 ** draw.uniform(-9.8, -9.4),
+                  modulus * 10 ** draw.uniform(-2, -1.2), draw.uniform(0.15, 0.45),
+                  10 ** draw.uniform(-1.7, -1.1),
+                  10 ** draw.uniform(-9.2, -8.2))  # fmt: skip
         multiples = [repr(10 ** draw.uniform(0.3, 2.2)) for _ in range(2)]
-        yield from rows_of((jg, zmc, tn, ke)[number % 4 if number % 2 else 0], tuple(map(repr, values)), multiples)
-
-
-def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "wet_plastic.csv"
-    parser = argparse.ArgumentParser(description="Reference values of wet asperities whose tops are flattened.")
-    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
-    table = []
-    for law, texts, largest, distance, state in rows():
-        numbers = [mp.nstr(value, VALUE_DIGITS) for value in (largest, distance, *state)]
-        table.append(dict(zip(KEYS + VALUES, [law.__name__, *texts, *numbers])))
-    write(table, KEYS + VALUES, parser.parse_args().output)
+        yield (jg, zmc, tn, ke)[number % 4 if number % 2 else 0], tuple(map(repr, values)), multiples
 
 
 if __name__ == "__main__":
-    main()
+    write("wet_plastic.csv", KEYS + VALUES, table_of(Wet, cases()))

@@ -1,4 +1,5 @@
-"""Equations of the site as drawings, made when it is built: the same in every browser, without a script, a network or fonts.
+"""Equations of the site as drawings, made when it is built: the same in every browser, without a script, a
+network or fonts.
 
 A hook of MkDocs (mkdocs.yml). The extension arithmatex has marked the equations.
 """
@@ -25,7 +26,8 @@ def drawn(tex: str, inline: bool) -> str:
     top, width, height = [float(number) / SIZE for number in box.groups()]
     style = f"width:{width:.3f}em;height:{height:.3f}em;vertical-align:{-(height + top):.3f}em"
     begin = f'<svg role="img" aria-label="{html.escape(tex)}" style="{style}"'
-    return re.sub(r'<svg(?= )', lambda _: begin, re.sub(r' (width|height)="[^"]*"', "", svg, count=2), count=1)
+    return re.sub(r'<svg(?= )', lambda _: begin, re.sub(r' (width|height)="[^"]*"', "", svg, count=2),
+                  count=1)
 
 
 def on_page_content(content: str, **_: object) -> str:

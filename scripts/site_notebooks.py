@@ -1,6 +1,7 @@
 """Notebooks as pages of the site: what they say, compute and show, as it stands in them.
 
-A hook of MkDocs (mkdocs.yml): docs/notebooks/NAME.ipynb becomes the page notebooks/NAME.md, whose links are checked like those of any page.
+A hook of MkDocs (mkdocs.yml): docs/notebooks/NAME.ipynb becomes the page notebooks/NAME.md, whose links are
+checked like those of any page.
 """
 
 import json
@@ -17,7 +18,8 @@ def page(notebook: dict, name: str) -> str:
         source = "".join(cell["source"])
         parts.append(f"```python\n{source}\n```" if cell["cell_type"] == "code" else source)
         parts += [shown(output) for output in cell.get("outputs", [])]
-    parts.insert(1, f"This page is a notebook, [{name}]({name}), which is executed whenever the project is checked.")
+    parts.insert(1,
+                 f"This page is a notebook, [{name}]({name}), executed whenever the project is checked.")
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -30,7 +32,8 @@ def shown(output: dict) -> str:
         drawing = "".join(data["image/svg+xml"])
         return f'<div class="figure">{"".join(drawing[drawing.index("<svg") :].splitlines())}</div>'
     if "image/png" in data:
-        return f'<img class="figure" alt="What the cell draws" src="data:image/png;base64,{"".join(data["image/png"]).strip()}">'
+        source = "".join(data["image/png"]).strip()
+        return f'<img class="figure" alt="What the cell draws" src="data:image/png;base64,{source}">'
     if "text/html" in data:
         return f'<div class="output">{" ".join("".join(data["text/html"]).split())}</div>'
     return f"```text\n{''.join(data.get('text/plain', ''))}\n```"

@@ -3,7 +3,6 @@
 import csv
 import subprocess
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
@@ -21,32 +20,34 @@ class PaperError(Exception):
 class Comparison:
     """A file of `stiction compare`; by_law() gives the rows of one law."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path):
         self.data = {}
         with h5py.File(path) as file:
             self.attrs = dict(file.attrs)
-            file.visititems(lambda name, item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
+            file.visititems(lambda name,
+                            item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
         self.laws = [name.decode() for name in self.data["integral/law"]]
         self.regimes = [name.decode() for name in self.data["integral/regime"]]
         self.x, self.h = self.data["integral/h_star"], self.data["integral/separation"]
-        self.lam, self.psi = float(self.attrs["adhesion_parameter"]), float(self.attrs["asperity_plasticity_index"])
+        self.lam = float(self.attrs["adhesion_parameter"])
+        self.psi = float(self.attrs["asperity_plasticity_index"])
         self.sigma, self.count = float(self.attrs["surface_height_std"]), int(self.attrs["asperity_count"])
         self.length, self.force = float(self.attrs["approach_unit"]), float(self.attrs["force_unit"])
         self.omega_c = float(self.attrs["critical_interference"])
         self.spacing = 2.0 * 1.03 / (np.pi * self.lam) * self.length  # Z0
         self.delta_a = -first_touch(self.lam) * self.length
 
-    def by_law(self, law: str, name: str) -> np.ndarray:
+    def by_law(self, law, name):
         return self.data[name][self.laws.index(law)]
 
-    def number(self, law: str, name: str) -> float:
+    def number(self, law, name):
         return float(self.by_law(law, f"integral/{name}"))
 
-    def place(self, law: str, name: str) -> float:
+    def place(self, law, name):
         """h* of the pull-off or of the peak stiffness of the integral."""
         return self.number(law, f"{name}_separation") / self.sigma
 
-    def regime(self, law: str, *names: str) -> np.ndarray:
+    def regime(self, law, *names):
         table = self.by_law(law, "integral/regime_adhesion_force")
         return sum(table[self.regimes.index(name)] for name in names)
 
@@ -54,28 +55,30 @@ class Comparison:
 class Program:
     """The program `stiction`, and the folder that its files are kept in."""
 
-    def __init__(self, path: Path, scenes: Path, folder: Path, keep: bool = False, replicas: int | None = None) -> None:
-        self.path, self.scenes, self.folder, self.keep, self.replicas = path.absolute(), scenes, folder, keep, replicas
+    def __init__(self, path, scenes, folder, keep = False, replicas = None):
+        self.path, self.scenes, self.folder = path.absolute(), scenes, folder
+        self.keep, self.replicas = keep, replicas
         if not path.is_file():
             raise PaperError(f"{path} is not there: build it with `cargo build --release`, or name another "
                              "by --program")
 
-    def run(self, *arguments: object) -> str:
+    def run(self, *arguments):
         done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise PaperError(f"`stiction {arguments[0]}` failed: {done.stderr.strip()}")
         return done.stdout
 
-    def compare(self, scene: str, laws: str, ensemble: bool = True) -> Comparison:
+    def compare(self, scene, laws, ensemble = True):
         output = self.folder / f"{scene}.h5"
         if self.keep and output.is_file():
             return Comparison(output)
         more = ["--ensemble"] if ensemble else []
         more += ["--replicas", self.replicas] if ensemble and self.replicas else []
-        self.run("compare", self.scenes / f"{scene}.toml", "--laws", laws, "--quiet", "--force", "-o", output, *more)
+        self.run("compare", self.scenes / f"{scene}.toml", "--laws", laws, "--quiet", "--force", "-o", output,
+                 *more)
         return Comparison(output)
 
-    def asperity(self, law: str, lam: float, delta: Sequence[float], path: str = "approach") -> dict[str, np.ndarray]:
+    def asperity(self, law, lam, delta, path = "approach"):
         """One dry, elastic asperity at scaled approaches, in scaled variables."""
         with tempfile.TemporaryDirectory() as folder:
             table = Path(folder) / "approaches.csv"
@@ -86,32 +89,32 @@ class Program:
         result = {name: np.array([float(row[name]) for row in rows]) for name in numbers}
         return result | {"branch": np.array([row["branch"] for row in rows])}
 
-    def sphere(self, case: Comparison, law: str, delta: np.ndarray, path: str = "approach") -> dict[str, np.ndarray]:
+    def sphere(self, case, law, delta, path = "approach"):
         """One dry, elastic sphere of a case at approaches in m: forces in N."""
         result = self.asperity(law, case.lam, delta / case.length, path)
         return result | {name: case.force * result[name] for name in ("adhesion_force", "external_force")}
 
 
-def compare_all(program: Program) -> dict[str, Comparison]:
+def compare_all(program):
     """Everything that is computed of rough surfaces."""
     runs = {}
     for case in CASES:
-        laws = "hybrid,fit:paper,fit:refit,emd,isbl" + (",sbl" if case == "III" else "")
+        laws = "hybrid,fit:paper,emd,isbl" + (",sbl" if case == "III" else "")
         runs[case] = program.compare(f"case_{case.lower()}", laws)
     for energy in ENERGIES:
-        runs[energy] = program.compare(f"case_iii_{energy}", "hybrid,fit:refit")
+        runs[energy] = program.compare(f"case_iii_{energy}", "hybrid")
     runs["delta_A"] = program.compare("case_iii_delta_a", "fit:paper", ensemble=False)
     runs["retraction"] = program.compare("case_iii_retraction", "hybrid,fit:paper", ensemble=False)
     return runs
 
 
-def first_touch(lam: float) -> float:
+def first_touch(lam):
     """Scaled approach at which a Maugis-Dugdale contact begins: its solution for a = 0."""
     alpha, beta = lam * np.pi / 4.0, 4.0 / 3.0 * lam**2 * (np.pi / 2.0 - 1.0)
     return -4.0 / 3.0 * lam * 2.0 / (beta + np.sqrt(beta**2 + 4.0 * alpha))
 
 
-def noncontact(lam: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def noncontact(lam, z):
     """Scaled adhesive radius, approach and adhesion force of the extended model for z = h0/Z0 > 1.
 
     Eqs. 9 to 13 of the paper, where eq. 13 lacks -Z0: the approach is 0, not -Z0, at rigid contact."""
@@ -124,7 +127,7 @@ def noncontact(lam: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     return c, delta, np.pi / 2.0 * lam * stress * c**2
 
 
-def contact_zone(lam: float, radius: np.ndarray, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def contact_zone(lam, radius, delta):
     """Scaled adhesive radius and adhesion force of a contact of scaled radius A = c cos(theta), from
     Delta = A^2 - (4/3) lambda c sin(theta)."""
     sine = 0.75 * (radius**2 - delta) / lam
@@ -132,7 +135,7 @@ def contact_zone(lam: float, radius: np.ndarray, delta: np.ndarray) -> tuple[np.
     return c, lam * c**2 * (np.sin(theta) * np.cos(theta) + theta)
 
 
-def fitted(case: Comparison, law: str, force: str, delta: np.ndarray) -> np.ndarray:
+def fitted(case, law, force, delta):
     """f_snc, f_sel or f_f (eq. A.1) of a fit, N, at approaches in m. The file has nm and uN."""
     k = case.by_law(law, "fit/coefficients")
     x = delta / NM
@@ -143,7 +146,7 @@ def fitted(case: Comparison, law: str, force: str, delta: np.ndarray) -> np.ndar
     return UN * (k[8] + k[9] * x ** k[11] + k[10] * x ** k[12])
 
 
-def fit_points(program: Program, case: Comparison, law: str, force: str, count: int = 801) -> tuple[np.ndarray, ...]:
+def fit_points(program, case, law, force, count = 801):
     """Approaches in m over the range of a fit, and there the direct solution and the fit, N."""
     start, end = case.by_law(law, "fit/range")[("f_snc", "f_sel", "f_f").index(force)]
     inside = 1e-9 * (end - start)
@@ -154,7 +157,7 @@ def fit_points(program: Program, case: Comparison, law: str, force: str, count: 
     return delta, direct, fitted(case, law, force, delta)
 
 
-def gaussian_sum(case: Comparison, delta: np.ndarray, force: np.ndarray) -> np.ndarray:
+def gaussian_sum(case, delta, force):
     """Sum over all asperities of a force that is 0 outside the approaches given, at every separation, N."""
     std, d = float(case.attrs["asperity_height_std"]), case.data["integral/asperity_separation"]
     density = np.exp(-0.5 * ((delta + d[:, None]) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
@@ -162,18 +165,19 @@ def gaussian_sum(case: Comparison, delta: np.ndarray, force: np.ndarray) -> np.n
     return case.count * 0.5 * ((values[:, 1:] + values[:, :-1]) * np.diff(delta)).sum(axis=1)
 
 
-def without_contact_below_zero(program: Program, case: Comparison) -> np.ndarray:
-    """External force of the direct law when, as in eq. 20, asperities at -delta_A < delta < 0 have no contact force."""
+def without_contact_below_zero(program, case):
+    """External force of the direct law when, as in eq. 20, asperities at -delta_A < delta < 0 have no contact
+    force."""
     delta = np.linspace(-case.delta_a * (1.0 - 1e-12), 0.0, 2001)
     sphere = program.sphere(case, "emd", delta)
     contact = sphere["external_force"] + sphere["adhesion_force"]
     return case.by_law("hybrid", "integral/external_force") - gaussian_sum(case, delta, contact)
 
 
-def paths_differ_from(program: Program) -> float:
+def paths_differ_from(program):
     """The smallest lambda at which a sphere leaves contact elsewhere than it came to it, by bisection."""
 
-    def differ(lam: float) -> bool:
+    def differ(lam):
         just_before = [first_touch(lam) * (1.0 + 1e-11)]
         approach, retraction = (program.asperity("emd", lam, just_before, path)["branch"][0]
                                 for path in ("approach", "retraction"))

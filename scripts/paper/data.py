@@ -96,10 +96,10 @@ def compare_all(program: Program) -> dict[str, Comparison]:
     """Everything that is computed of rough surfaces."""
     runs = {}
     for case in CASES:
-        laws = "hybrid,fit:paper,fit:refit,emd,isbl" + (",sbl" if case == "III" else "")
+        laws = "hybrid,fit:paper,emd,isbl" + (",sbl" if case == "III" else "")
         runs[case] = program.compare(f"case_{case.lower()}", laws)
     for energy in ENERGIES:
-        runs[energy] = program.compare(f"case_iii_{energy}", "hybrid,fit:refit")
+        runs[energy] = program.compare(f"case_iii_{energy}", "hybrid")
     runs["delta_A"] = program.compare("case_iii_delta_a", "fit:paper", ensemble=False)
     runs["retraction"] = program.compare("case_iii_retraction", "hybrid,fit:paper", ensemble=False)
     return runs

@@ -19,7 +19,6 @@ LAWS = {
     "jkr": ("JKR", ORANGE, (0, (7, 1.5, 1, 1.5, 1, 1.5)), 1.5),
     "idmt": ("IDMT", GREEN, DASH_DOT, 1.5),
     "fit:paper": ("hybrid with the paper's fits", "black", DOTTED, 1.4),
-    "fit:refit": ("hybrid with fits of the same form", "black", DOTTED, 1.4),
 }
 REGIMES = {
     "noncontact": (("noncontact",), BLUE, DASHED, 1.6),
@@ -261,8 +260,6 @@ def figure_8(_: Program, runs: dict) -> Figure:
     for name in ENERGIES:
         external(axes, runs[name], name, MN)
     for name in ENERGIES:
-        fit_curve(axes, runs[name], "fit:refit", MN, "with fits of the paper's form" if name == "0.04" else "_")
-    for name in ENERGIES:
         case = runs[name]
         axes.plot(case.place("hybrid", "pull_off"), -case.number("hybrid", "pull_off_force") / MN, "o", color="black",
                   markerfacecolor="white", markersize=5, zorder=4, label="pull-off" if name == "0.04" else "_")
@@ -281,13 +278,11 @@ def figure_9(program: Program, runs: dict) -> Figure:
     for column, (force, title) in enumerate(titles.items()):
         top, bottom = grid[:, column]
         delta, direct, paper = fit_points(program, case, "fit:paper", force)
-        _, _, refit = fit_points(program, case, "fit:refit", force)
         top.plot(delta / NM, direct / UN, color=BLUE, linewidth=1.9, label="direct solution")
-        for values, color, line, label in ((paper, "black", DOTTED, "the paper's fit (Table 3)"),
-                                           (refit, VERMILION, DASHED, "fit of the same form, made anew")):
-            top.plot(delta / NM, values / UN, color=color, linestyle=line, linewidth=1.5, label=label)
-            bottom.plot(delta / NM, 100 * (values - direct) / np.abs(direct).max(), color=color, linestyle=line,
-                        linewidth=1.3)
+        top.plot(delta / NM, paper / UN, color="black", linestyle=DOTTED, linewidth=1.5,
+                 label="the paper's fit (Table 3)")
+        bottom.plot(delta / NM, 100 * (paper - direct) / np.abs(direct).max(), color="black", linestyle=DOTTED,
+                    linewidth=1.3)
         bottom.axhspan(-1, 1, facecolor="0.9", zorder=0)
         bottom.axhline(0, color="0.6", linewidth=0.6, zorder=0)
         bottom.set_xlabel(r"approach $\delta$ (nm)")

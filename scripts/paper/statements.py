@@ -1,8 +1,7 @@
 """Every number and checkable statement of the paper's text, beside what is computed here.
 
 A number agrees when it rounds to what the paper prints. A statement without a number agrees when it holds to the
-tolerance of its row. `verdict` judges the direct solution, `verdict with fits` the curve fits: those of Table 3, or for
-other works of adhesion fits of the same forms.
+tolerance of its row. `verdict` judges the direct solution, `verdict with fits` the curve fits of Table 3.
 """
 
 import csv
@@ -135,11 +134,11 @@ def pull_offs(program: Program, runs: dict) -> Iterable[Row]:
                "0.04": ("6.3", MN, "mN", "2.82"), "0.09": ("19.9", MN, "mN", "2.75"), "0.14": ("35.8", MN, "mN",
                                                                                                "2.80")}
     for name, (force, unit, sign, place) in printed.items():
-        case, fit = runs[name], "fit:paper" if name in CASES else "fit:refit"
-        label = name if name in CASES else f"III, {name} J/m^2"
-        here, fits = (case.number(law, "pull_off_force") / unit for law in ("hybrid", fit))
-        yield number("pull-off force", label, force, here, fits, sign, pull_off_reason(program, runs, name, fit))
-        here, fits = (case.place(law, "peak_stiffness") for law in ("hybrid", fit))
+        case, label = runs[name], name if name in CASES else f"III, {name} J/m^2"
+        laws = ("hybrid", "fit:paper") if name in CASES else ("hybrid",)
+        here, fits = [*(case.number(law, "pull_off_force") / unit for law in laws), None][:2]
+        yield number("pull-off force", label, force, here, fits, sign, pull_off_reason(program, runs, name))
+        here, fits = [*(case.place(law, "peak_stiffness") for law in laws), None][:2]
         yield number("stiffest point h*", label, place, here, fits, "1", stiffness_reason(runs, name))
     third = runs["III"]
     here, fits = (third.number(law, "peak_stiffness_separation") / NM for law in ("hybrid", "fit:paper"))
@@ -158,10 +157,10 @@ def pull_offs(program: Program, runs: dict) -> Iterable[Row]:
                     ratio < 10 < rough, "below 10, III over II above", reason=f"III over II: {rough:.0f}")
 
 
-def pull_off_reason(program: Program, runs: dict, name: str, fit: str) -> str:
+def pull_off_reason(program: Program, runs: dict, name: str) -> str:
     case = runs[name]
     if name == "I":
-        constant = case.count * case.by_law(fit, "fit/coefficients")[0]
+        constant = case.count * case.by_law("fit:paper", "fit/coefficients")[0]
         finite = case.by_law("hybrid", "replicas/pull_off_force")
         return (f"The paper's force is the constant f_sonc that its fit tends to far away, times N: {constant:.3f} uN. "
                 f"Single patches pull off at {finite.mean() / UN:.2f} uN on average, by their highest asperities")
@@ -195,15 +194,11 @@ def fit_errors(program: Program, runs: dict) -> Iterable[Row]:
     for name in CASES:
         case = runs[name]
         for index, force in enumerate(("f_snc", "f_sel", "f_f")):
-            errors = {}
-            for law in ("fit:paper", "fit:refit"):
-                residual, largest = (case.by_law(law, f"fit/largest_{of}")[index] for of in ("residual", "force"))
-                errors[law] = float(residual / largest)
-            reason = f"the same form fitted anew: {100 * errors['fit:refit']:.2g} %. "
-            reason += relative_error(program, case, force)
+            residual, largest = (case.by_law("fit:paper", f"fit/largest_{of}")[index] for of in ("residual", "force"))
+            error = float(residual / largest)
             yield statement(f"error of the fit {force} over its largest force", name, "below 1", None, None,
                             "below 1 %", "%",
-                            100 * errors["fit:paper"], errors["fit:paper"] < 0.01, reason)
+                            100 * error, error < 0.01, relative_error(program, case, force))
 
 
 def relative_error(program: Program, case: Comparison, force: str) -> str:

@@ -473,6 +473,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["line 31", "unknown summation, which is now \"moments\""],
     ),
     (
+        "law = \"hybrid\"",
+        "law = \"fit:refit\"",
+        &["unknown law, which has gone: fit:paper has the published fits, hybrid solves"],
+    ),
+    (
         "poisson_ratio = 0.27",
         "poisson_ratio = 0,27",
         &["line 8", "`poisson_ratio = 0,27` has a decimal comma; a point is needed"],

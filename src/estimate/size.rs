@@ -1,9 +1,8 @@
-//! The size of a run, and the memory, disk and time that follow from it.
+//! The size of a run, and the memory and disk that follow from it.
 //!
 //! They follow from what the parts of the program hold at once; `tests/suite/sizes.rs` has memory within a factor of 2 of what a
 //! run takes.
 
-use super::time::{Cost, step};
 use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MOST_PERIODS, periods};
 use crate::engine::{AHEAD, BATCH, FIRST_CURVES, HELD, PILOTS, batches_of};
@@ -75,8 +74,6 @@ pub struct Estimate {
     pub files: f64,
     /// Numbers that are kept of the snaps of a replica.
     pub snaps: f64,
-    /// Core time of its parts.
-    pub cost: Cost,
 }
 
 impl Estimate {
@@ -84,7 +81,8 @@ impl Estimate {
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
         let (separations, ways) = (scene.separations.len(), scene.ways().count());
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
-        let step = step(scene);
+        let spread = scene.separations[separations - 1] - scene.separations[0];
+        let step = spread / (separations - 1) as f64 / scene.surface.heights.std;
         let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));
         Self {
             asperities: scene.surface.asperity_count as f64,
@@ -103,7 +101,6 @@ impl Estimate {
             curves: scene.curves,
             files: 1.0,
             snaps: snaps as f64,
-            cost: Cost::new(scene, law),
         }
     }
 
@@ -232,15 +229,6 @@ impl Estimate {
         let told = 2.0 * self.asperities * self.told();
         self.files * (2e5 + means + replicas + curves + told + self.first_curves())
     }
-
-    /// Seconds that the phases take one after the other: integral, functionals, ensemble.
-    pub fn seconds(&self) -> [f64; 3] {
-        let Cost { integral, functionals, pilot, replica } = self.cost;
-        let rounds = (self.parts() / self.threads).ceil();
-        let share = if self.is_divided() { 1.0 / self.workers() } else { rounds / self.parts() };
-        let pilots = pilot * (PILOTS as f64).min(self.replicas) / self.pilots();
-        [integral / self.threads, functionals, pilots + replica * self.replicas * share]
-    }
 }
 
 /// Bytes of an asperity of a scene that is coupled.
@@ -334,7 +322,6 @@ mod tests {
         curves: false,
         files: 1.0,
         snaps: 0.0,
-        cost: Cost { integral: 1.0, functionals: 1.0, pilot: 0.0, replica: 1.0 },
     };
 
     #[test]

@@ -455,7 +455,6 @@ fn check_says_what_all_points_take() {
         "surface.surface_height_std: 2 values, 1.4 nm to 1.8 nm",
         "4 points (grid)",
         "first point",
-        "time",
         "memory",
     ] {
         assert!(text(&check.stdout).contains(part), "{part}: {}", text(&check.stdout));

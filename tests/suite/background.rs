@@ -11,7 +11,7 @@ use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaw
 use stiction::background::{
     Background, Cap, Caps, Dispersion, Electrostatic, Strength, Terms, VACUUM_PERMITTIVITY, VanDerWaals,
 };
-use stiction::engine::{Ensemble, Job, MomentMatrix, Protocol, Workspace};
+use stiction::engine::{Ensemble, Job, MomentMatrix, Protocol};
 use stiction::integral::{Expectations, Independence};
 use stiction::math::quadrature::Rule;
 use stiction::surface::{Heights, RADIUS_RANGE, Radii, Surface};

@@ -5,7 +5,7 @@ use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
-use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
+use stiction::engine::{Ensemble, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{

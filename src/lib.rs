@@ -77,8 +77,6 @@ pub mod math;
 pub mod output;
 #[cfg(feature = "hdf5")]
 pub mod scene;
-#[cfg(test)]
-mod source;
 pub mod substrate;
 pub mod surface;
 pub mod validation;

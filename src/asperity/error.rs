@@ -39,7 +39,7 @@ pub enum LawError {
     /// The asperity is none of the three whose curve fits are published.
     #[error(
         "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \
-         6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; fit:refit fits any"
+         6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; hybrid solves any"
     )]
     NotInTable3,
     /// The law is fitted to one asperity, and there are asperities of many radii.
@@ -61,8 +61,8 @@ pub enum LawError {
         /// Name of the unloading.
         unloading: &'static str,
     },
-    /// The published forms cannot be fitted to the direct law.
-    #[error("the published forms cannot be fitted to the law of this asperity")]
+    /// The range of the published fits is so large that no number holds their forces.
+    #[error("the published fits give forces of this asperity that are no numbers")]
     NoFit,
     /// A quantity that has to be positive and finite.
     #[error("{name} is {value:.4e}, but has to be positive and finite")]

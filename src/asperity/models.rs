@@ -311,8 +311,6 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, Without, false), emd::emd),
     law(PUBLISHED_FITS, "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
         validity(Adhesion::Any, KogutEtsion, false), fit::paper),
-    law("fit:refit", "the hybrid law with its elastic part refitted by the published forms",
-        validity(Adhesion::Any, KogutEtsion, false), fit::refit),
     law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
         validity(Adhesion::Low, KogutEtsion, false), isbl::isbl),
     law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",

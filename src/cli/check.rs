@@ -13,7 +13,7 @@ use crate::estimate::{Estimate, Plan};
 use crate::experiment::Error;
 use crate::experiment::integral::Integral;
 use crate::experiment::prepared::{SceneLaws, thread_pool};
-use crate::format::{bytes, duration};
+use crate::format::bytes;
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, warnings};
 use std::path::Path;
@@ -43,7 +43,7 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     let most = if scene.stopping.is_some() { "at most " } else { "" };
     text += &row("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
     let estimate = Estimate::new(&scene, law.view(), threads());
-    text += &cost(&estimate, most);
+    text += &cost(&estimate);
     for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
@@ -58,7 +58,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += "all points\n";
-    let (mut seconds, mut largest) = ([0.0; 2], Estimate::new(first, law.view(), threads()));
+    let mut largest = Estimate::new(first, law.view(), threads());
     let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
     let mut judged = Vec::new();
     for point in 0..sweep.count() {
@@ -69,9 +69,6 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
             error: Box::new(error.in_scene(path)),
         })?;
         let estimate = Estimate::new(&scene, law.view(), threads());
-        for (sum, threads) in seconds.iter_mut().zip([estimate.threads, 1.0]) {
-            *sum += Estimate { threads, ..estimate }.seconds().iter().sum::<f64>();
-        }
         largest = if largest.memory() < estimate.memory() { estimate } else { largest };
         let (independence, warnings) = expected(&scene, law.view(), cycle.as_ref());
         judged.push(independence.verdict());
@@ -90,8 +87,6 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
         text += &(row("warning", &warning.finding) + &row("", &at) + &paragraph(&warning.explanation()));
     }
     let estimate = Estimate { files: 2.0 * sweep.count() as f64, ..largest };
-    let [all, on_one] = seconds.map(duration);
-    text += &row("time", &format!("about {all} on {} threads ({on_one} on one)", estimate.threads));
     text += &row("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
     text += &row("disk", &format!("at most about {}", bytes(estimate.disk())));
     for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
@@ -125,18 +120,12 @@ fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Time, memory and disk.
-fn cost(estimate: &Estimate, most: &str) -> String {
-    let phases = estimate.seconds();
-    let alone = Estimate { threads: 1.0, ..*estimate }.seconds();
-    let [all, on_one] = [phases, alone].map(|phases| duration(phases.iter().sum()));
-    let [integral, functionals, ensemble] = phases.map(duration);
+/// Memory and disk.
+fn cost(estimate: &Estimate) -> String {
     let threads = match estimate.threads {
         1.0 => "1 thread".to_owned(),
         threads => format!("{threads} threads"),
     };
-    let mut text = row("time", &format!("{most}about {all} on {threads} ({on_one} on one)"));
-    let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
     let busy = estimate.workers();
     let idle = if busy < estimate.threads {
         let part = if estimate.is_coupled() { "replica" } else { "batch of replicas" };
@@ -144,7 +133,6 @@ fn cost(estimate: &Estimate, most: &str) -> String {
     } else {
         String::new()
     };
-    text += &row("", &format!("{parts}{idle}"));
-    text += &row("memory", &format!("about {} on {threads}", bytes(estimate.memory())));
+    let text = row("memory", &format!("about {} on {threads}{idle}", bytes(estimate.memory())));
     text + &row("disk", &format!("at most about {}", bytes(estimate.disk())))
 }

@@ -1,12 +1,11 @@
 //! Batches of replicas and the moments that they merge into.
 
-use super::Job;
-use super::chunks::Ends;
 use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
 use super::record::Records;
 use super::replica::{Replica, Workspace};
+use super::{Ends, Job};
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
@@ -250,8 +249,8 @@ impl Batch {
         Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each, and coupled
-    /// ones before each separation: then there is none.
+    /// The same, until `ends` is true, which is looked at before surfaces are drawn, and for coupled ones before each
+    /// separation: then there is none.
     pub fn compute_until(
         job: &Job<'_>,
         workspace: &mut Workspace,

@@ -1,14 +1,13 @@
 //! Replicas whose asperities are coupled through the half-space under them.
 
-use super::Job;
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
-use super::chunks::Ends;
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
 use super::scalars::Ways;
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
+use super::{Ends, Job};
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Loop, Path, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};

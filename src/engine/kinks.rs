@@ -1,7 +1,7 @@
 //! The kinks of a law: the interferences at which the force of one asperity is not smooth.
 
 use super::Job;
-use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, parts, resolved};
+use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
 use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
 use std::cell::RefCell;
@@ -164,11 +164,6 @@ fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
 /// How far apart separations of a job may be at most to interpolate between, m.
 pub(super) fn widest_spacing(job: &Job<'_>) -> f64 {
     SPACING * job.surface.heights.std
-}
-
-/// Parts that a step of the separations, in σ_s, is divided into where the curve is searched.
-pub fn parts_of(step: f64) -> f64 {
-    parts(step, SPACING)
 }
 
 /// How far apart the samples of the curves of a job are at most where they are searched, m.

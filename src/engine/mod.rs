@@ -4,8 +4,7 @@
 //! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
 //! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
-//! with their batch. A surface of more asperities than a chunk has is not held at all: its chunks have
-//! streams of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
+//! with their batch.
 //!
 //! A [`Job`] says what is computed, an [`Ensemble`] is the result, and a [`Rule`] tells whether that is large
 //! enough. All of it may change with any version.
@@ -14,8 +13,6 @@ mod asperity_states;
 mod batch;
 #[cfg(test)]
 mod case_ii;
-mod cells;
-mod chunks;
 mod coupled;
 mod coupled_moments;
 mod curves;
@@ -28,7 +25,6 @@ pub mod instability;
 mod kinks;
 #[doc(hidden)]
 pub mod moments;
-mod parts;
 mod polydisperse;
 mod radii;
 mod record;
@@ -55,8 +51,6 @@ pub use batch::Ensemble;
 #[doc(hidden)]
 pub use batch::{BATCH, Batch, FIRST_CURVES, QUANTILES, batches_of, curves_of, replicas_of};
 #[doc(hidden)]
-pub use chunks::{AHEAD, HELD};
-#[doc(hidden)]
 pub use coupled::Substrate;
 #[doc(hidden)]
 pub use coupled_moments::CoupledMoments;
@@ -69,8 +63,6 @@ pub use cycle::dissipated;
 pub use groups::Groups;
 #[doc(hidden)]
 pub use instability::Loading;
-#[doc(hidden)]
-pub use kinks::parts_of;
 pub use moments::{MomentMatrix, Unfit};
 #[doc(hidden)]
 pub use record::{RecordShape, Records};
@@ -98,6 +90,9 @@ use crate::asperity::{Laws, Loop};
 use crate::surface::{SamplingScheme, Surface};
 use std::convert::Infallible;
 use std::sync::atomic::AtomicBool;
+
+/// Whether what is under way has to end.
+type Ends<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// An ensemble that is to be computed.
 #[derive(Clone, Copy)]

@@ -1,14 +1,13 @@
 //! The asperities of a replica under a sampling scheme.
 
 use super::Job;
-use super::stream::{Purpose, chunk_stream, stream};
-use crate::surface::{CHUNK_ASPERITIES, CountLaw, Radii, STRATA, SamplingScheme, Surface};
+use super::stream::{Purpose, stream};
+use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal};
-use std::ops::Range;
 
 /// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their
 /// heights, m, and where they differ the radius of each, m.
@@ -23,140 +22,73 @@ pub fn draw(
     heights: &mut Vec<f64>,
     radii: &mut Vec<f64>,
 ) {
-    Draws::new(surface, (seed, scheme), index, CHUNK_ASPERITIES).all(heights, radii);
+    let count = count(surface, seed, index);
+    heights.resize(count, 0.0);
+    radii.resize(if surface.is_polydisperse() { count } else { 0 }, 0.0);
+    match (&surface.radii, surface.heights.values()) {
+        (Radii::Measured(asperities), _) if surface.whole => {
+            for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {
+                [*height, *radius] = *asperity;
+            }
+        }
+        (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[..count]),
+        _ if scheme != SamplingScheme::Independent => {
+            draw_by_scheme(surface, (seed, scheme), index, heights, radii);
+        }
+        (Radii::Common, _) => surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights),
+        (law, _) => {
+            let [mut of_heights, mut of_radii] =
+                [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
+            let streams = (&mut of_heights, &mut of_radii);
+            law.draw(surface.asperity_radius, &surface.heights, streams, heights, radii);
+        }
+    }
 }
 
-/// The asperities of one replica, as they are drawn.
-#[derive(Clone, Copy)]
-pub(super) struct Draws<'a> {
-    surface: &'a Surface,
-    seed: u64,
-    scheme: SamplingScheme,
+/// Draws the asperities of the replica `index` of a job.
+pub(super) fn draw_of(job: &Job<'_>, index: u64, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+    draw(job.surface, job.seed, job.scheme, index, heights, radii);
+}
+
+/// Draws asperities, unsorted, by a scheme under which those of one group of replicas depend on each other,
+/// asperity by asperity.
+///
+/// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
+/// an asperity in the order of heights; radii that scatter independently of the height are independent.
+///
+/// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
+/// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
+///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
+fn draw_by_scheme(
+    surface: &Surface,
+    (seed, scheme): (u64, SamplingScheme),
     index: u64,
-    /// Their number.
-    pub count: usize,
-    /// Asperities of a chunk; all of a surface that is not divided.
-    chunk: usize,
-}
-
-impl<'a> Draws<'a> {
-    /// The draws of the replica `index`, in chunks of `chunk` asperities.
-    pub fn new(
-        surface: &'a Surface,
-        (seed, scheme): (u64, SamplingScheme),
-        index: u64,
-        chunk: usize,
-    ) -> Self {
-        let chunk = if is_divided(surface, chunk) { chunk } else { usize::MAX };
-        Self { surface, seed, scheme, index, count: count(surface, seed, index), chunk }
-    }
-
-    /// The draws of the replica `index` of a job.
-    pub fn of(job: &Job<'a>, index: u64, chunk: usize) -> Self {
-        Self::new(job.surface, (job.seed, job.scheme), index, chunk)
-    }
-
-    /// The number of chunks.
-    pub fn chunks(&self) -> usize {
-        self.count.div_ceil(self.chunk)
-    }
-
-    /// Draws the asperities of one chunk.
-    pub fn chunk(&self, chunk: usize, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-        let range = self.range(chunk);
-        heights.resize(range.len(), 0.0);
-        radii.resize(if self.surface.is_polydisperse() { range.len() } else { 0 }, 0.0);
-        self.fill(chunk, heights, radii);
-    }
-
-    /// Draws all asperities.
-    pub fn all(&self, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-        heights.resize(self.count, 0.0);
-        radii.resize(if self.surface.is_polydisperse() { self.count } else { 0 }, 0.0);
-        for chunk in 0..self.chunks() {
-            let range = self.range(chunk);
-            let radii = if radii.is_empty() { &mut [] } else { &mut radii[range.clone()] };
-            self.fill(chunk, &mut heights[range], radii);
-        }
-    }
-
-    fn range(&self, chunk: usize) -> Range<usize> {
-        let first = chunk * self.chunk;
-        first..first.saturating_add(self.chunk).min(self.count)
-    }
-
-    /// Draws the asperities of a chunk into their places.
-    fn fill(&self, chunk: usize, heights: &mut [f64], radii: &mut [f64]) {
-        let surface = self.surface;
-        match (&surface.radii, surface.heights.values()) {
-            (Radii::Measured(asperities), _) if surface.whole => {
-                for ((height, radius), asperity) in
-                    heights.iter_mut().zip(radii).zip(&asperities[self.range(chunk)])
-                {
-                    [*height, *radius] = *asperity;
-                }
-            }
-            (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[self.range(chunk)]),
-            _ if self.scheme != SamplingScheme::Independent => self.fill_by_scheme(chunk, heights, radii),
-            (Radii::Common, _) => {
-                let mut stream = chunk_stream(self.seed, Purpose::Heights, self.index, chunk as u64);
-                surface.heights.draw(&mut stream, heights);
-            }
-            (law, _) => {
-                let [mut of_heights, mut of_radii] = [Purpose::Heights, Purpose::Radii]
-                    .map(|purpose| chunk_stream(self.seed, purpose, self.index, chunk as u64));
-                law.draw(
-                    surface.asperity_radius,
-                    &surface.heights,
-                    (&mut of_heights, &mut of_radii),
-                    heights,
-                    radii,
-                );
-            }
-        }
-    }
-
-    /// Draws the asperities of a chunk, unsorted, by a scheme under which those of one group of replicas depend on each other,
-    /// asperity by asperity.
-    ///
-    /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
-    /// an asperity in the order of heights; radii that scatter independently of the height are independent.
-    ///
-    /// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
-    /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
-    ///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
-    fn fill_by_scheme(&self, chunk: usize, heights: &mut [f64], radii: &mut [f64]) {
-        let Self { surface, index, .. } = *self;
-        let stream = |purpose, index| chunk_stream(self.seed, purpose, index, chunk as u64);
-        let law = (surface.asperity_radius, &surface.heights);
-        let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
-        if self.scheme == SamplingScheme::Antithetic {
-            let mut deviates = stream(Purpose::Heights, index - index % 2);
-            let sign = if index % 2 == 1 { -1.0 } else { 1.0 };
-            let score = || {
-                let deviate: f64 = StandardNormal.sample(&mut deviates);
-                sign * deviate
-            };
-            return surface.radii.draw_by(law, score, streams, heights, radii);
-        }
-        let normal = Normal::standard();
-        let mut permutations = stream(Purpose::Strata, index / STRATA);
-        let mut uniforms = stream(Purpose::Heights, index);
+    heights: &mut [f64],
+    radii: &mut [f64],
+) {
+    let stream = |purpose, index| stream(seed, purpose, index);
+    let law = (surface.asperity_radius, &surface.heights);
+    let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
+    if scheme == SamplingScheme::Antithetic {
+        let mut deviates = stream(Purpose::Heights, index - index % 2);
+        let sign = if index % 2 == 1 { -1.0 } else { 1.0 };
         let score = || {
-            let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
-            let share: f64 = uniforms.sample(Open01);
-            // The upper half mirrors the lower one, so that both tails keep their digits.
-            let (below, sign) =
-                if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-            sign * normal.inverse_cdf((below as f64 + share) / STRATA as f64)
+            let deviate: f64 = StandardNormal.sample(&mut deviates);
+            sign * deviate
         };
-        surface.radii.draw_by(law, score, streams, heights, radii);
+        return surface.radii.draw_by(law, score, streams, heights, radii);
     }
-}
-
-/// Whether a surface is drawn in chunks of `chunk` asperities.
-pub(super) fn is_divided(surface: &Surface, chunk: usize) -> bool {
-    surface.asperity_count > chunk
+    let normal = Normal::standard();
+    let mut permutations = stream(Purpose::Strata, index / STRATA);
+    let mut uniforms = stream(Purpose::Heights, index);
+    let score = || {
+        let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
+        let share: f64 = uniforms.sample(Open01);
+        // The upper half mirrors the lower one, so that both tails keep their digits.
+        let (below, sign) = if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
+        sign * normal.inverse_cdf((below as f64 + share) / STRATA as f64)
+    };
+    surface.radii.draw_by(law, score, streams, heights, radii);
 }
 
 /// The number of asperities of the replica `index`.

@@ -1,4 +1,4 @@
-//! Random streams: one per seed, purpose, replica or group, and chunk.
+//! Random streams: one per seed, purpose, and replica or group.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -19,18 +19,12 @@ pub enum Purpose {
     Places = 4,
 }
 
-/// The stream of a replica, or of a group: that of its first chunk.
+/// The stream of a replica, or of a group: ChaCha8 with the key (seed, purpose) and the stream number `replica`, from
+/// its beginning.
 pub fn stream(seed: u64, purpose: Purpose, replica: u64) -> ChaCha8Rng {
-    chunk_stream(seed, purpose, replica, 0)
-}
-
-/// The stream of a chunk of a replica, or of a group: ChaCha8 with the key (seed, purpose, chunk) and the
-/// stream number `replica`, from its beginning.
-pub fn chunk_stream(seed: u64, purpose: Purpose, replica: u64, chunk: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&(purpose as u64).to_le_bytes());
-    key[16..24].copy_from_slice(&chunk.to_le_bytes());
     let mut random = ChaCha8Rng::from_seed(key);
     random.set_stream(replica);
     random.set_word_pos(0);
@@ -44,15 +38,10 @@ mod tests {
 
     #[test]
     fn streams_differ_by_seed_and_replica_and_repeat() {
-        let first = |seed, replica, chunk| chunk_stream(seed, Purpose::Heights, replica, chunk).next_u64();
-        assert_eq!(first(1, 2, 3), first(1, 2, 3));
-        assert_eq!(first(1, 2, 0), stream(1, Purpose::Heights, 2).next_u64());
-        let all = (0..10).flat_map(|seed| {
-            (0..10).flat_map(move |replica| (0..10).map(move |chunk| [seed, replica, chunk]))
-        });
-        let distinct: std::collections::BTreeSet<u64> =
-            all.map(|[seed, replica, chunk]| first(seed, replica, chunk)).collect();
-        assert_eq!(distinct.len(), 1000);
+        let first = |seed, replica| stream(seed, Purpose::Heights, replica).next_u64();
+        assert_eq!(first(1, 2), first(1, 2));
+        let all = (0..10).flat_map(|seed| (0..100).map(move |replica| first(seed, replica)));
+        assert_eq!(all.collect::<std::collections::BTreeSet<u64>>().len(), 1000);
     }
 
     /// Pinned, so that a new version of the generator that draws other heights is noticed. The value is the

@@ -2,11 +2,11 @@
 
 use super::Job;
 use super::curves::Curves;
-use super::moments::{MomentMatrix, SMALL, Unfit, largest_error};
+use super::moments::{MANY, MomentMatrix, SMALL, Unfit, largest_error};
 use super::replica::{Replica, Workspace};
 use crate::asperity::Quantity;
 use crate::math::extrema::maximum;
-use crate::surface::{CHUNK_ASPERITIES, Surface};
+use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.
@@ -32,9 +32,9 @@ impl Summation {
     }
 
     /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in
-    /// parallel; else directly. The error is that of [`largest_error`] and of the pull-off force. Of surfaces
-    /// that are drawn in chunks the first one of each is tried: errors are relative to the sum of what all
-    /// asperities do, so those of more are no larger.
+    /// parallel; else directly. The error is that of [`largest_error`] and of the pull-off force. Of large surfaces
+    /// the first asperities are tried: errors are relative to the sum of what all asperities do, so those of more are
+    /// no larger.
     pub fn by_moments(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
         if job.protocol.cycle.is_some() {
@@ -46,7 +46,7 @@ impl Summation {
         };
         let pilots = PILOTS.min(job.replicas);
         let surface = Surface {
-            asperity_count: job.surface.asperity_count.min(CHUNK_ASPERITIES),
+            asperity_count: job.surface.asperity_count.min(MANY),
             // It is the same in both ways.
             background: None,
             spread: Default::default(),

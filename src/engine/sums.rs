@@ -118,24 +118,15 @@ impl RegimeSums {
 
     /// Hands the sums of all regimes over as point `k` of the curves.
     pub fn record(regimes: &[Self], k: usize, curves: &mut Curves) {
-        Self::put(regimes, k, curves, |place, value| *place = value);
-    }
-
-    /// Adds the sums of all regimes of further asperities to point `k` of the curves.
-    pub fn add(regimes: &[Self], k: usize, curves: &mut Curves) {
-        Self::put(regimes, k, curves, |place, value| *place += value);
-    }
-
-    fn put(regimes: &[Self], k: usize, curves: &mut Curves, put: impl Fn(&mut f64, f64)) {
         let separations = curves.total[0].len();
         for (regime, sum) in regimes.iter().enumerate() {
             let place = regime * separations + k;
-            put(&mut curves.regime_count[place], sum.count);
-            put(&mut curves.regime_adhesion_force[place], sum.adhesion.value());
-            put(&mut curves.regime_external_force[place], sum.contact.value() - sum.adhesion.value());
+            curves.regime_count[place] = sum.count;
+            curves.regime_adhesion_force[place] = sum.adhesion.value();
+            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
         }
         for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
-            put(&mut curve[k], value);
+            curve[k] = value;
         }
     }
 }

@@ -1,9 +1,7 @@
-//! Estimate of a run before it begins: what it computes, memory, disk and time.
+//! Estimate of a run before it begins: what it computes, memory and disk.
 
 mod plan;
 mod size;
-mod time;
 
 pub use plan::{Plan, RegimePlan, beyond};
 pub use size::{Choice, Estimate};
-pub use time::Cost;

@@ -53,7 +53,7 @@ impl Plan {
 }
 
 /// The regimes of a scene under its law.
-pub(super) fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
+fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
     let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
     let mut lower = f64::NEG_INFINITY;
     let mut plans = Vec::new();

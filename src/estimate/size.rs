@@ -1,16 +1,14 @@
-//! The size of a run, and the memory, disk and time that follow from it.
+//! The size of a run, and the memory and disk that follow from it.
 //!
 //! They follow from what the parts of the program hold at once; `tests/suite/sizes.rs` has memory within a factor of 2 of what a
 //! run takes.
 
-use super::time::{Cost, step};
 use crate::asperity::Laws;
-use crate::engine::moments::{LANES, MOST_PERIODS, periods};
-use crate::engine::{AHEAD, BATCH, FIRST_CURVES, HELD, PILOTS, batches_of};
+use crate::engine::moments::{LANES, MANY, MOST_PERIODS, periods};
+use crate::engine::{BATCH, FIRST_CURVES, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
 use crate::substrate::{Coupling, Kernel};
-use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
 /// Bytes of a number.
@@ -35,10 +33,6 @@ const COUPLED: (f64, f64) = (4e3, 9e3);
 const LAWS: f64 = 5e3;
 /// Bytes of an asperity that is told by itself, and of it in a state.
 const TOLD: (f64, f64) = (4.0 * NUMBER, 4.0 * NUMBER + 3.0);
-/// Bytes of the sums of a chunk that wait to be added: for a regime, and for a period.
-const WAITING: (f64, f64) = (56.0, 1.5e3);
-/// Bytes that the search for the pull-off of a large surface counts in.
-const COUNTED: f64 = 1e7;
 
 /// The size of a run, from which follows what it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,8 +69,6 @@ pub struct Estimate {
     pub files: f64,
     /// Numbers that are kept of the snaps of a replica.
     pub snaps: f64,
-    /// Core time of its parts.
-    pub cost: Cost,
 }
 
 impl Estimate {
@@ -84,7 +76,8 @@ impl Estimate {
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
         let (separations, ways) = (scene.separations.len(), scene.ways().count());
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
-        let step = step(scene);
+        let spread = scene.separations[separations - 1] - scene.separations[0];
+        let step = spread / (separations - 1) as f64 / scene.surface.heights.std;
         let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));
         Self {
             asperities: scene.surface.asperity_count as f64,
@@ -103,7 +96,6 @@ impl Estimate {
             curves: scene.curves,
             files: 1.0,
             snaps: snaps as f64,
-            cost: Cost::new(scene, law),
         }
     }
 
@@ -112,30 +104,14 @@ impl Estimate {
         batches_of(self.replicas as u64) as f64
     }
 
-    /// Whether surfaces are drawn and summed in chunks, which threads share.
-    fn is_divided(&self) -> bool {
-        self.asperities > CHUNK_ASPERITIES as f64
-    }
-
     /// Whether asperities are coupled: replicas are then computed side by side.
     pub fn is_coupled(&self) -> bool {
         self.coupled > 0.0
     }
 
-    /// What threads can compute at the same time: batches, chunks of them, or coupled replicas.
-    fn parts(&self) -> f64 {
-        if self.is_coupled() {
-            self.replicas
-        } else if self.is_divided() {
-            self.batches() * (self.asperities / CHUNK_ASPERITIES as f64).ceil()
-        } else {
-            self.batches()
-        }
-    }
-
-    /// Threads that have something to compute.
+    /// Threads that have something to compute: batches, or coupled replicas.
     pub fn workers(&self) -> f64 {
-        self.threads.min(self.parts())
+        self.threads.min(if self.is_coupled() { self.replicas } else { self.batches() })
     }
 
     /// Pilot replicas that are summed both ways at the same time.
@@ -178,37 +154,19 @@ impl Estimate {
         NUMBER * (2.0 * self.grid.asperities(tested) * columns + 2.0 * columns * columns)
     }
 
-    /// Bytes of the surfaces, or chunks of them, that are summed at the same time.
+    /// Bytes of the surfaces that are summed at the same time.
     fn surfaces(&self) -> f64 {
-        let n = self.asperities.min(CHUNK_ASPERITIES as f64);
-        let of_search = if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
-        let searched = n * of_search;
-        let direct = NUMBER * n + searched;
-        let held = match self.asperities <= (HELD * CHUNK_ASPERITIES) as f64 {
-            true => self.asperities * (NUMBER + of_search),
-            false => 0.0,
+        let n = self.asperities;
+        let searched = n * if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
+        let Some(periods) = self.periods else { return self.workers() * (NUMBER * n + searched) };
+        let of_moments = |n: f64, lanes: f64| {
+            let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
+            lanes * BINNED * n + queued + PERIOD * periods
         };
-        let Some(periods) = self.periods else {
-            let waiting = AHEAD as f64 * WAITING.0 * self.separations * self.regimes;
-            return match self.is_divided() {
-                false => self.workers() * direct,
-                true => COUNTED + self.workers() * (NUMBER * n + waiting) + held,
-            };
-        };
-        let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
-        let moments = PERIOD * periods;
-        let pilots = self.pilots() * (BINNED * n + queued + direct + moments);
-        let lanes = self.replicas.min(LANES as f64);
-        let run = match self.is_divided() {
-            false => self.workers() * (lanes * BINNED * n + queued + searched + moments),
-            true => {
-                // Each chunk is queued in as many pieces as there are lanes.
-                let waiting = AHEAD as f64 * WAITING.1 * periods;
-                let chunk = BINNED * n + queued / LANES as f64 + moments + waiting;
-                COUNTED + moments + self.workers() * chunk + held
-            }
-        };
-        run.max(pilots)
+        let tried = n.min(MANY as f64);
+        let pilots = self.pilots() * (of_moments(tried, 1.0) + tried * (NUMBER + SEARCHED.0));
+        let lanes = if n > MANY as f64 { 1.0 } else { self.replicas.min(LANES as f64) };
+        (self.workers() * (of_moments(n, lanes) + searched)).max(pilots)
     }
 
     /// Bytes of coupling the surfaces that are computed at the same time.
@@ -231,15 +189,6 @@ impl Estimate {
         // In the result, and before in a checkpoint.
         let told = 2.0 * self.asperities * self.told();
         self.files * (2e5 + means + replicas + curves + told + self.first_curves())
-    }
-
-    /// Seconds that the phases take one after the other: integral, functionals, ensemble.
-    pub fn seconds(&self) -> [f64; 3] {
-        let Cost { integral, functionals, pilot, replica } = self.cost;
-        let rounds = (self.parts() / self.threads).ceil();
-        let share = if self.is_divided() { 1.0 / self.workers() } else { rounds / self.parts() };
-        let pilots = pilot * (PILOTS as f64).min(self.replicas) / self.pilots();
-        [integral / self.threads, functionals, pilots + replica * self.replicas * share]
     }
 }
 
@@ -334,7 +283,6 @@ mod tests {
         curves: false,
         files: 1.0,
         snaps: 0.0,
-        cost: Cost { integral: 1.0, functionals: 1.0, pilot: 0.0, replica: 1.0 },
     };
 
     #[test]
@@ -359,19 +307,6 @@ mod tests {
         assert!(most.is_some_and(|most| with(most) <= 50e9 && with(most + most / 10 + 8) > 50e9), "{most:?}");
         // A billion replicas do not fit, however few the asperities.
         assert_eq!(Choice::Asperities.most(&RUN, 50e9, Estimate::memory), None);
-    }
-
-    /// A surface that is divided takes no more memory with more asperities, and all threads.
-    #[test]
-    fn chunks_take_as_much_memory_however_many() {
-        for periods in [None, Some(400.0)] {
-            let one = Estimate { asperities: 1e9, replicas: 1.0, periods, ..RUN };
-            assert_eq!(one.memory(), Estimate { asperities: 1e12, ..one }.memory());
-            assert_eq!((one.is_divided(), one.workers()), (true, 64.0));
-            assert_eq!(Estimate { asperities: 3e6, ..one }.workers(), 3.0);
-            let held = Estimate { asperities: CHUNK_ASPERITIES as f64, ..one };
-            assert_eq!((held.is_divided(), held.workers()), (false, 1.0));
-        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::asperity::LawError;
 use crate::asperity::models::MODELS;
 use crate::output::OutputError;
-use crate::scene::{SceneError, nearest};
+use crate::scene::{SceneError, former_value, nearest};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -12,8 +12,11 @@ fn known_laws() -> Vec<&'static str> {
     MODELS.iter().map(|model| model.name).collect()
 }
 
-/// The name that was meant, if one is near.
+/// What became of a former name, or the name that was meant, if one is near.
 fn hint(name: &str) -> String {
+    if let Some(fate) = former_value(name) {
+        return format!(", which {fate}");
+    }
     let near = nearest(name, known_laws().into_iter());
     near.map(|near| format!(" (did you mean {near}?)")).unwrap_or_default()
 }

@@ -15,6 +15,7 @@ use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
 use crate::scene::sweep::without;
 use crate::scene::{Scene, Sweep};
+use crate::surface::MOST_ASPERITIES;
 use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
 use std::path::Path;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use std::sync::Arc;
 /// Numbers of asperities that are compared at most.
 pub(crate) const MOST_SIZES: usize = 100;
 /// Asperities of a patch at most.
-pub(crate) const LARGEST: u64 = 10_000_000_000;
+pub(crate) const LARGEST: u64 = MOST_ASPERITIES;
 
 /// Asperities of a patch that tells the density to more digits than any other has.
 const PROBE: f64 = 1e11;

@@ -11,7 +11,6 @@ pub mod gmres;
 pub mod instruction_set;
 pub mod interpolation;
 pub mod interval;
-pub mod least_squares;
 pub mod linalg;
 pub mod moments;
 pub mod piecewise;

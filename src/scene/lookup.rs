@@ -31,8 +31,11 @@ const MEANT: &[(&[&str], &str, &str)] = &[
     (&["n", "samples", "runs"], "ensemble.replicas", ""),
 ];
 
-/// Values that have had another name in earlier versions, behind that.
-const RENAMED_VALUES: [(&str, &str); 1] = [("compressed", "moments")];
+/// Values of earlier versions, and what became of them.
+const FORMER_VALUES: [(&str, &str); 2] = [
+    ("compressed", "is now \"moments\""),
+    ("fit:refit", "has gone: fit:paper has the published fits, hybrid solves what they are fitted to"),
+];
 
 /// The key that a table had under another name in earlier versions.
 pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {
@@ -40,9 +43,9 @@ pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.formerly == given && is_in(key))
 }
 
-/// The value that had another name in earlier versions.
-pub(super) fn renamed_value(given: &str) -> Option<&'static str> {
-    RENAMED_VALUES.iter().find(|(old, _)| *old == given).map(|(_, new)| *new)
+/// What became of a value of earlier versions.
+pub(crate) fn former_value(given: &str) -> Option<&'static str> {
+    FORMER_VALUES.iter().find(|(old, _)| *old == given).map(|(_, fate)| *fate)
 }
 
 /// A dotted name as the table has it: without the index of an element, and without the sweep that a key is

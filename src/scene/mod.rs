@@ -58,6 +58,7 @@ pub use instability::Instability;
 #[doc(hidden)]
 pub use keys::{Absent, Key, Sign, Value};
 #[doc(hidden)]
+pub(crate) use lookup::former_value;
 pub use lookup::nearest;
 #[doc(hidden)]
 pub use spreading::Wet;

@@ -138,7 +138,7 @@ fn refused(section: &Section<'_>, error: SurfaceError) -> SceneError {
     let key = match error {
         SurfaceError::NegativeVariance { .. } => "surface_height_std",
         SurfaceError::NoHeightStd => "",
-        SurfaceError::Count(_) => "nominal_area",
+        SurfaceError::NoAsperity(_) | SurfaceError::TooMany { .. } => "nominal_area",
         SurfaceError::Length { name, .. } => name,
     };
     match section.get(key) {

@@ -3,7 +3,7 @@
 use super::echo::{one_line, shortened};
 use super::error::{SceneError, all};
 use super::keys::{Sign, Value};
-use super::lookup::{example, find, keys_of, meant, nearest, renamed, renamed_value};
+use super::lookup::{example, find, former_value, keys_of, meant, nearest, renamed};
 use super::units::{Dimension, QuantityError, parse};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -264,8 +264,8 @@ impl<'a> Entry<'a> {
         let given = self.string()?;
         choices.iter().find(|(name, _)| *name == given).map(|(_, choice)| choice.clone()).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            let hint = match renamed_value(given) {
-                Some(new) => Some(format!(", which is now \"{new}\"")),
+            let hint = match former_value(given) {
+                Some(fate) => Some(format!(", which {fate}")),
                 None => {
                     nearest(given, names.iter().copied()).map(|name| format!(" (did you mean \"{name}\"?)"))
                 }

@@ -5,13 +5,15 @@ use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::substrate::{Coupling, Kernel};
-use crate::surface::{CHUNK_ASPERITIES, CountLaw, MeasuredPlaces, Places, Surface};
+use crate::surface::{CountLaw, MeasuredPlaces, Places, Surface};
 use toml::de::DeValue;
 
 /// Least distance of asperities at random, in 1/√η, unless a scene gives one.
 const LEAST_DISTANCE: f64 = 0.5;
 /// Largest error of a load unless a scene gives one.
 const TOLERANCE: f64 = 1e-9;
+/// Most asperities that are coupled.
+const MOST_COUPLED: usize = 1 << 20;
 /// Most states whose asperities are told one by one.
 const MOST_STATES: usize = 1000;
 /// Share by which the sides of a map that is repeated as a square may differ.
@@ -86,9 +88,9 @@ impl<'a> SubstrateTable<'a> {
                 ["minimum_distance", "positions", "coupling"].into_iter().find_map(|key| section.get(key));
             named.expect("coupling has to be there")
         };
-        if surface.asperity_count > CHUNK_ASPERITIES {
+        if surface.asperity_count > MOST_COUPLED {
             return Err(entry().wrong(&format!(
-                "a surface has {} asperities; at most {CHUNK_ASPERITIES} are coupled",
+                "a surface has {} asperities; at most {MOST_COUPLED} are coupled",
                 surface.asperity_count
             )));
         }

@@ -14,9 +14,9 @@ pub use places::{MeasuredPlaces, Places, PlacesError};
 pub use radii::Radii;
 #[doc(hidden)]
 pub use radii::{RADIUS_RANGE, RadiusClass, RadiusPanels};
-pub use scheme::SamplingScheme;
 #[doc(hidden)]
-pub use scheme::{CHUNK_ASPERITIES, STRATA};
+pub use scheme::STRATA;
+pub use scheme::SamplingScheme;
 
 use crate::background::Background;
 use crate::liquid::{Spread, Spreads};
@@ -27,6 +27,9 @@ use thiserror::Error;
 pub const VARIANCE_FACTOR: f64 = 3.717e-4;
 /// Factor of y_s = 0.045944/(ηR) (Etsion and Front 1994).
 pub const OFFSET_FACTOR: f64 = 0.045944;
+
+/// Most asperities of a patch.
+pub const MOST_ASPERITIES: u64 = 200_000_000;
 
 /// Lengths of a surface, m, whose squares and quotients are numbers that a computer has.
 pub const LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
@@ -149,7 +152,7 @@ pub struct Surface {
 ///     asperity_height_std: Some(1e-9),
 ///     mean_plane_offset: None,
 /// };
-/// assert_eq!(Surface::new(&small), Err(SurfaceError::Count(0.1)), "a tenth of an asperity");
+/// assert_eq!(Surface::new(&small), Err(SurfaceError::NoAsperity(0.1)), "a tenth of an asperity");
 /// ```
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SurfaceError {
@@ -167,9 +170,21 @@ pub enum SurfaceError {
     /// Neither standard deviation is known.
     #[error("neither surface_height_std nor asperity_height_std is given")]
     NoHeightStd,
-    /// ηA_n rounds to no asperity, or to more than can be counted.
-    #[error("asperity_density x nominal_area = {0:.4e} asperities; 0.5 to 1e12 can be drawn")]
-    Count(f64),
+    /// ηA_n rounds to no asperity.
+    #[error("asperity_density x nominal_area = {0:.4e} asperities; at least 0.5 are needed")]
+    NoAsperity(f64),
+    /// ηA_n is more than [`MOST_ASPERITIES`].
+    #[error(
+        "asperity_density x nominal_area = {count:.4e} asperities, and a patch has at most {most:e}: \
+         a nominal_area of {largest:.4e} m^2 would do, with more replicas for a smaller error",
+        most = MOST_ASPERITIES as f64
+    )]
+    TooMany {
+        /// ηA_n.
+        count: f64,
+        /// The largest A_n, m².
+        largest: f64,
+    },
     /// A length of the surface is beyond [`LENGTHS`].
     #[error(
         "{name} = {value:.4e} m, which follows from the quantities of the surface, is outside 1e-100..1e100 m: check their units"
@@ -210,8 +225,12 @@ impl Surface {
                 (None, None) => return Err(SurfaceError::NoHeightStd),
             };
         let count = (roughness.asperity_density * roughness.nominal_area).round();
-        if !(1.0..=1e12).contains(&count) {
-            return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));
+        if !(count >= 1.0) {
+            return Err(SurfaceError::NoAsperity(roughness.asperity_density * roughness.nominal_area));
+        }
+        if count > MOST_ASPERITIES as f64 {
+            let largest = MOST_ASPERITIES as f64 / roughness.asperity_density;
+            return Err(SurfaceError::TooMany { count, largest });
         }
         let mean_plane_offset = roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse);
         let lengths =
@@ -350,7 +369,13 @@ mod tests {
         let smooth = Roughness { surface_height_std: Some(1e-13), ..case_ii() };
         assert!(matches!(Surface::new(&smooth), Err(SurfaceError::NegativeVariance { .. })));
         let small = Roughness { nominal_area: 1e-14, ..case_ii() };
-        assert!(matches!(Surface::new(&small), Err(SurfaceError::Count(_))));
+        assert!(matches!(Surface::new(&small), Err(SurfaceError::NoAsperity(_))));
+        let large = Roughness { nominal_area: 1e-4, ..case_ii() };
+        let Err(SurfaceError::TooMany { largest, .. }) = Surface::new(&large) else {
+            panic!("it is too large")
+        };
+        let fits = Roughness { nominal_area: largest, ..case_ii() };
+        assert_eq!(Surface::new(&fits).unwrap().asperity_count as u64, MOST_ASPERITIES);
         let unknown = Roughness { surface_height_std: None, ..case_ii() };
         assert_eq!(Surface::new(&unknown), Err(SurfaceError::NoHeightStd));
     }

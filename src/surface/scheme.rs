@@ -1,9 +1,5 @@
 //! How the replicas of a surface are drawn relative to each other.
 
-/// Asperities of a chunk: a surface of more is drawn in chunks, each from streams of its own, so that they
-/// can be drawn in any order, and again. Part of what the bits of a result depend on, so it is fixed.
-pub const CHUNK_ASPERITIES: usize = 1 << 20;
-
 /// Replicas of a stratified group, and strata of the normal distribution.
 pub const STRATA: u64 = 8;
 

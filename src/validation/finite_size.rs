@@ -4,7 +4,6 @@
 //! The pull-off of a patch is the minimum of its own curve, and the mean of minima is below the minimum of
 //! the mean: single patches pull harder than the integral, and the less so the more asperities they have.
 
-use crate::math::least_squares::least_squares;
 use crate::math::quantile::quantile;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -18,6 +17,8 @@ const FITTED: f64 = 0.5;
 const FEWEST: usize = 3;
 /// A power law is rejected where a χ² as large has a smaller probability.
 const REJECTED: f64 = 0.01;
+/// Steps of a fit: of biases that scatter, each leaves a part of what the one before has left.
+const STEPS: usize = 200;
 /// Largest standard error of the logarithm of an extrapolated number of asperities that is told.
 const KNOWN: f64 = 0.5;
 
@@ -155,39 +156,29 @@ impl Approach {
     fn of_sizes(counts: &[f64], bias: &[f64], standard_error: &[f64], taken: &[usize]) -> Option<Self> {
         // About the middle of the counts the two parameters are all but independent.
         let centre = taken.iter().map(|&i| counts[i].ln()).sum::<f64>() / taken.len() as f64;
-        let model = |p: &[f64; 2], place: f64| {
-            let i = place as usize;
-            let distance = counts[i].ln() - centre;
-            let value = (p[0] - p[1] * distance).exp() / standard_error[i];
-            (value, [value, -distance * value])
-        };
-        let places: Vec<f64> = taken.iter().map(|&i| i as f64).collect();
-        let values: Vec<f64> = taken.iter().map(|&i| bias[i] / standard_error[i]).collect();
         let level = taken.iter().map(|&i| bias[i]).fold(0.0, f64::max);
         if !(level > 0.0) {
             return None;
         }
-        let fit = least_squares(
-            model,
-            &places,
-            &values,
-            &[[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]],
-            None,
-        )?;
-        let [level, exponent] = fit.parameters;
-        let mut normal = [[0.0; 2]; 2];
-        for &place in &places {
-            let (_, slopes) = model(&fit.parameters, place);
-            for (row, a) in normal.iter_mut().zip(slopes) {
-                row.iter_mut().zip(slopes).for_each(|(sum, b)| *sum += a * b);
+        let at = |p: [f64; 2]| {
+            let mut squares = Squares::default();
+            for &i in taken {
+                let distance = counts[i].ln() - centre;
+                let value = (p[0] - p[1] * distance).exp() / standard_error[i];
+                squares.add(value - bias[i] / standard_error[i], [value, -distance * value]);
             }
-        }
+            squares
+        };
+        let starts = [[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]];
+        let fits = starts.map(|start| least_squares(at, start));
+        let ([level, exponent], Squares { sum, normal, .. }) =
+            fits.into_iter().min_by(|a, b| a.1.sum.total_cmp(&b.1.sum))?;
         let determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0];
-        if !(exponent > 0.0 && determinant > 0.0) {
+        if !(exponent > 0.0 && determinant > 0.0 && sum.is_finite()) {
             return None;
         }
         let degrees_of_freedom = taken.len() - 2;
-        let misfit = (fit.sum_of_squares / degrees_of_freedom as f64).max(1.0);
+        let misfit = (sum / degrees_of_freedom as f64).max(1.0);
         let [level_squared, exponent_squared] =
             [normal[1][1], normal[0][0]].map(|diagonal| diagonal / determinant * misfit);
         let covariance = -normal[0][1] / determinant * misfit;
@@ -198,7 +189,7 @@ impl Approach {
             exponent,
             standard_errors: [squared.max(0.0).sqrt(), exponent_squared.sqrt()],
             covariance: covariance + centre * exponent_squared,
-            chi_squared: fit.sum_of_squares,
+            chi_squared: sum,
             degrees_of_freedom,
             fitted: (0..counts.len()).map(|i| taken.contains(&i)).collect(),
         })
@@ -217,6 +208,51 @@ impl Approach {
     pub fn bias(&self, count: f64) -> f64 {
         self.coefficient * count.powf(-self.exponent)
     }
+}
+
+/// A sum of squares of residuals at two parameters, with what steps of Gauss and Newton are made of.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    sum: f64,
+    /// Σ residual × slope.
+    gradient: [f64; 2],
+    /// Σ slope × slope.
+    normal: [[f64; 2]; 2],
+}
+
+impl Squares {
+    /// Adds a residual with its slopes by both parameters.
+    fn add(&mut self, residual: f64, slopes: [f64; 2]) {
+        self.sum += residual * residual;
+        for (k, slope) in slopes.into_iter().enumerate() {
+            self.gradient[k] += residual * slope;
+            (0..2).for_each(|l| self.normal[k][l] += slope * slopes[l]);
+        }
+    }
+
+    /// The step of Gauss and Newton, damped by a share of the diagonal (Marquardt 1963).
+    fn step(&self, damping: f64) -> [f64; 2] {
+        let [[a, b], [_, c]] = self.normal;
+        let ([a, c], [g, h]) = ([a, c].map(|own| own * (1.0 + damping)), self.gradient);
+        let determinant = a * c - b * b;
+        [(b * h - c * g) / determinant, (b * g - a * h) / determinant]
+    }
+}
+
+/// The parameters near `start` at which a sum of squares is least, and that.
+fn least_squares(at: impl Fn([f64; 2]) -> Squares, start: [f64; 2]) -> ([f64; 2], Squares) {
+    let (mut place, mut here, mut damping) = (start, at(start), 1e-3);
+    for _ in 0..STEPS {
+        let step = here.step(damping);
+        let next = [place[0] + step[0], place[1] + step[1]];
+        let there = at(next);
+        if there.sum <= here.sum * (1.0 + 4.0 * f64::EPSILON) {
+            (place, here, damping) = (next, there, 0.1 * damping);
+        } else {
+            damping *= 10.0;
+        }
+    }
+    (place, here)
 }
 
 /// From how many asperities on the integral is good to an accuracy.

@@ -134,7 +134,7 @@ const UNITS: [&str; 22] = [
     "²",
 ];
 
-const WORDS: [&str; 56] = [
+const WORDS: [&str; 55] = [
     "format",
     "title",
     "material",
@@ -173,7 +173,6 @@ const WORDS: [&str; 56] = [
     "hybrid",
     "emd",
     "fit:paper",
-    "fit:refit",
     "isbl",
     "sbl",
     "ke",

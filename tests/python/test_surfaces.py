@@ -110,7 +110,7 @@ def test_a_picture_compares_them(results, tmp_path):
         ('heights = "exponential"', 'spectrum = { m0 = "1 nm^2", m2 = 1e-5, m4 = "1 /um^2" }', "follows from the spectrum"),
         ('heights = "exponential"', 'asperities = { path = "no.h5" }', "follows from the measured asperities"),
         ('surface_height_std = "1.619 nm"', 'surface_height_std = "0.9 nm"\nsummits = "nayak"', "2413 (eta R sigma)^2"),
-        ('law = "hybrid"', 'law = "fit:refit"\n[unknown]', "unknown key"),
+        ('law = "hybrid"', 'law = "fit:paper"\n[unknown]', "unknown key"),
         ('heights = "exponential"', 'radii = { law = "file", path = "a", column = 1, unit = "um" }', "cannot be read"),
     ],
 )

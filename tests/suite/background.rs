@@ -11,7 +11,7 @@ use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaw
 use stiction::background::{
     Background, Cap, Caps, Dispersion, Electrostatic, Strength, Terms, VACUUM_PERMITTIVITY, VanDerWaals,
 };
-use stiction::engine::{Ensemble, Job, MomentMatrix, Protocol, Workspace};
+use stiction::engine::{Ensemble, Job, MomentMatrix, Protocol};
 use stiction::integral::{Expectations, Independence};
 use stiction::math::quadrature::Rule;
 use stiction::surface::{Heights, RADIUS_RANGE, Radii, Surface};
@@ -289,40 +289,6 @@ fn every_sum_has_the_background_once() {
         &Job { protocol: Protocol { cycle: Some(&cycle), ..direct.protocol }, ..direct },
         &plain,
     );
-}
-
-/// Surfaces that are drawn and summed in chunks, few and many, directly and by moments, have the forces and pull-offs of
-/// those that are held.
-#[test]
-fn chunks_have_the_background_once() {
-    let (asperity, mut plain) = case("II");
-    (plain.asperity_count, plain.nominal_area) = (3000, 3000.0 / 7.39e12);
-    let surface = with_background(&plain);
-    let separations = separations(&plain, 91);
-    let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 60e-9));
-    let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
-    let direct = job(law.as_ref(), &surface, &separations, 8);
-    for job in [direct, Job { moments: Some(&matrix), ..direct }] {
-        for chunk in [1000, 200] {
-            let mut workspace = Workspace::with_chunks(&job, chunk);
-            let mut seen = 0;
-            workspace.replicas(&job, 0..2, |replica, curves| {
-                let external = &curves.total[EXTERNAL];
-                for (k, h) in separations.iter().enumerate() {
-                    let of_asperities = curves.total[1][k] - curves.total[0][k];
-                    let force = surface.background_force(*h);
-                    let size = curves.total[1][k] + curves.total[0][k] + force;
-                    assert!((external[k] - (of_asperities - force)).abs() <= 1e-12 * size, "{chunk} {k}");
-                }
-                let deepest = external.iter().copied().fold(f64::INFINITY, f64::min);
-                // Between separations it is somewhat deeper, and no more.
-                let depth = replica.pull_off_force / -deepest;
-                assert!((1.0..1.01).contains(&depth), "{chunk}: {depth}");
-                seen += 1;
-            });
-            assert_eq!(seen, 2);
-        }
-    }
 }
 
 /// The integral, its pull-off and stiffness, the shift and attraction of the verdict, and the retraction of a loop.

@@ -353,6 +353,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     ("surface_height_std = \"1.619 nm\"", "", &["neither surface_height_std nor asperity_height_std"]),
     ("nominal_area = \"100 um^2\"", "nominal_area = \"0.01 um^2\"", &["surface.nominal_area", "asperities"]),
+    (
+        "nominal_area = \"100 um^2\"",
+        "nominal_area = \"1 m^2\"",
+        &["surface.nominal_area", "at most 2e8", "m^2 would do"],
+    ),
     ("count = 91", "count = 1", &["separation.h_star.count", "from 2 to"]),
     ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0]", &["has 1 separations", "2 to"]),
     ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, 3.0, 2.0]", &["separation.h_star[2] = 2.0", "rise"]),
@@ -471,6 +476,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[output]",
         "[solver]\nsummation = \"compressed\"\n[output]",
         &["line 31", "unknown summation, which is now \"moments\""],
+    ),
+    (
+        "law = \"hybrid\"",
+        "law = \"fit:refit\"",
+        &["unknown law, which has gone: fit:paper has the published fits, hybrid solves"],
     ),
     (
         "poisson_ratio = 0.27",

@@ -120,7 +120,7 @@ fn bits_of_a_comparison_do_not_depend_on_threads() {
     let folder = Folder::new(&small());
     for threads in ["1", "3"] {
         let arguments =
-            ["compare", "scene.toml", "--laws", "hybrid,sbl,fit:refit", "--ensemble", "--replicas", "20"];
+            ["compare", "scene.toml", "--laws", "hybrid,sbl,fit:paper", "--ensemble", "--replicas", "20"];
         let file = format!("{threads}.h5");
         assert_exit(&folder.stiction(&[&arguments[..], &["--threads", threads, "-o", &file]].concat()), 0);
     }
@@ -134,10 +134,14 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     let folder = Folder::new(&small());
     std::fs::write(folder.path("other.toml"), small().replace("3.33 um", "3.34 um")).unwrap();
     std::fs::write(folder.path("there.h5"), "precious").unwrap();
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 9] = [
         (
             &["scene.toml", "--laws", "hybrid,emdd"],
             "--laws emdd: unknown law (did you mean emd?); known: md_plastic, hybrid",
+        ),
+        (
+            &["scene.toml", "--laws", "hybrid,fit:refit"],
+            "--laws fit:refit: unknown law, which has gone: fit:paper has the published fits, hybrid solves",
         ),
         (&["scene.toml", "--laws", "emd,emd"], "emd is given twice"),
         (&["scene.toml", "--laws", "emd,"], "a name is empty"),
@@ -147,7 +151,7 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
         ),
         (&["other.toml", "--laws", "fit:paper"], "other.toml: the law fit:paper cannot be used"),
         (&["scene.toml", "--laws", "emd", "--replicas", "3"], "--ensemble"),
-        (&["other.toml", "--laws", "emd,fit:paper", "-o", "x.h5"], "fit:refit fits any"),
+        (&["other.toml", "--laws", "emd,fit:paper", "-o", "x.h5"], "hybrid solves any"),
         (&["scene.toml", "--laws", "emd", "-o", "there.h5"], "exists; give --force"),
     ];
     for (arguments, message) in cases {

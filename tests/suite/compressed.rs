@@ -3,10 +3,10 @@
 use crate::common::{case, dry_laws, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
-use stiction::engine::moments::{MomentMatrix, Unfit, largest_error};
+use stiction::engine::moments::{MANY, MomentMatrix, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
-use stiction::surface::{CHUNK_ASPERITIES, Heights, SamplingScheme, Surface};
+use stiction::surface::{Heights, SamplingScheme, Surface};
 
 /// A law on a surface.
 struct Patch {
@@ -182,10 +182,10 @@ fn steps_are_met_to_the_tolerance(laws: &[&str]) {
     println!("worst: {worst:?} tolerances");
 }
 
-/// A surface of more asperities than are held at once, too, in its curves and in its pull-off between them.
+/// Surfaces of which one at a time is summed, too, in their curves and in its pull-off between them.
 #[test]
-fn chunks_are_met_to_the_tolerance() {
-    let mut patch = Patch::case("II", "hybrid").with_asperities(CHUNK_ASPERITIES + 70_000);
+fn large_surfaces_are_met_to_the_tolerance() {
+    let mut patch = Patch::case("II", "hybrid").with_asperities(MANY + 70_000);
     patch.separations = grid(&patch.surface, 2.05, 0.25, 8);
     let direct = patch.summed(None, 0, 1);
     assert!(!direct[0].0.pull_off_at_edge);

@@ -5,12 +5,11 @@ use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
-use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
+use stiction::engine::{Ensemble, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    CHUNK_ASPERITIES, CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface,
-    Truncated, Weibull,
+    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
 };
 use stiction::validation::{Verdict, basis};
 
@@ -539,43 +538,6 @@ fn the_error_over_heights_is_told() {
         "{:e} {off:e}",
         rough.quadrature_error
     );
-}
-
-/// A surface of more asperities than are held at once, of radii of their own: at each separation what the
-/// textbook's Hertzian asperities that were drawn add up to, and as many of them in contact as are higher.
-#[test]
-fn chunks_of_several_radii_add_up() {
-    let (asperity, case_ii) = case("II");
-    let count = CHUNK_ASPERITIES + 70_000;
-    let surface = Surface { radii: Radii::LogNormal(0.3), asperity_count: count, ..case_ii };
-    let separations: Vec<f64> = (0..3).map(|k| 1.5 * f64::from(k) * surface.heights.std).collect();
-    let law = law_for("gw", &surface, &separations);
-    let job = job(law.view(), &surface, &separations, 1);
-    let mut curves = None;
-    Workspace::new(&job).replicas(&job, 0..1, |_, found: &Curves| curves = Some(found.clone()));
-    let curves = curves.unwrap();
-    let (mut heights, mut radii) = (Vec::new(), Vec::new());
-    draw(&surface, job.seed, SamplingScheme::Independent, 0, &mut heights, &mut radii);
-    assert_eq!((heights.len(), radii.len()), (count, count));
-    for (k, h) in separations.iter().enumerate() {
-        let d = surface.asperity_separation(*h);
-        let touching = || heights.iter().zip(&radii).filter(|(u, _)| **u > d);
-        let load: f64 = touching().map(|(u, r)| r.sqrt() * (u - d).powf(1.5)).sum::<f64>();
-        let load = 4.0 / 3.0 * asperity.reduced_modulus * load;
-        let area = std::f64::consts::PI * touching().map(|(u, r)| r * (u - d)).sum::<f64>();
-        let of = |q: Quantity| curves.total[q.index()][k];
-        assert!(
-            (of(Quantity::ContactForce) / load - 1.0).abs() < 1e-11,
-            "{k}: {:e} {load:e}",
-            of(Quantity::ContactForce)
-        );
-        assert!(
-            (of(Quantity::ContactArea) / area - 1.0).abs() < 1e-11,
-            "{k}: {:e} {area:e}",
-            of(Quantity::ContactArea)
-        );
-        assert_eq!(curves.regime_count[k + separations.len()], touching().count() as f64, "{k}");
-    }
 }
 
 /// Far from contact the integral costs no more for a wider range of separations, and its forces are the sums

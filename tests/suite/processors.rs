@@ -25,7 +25,7 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("compressed", with("[output]", "[solver]\nsummation = \"moments\"\n\n[output]")),
         ("loop", with("\"approach\"", "\"loop\"")),
         ("stratified", with("seed = 1", "seed = 1\nsampling = \"stratified\"")),
-        ("refitted", with("\"hybrid\"", "\"fit:refit\"")),
+        ("fits", with("\"hybrid\"", "\"fit:paper\"")),
         ("truncated", with(radius, &format!("{radius}\nheights = {{ law = \"truncated\", upper = 1.5 }}"))),
         ("coupled", coupled("periodic")),
         ("coupled patch", coupled("patch").replace("\"approach\"", "\"loop\"")),
@@ -65,13 +65,13 @@ fn assert_same_bits(scenes: &[(&str, String)], others: &[(&str, &dyn Fn() -> Com
 #[test]
 #[ignore = "slow: five seconds"]
 fn functions_of_the_c_library_do_not_matter() {
-    another_c_library_does_not_matter(|name| ["compressed", "refitted", "coupled patch"].contains(&name));
+    another_c_library_does_not_matter(|name| ["compressed", "fits", "coupled patch"].contains(&name));
 }
 
 #[test]
 #[ignore = "slow: six seconds"]
 fn functions_of_the_c_library_do_not_matter_to_other_scenes() {
-    another_c_library_does_not_matter(|name| !["compressed", "refitted", "coupled patch"].contains(&name));
+    another_c_library_does_not_matter(|name| !["compressed", "fits", "coupled patch"].contains(&name));
 }
 
 fn another_c_library_does_not_matter(of: fn(&str) -> bool) {

@@ -1,4 +1,4 @@
-//! Memory and time that runs take beside what is estimated before, and runs that are refused because they
+//! Memory and disk that runs take beside what is estimated before, and runs that are refused because they
 //! would take more than can be had.
 #![cfg(target_os = "linux")]
 
@@ -81,19 +81,18 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
     is_estimated("fine steps", &compressed(&sized(7390.0, 800, 64)));
 }
 
-/// The same for as many asperities as are held at once, and for more: a minute.
+/// The same for a million asperities and more: a minute.
 #[test]
 #[ignore = "slow"]
 fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
     let scenes = [
-        ("direct, held", sized(1e6, 11, 4)),
-        ("loop, held", sized(1e6, 91, 2).replace("history = \"approach\"", "history = \"loop\"")),
-        ("direct, held for the search", sized(3e6, 91, 1)),
-        ("compressed, held", compressed(&sized(1e6, 46, 4))),
-        ("direct", sized(5e6, 6, 2)),
-        ("compressed", compressed(&sized(5e6, 46, 2))),
+        ("direct", sized(1e6, 11, 4)),
+        ("loop", sized(1e6, 91, 2).replace("history = \"approach\"", "history = \"loop\"")),
+        ("compressed", compressed(&sized(1e6, 46, 4))),
+        ("direct, more", sized(5e6, 6, 2)),
+        ("compressed, more", compressed(&sized(5e6, 46, 2))),
         ("fine steps", compressed(&sized(3e6, 500, 2))),
-        ("loop", sized(3e6, 11, 1).replace("history = \"approach\"", "history = \"loop\"")),
+        ("loop, more", sized(3e6, 11, 1).replace("history = \"approach\"", "history = \"loop\"")),
         ("many separations", sized(1.2e6, 200, 1)),
     ];
     for (name, scene) in scenes {
@@ -167,29 +166,11 @@ fn what_is_said_to_fit_does() {
     assert_exit(&limited(&format!("--replicas {replicas}")), 0);
 }
 
-/// However many its asperities, a replica is not held at once: all that there may be would fit, if not in a
-/// life.
+/// `check` says how many threads have work, if others have none.
 #[test]
-fn any_number_of_asperities_fits() {
-    for scene in [sized(9.9e11, 91, 16), compressed(&sized(9.9e11, 91, 16))] {
-        let folder = Folder::new(&scene);
-        assert!(estimated(&folder, "memory") < 500e6);
-        let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
-        assert!(
-            check.contains("990000000000 asperities per replica") && !check.contains("too large"),
-            "{check}"
-        );
-    }
-}
-
-/// The time of check names all phases, and only as many threads as have work.
-#[test]
-fn time_is_that_of_all_phases() {
+fn threads_without_work_are_said() {
     let folder = Folder::new(&small().replace("replicas = 40", "replicas = 1"));
     let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
-    for part in ["integral ", "test functionals ", "ensemble "] {
-        assert!(check.contains(part), "{check}");
-    }
     // Coupled replicas are computed side by side, and so none waits for a batch.
     let coupled = |replicas: usize| {
         let scene = small().replace("replicas = 40", &format!("replicas = {replicas}"));

@@ -30,20 +30,6 @@ impl Binned {
         Self { starts: vec![0; bins + 1], ..Self::default() }
     }
 
-    /// Bins those heights, m, that are within the bins, and hands over the others.
-    pub(super) fn take_within(&mut self, geometry: &Geometry, heights: &[f64], beyond: &mut Vec<f64>) {
-        self.take(geometry, heights);
-        if self.is_binned {
-            return;
-        }
-        let all = (geometry.period_count() * geometry.segments()) as u32;
-        let mut within = Vec::with_capacity(heights.len());
-        for (bin, u) in self.bins.iter().zip(heights) {
-            if *bin < all { &mut within } else { &mut *beyond }.push(*u);
-        }
-        self.take(geometry, &within);
-    }
-
     /// Bins heights, m.
     pub(super) fn take(&mut self, geometry: &Geometry, heights: &[f64]) {
         self.bins.resize(heights.len(), 0);

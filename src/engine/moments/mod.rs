@@ -26,14 +26,12 @@ mod nodes;
 mod offsets;
 mod queue;
 mod sums;
-mod totals;
 mod weighted;
 
 pub use binned::Binned;
-pub use lanes::{DEGREE, LANES};
+pub use lanes::{DEGREE, LANES, MANY};
 pub use matrix::{MOST_PERIODS, MomentMatrix, Unfit, periods};
 pub use sums::MomentSums;
-pub(super) use totals::{Between, ChunkMoments, Totals};
 
 use super::curves::Curves;
 use crate::asperity::Quantity;

@@ -51,14 +51,6 @@ impl MomentSums {
         }
     }
 
-    /// Whether this is memory for such a matrix and law.
-    pub fn fits(&self, matrix: &MomentMatrix, regimes: usize) -> bool {
-        let periods = matrix.geometry.period_count();
-        self.periods.len() == periods
-            && self.bins.len() == periods * matrix.geometry.segments()
-            && self.sums.len() == matrix.separations.len() * regimes
-    }
-
     /// Takes the heights (m) of a batch, at most [`LANES`] surfaces: bins them and forms their moments. A
     /// surface with a height beyond the bins is left out.
     pub fn take(&mut self, matrix: &MomentMatrix, surfaces: &[Vec<f64>]) {

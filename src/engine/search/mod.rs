@@ -26,7 +26,6 @@ mod points;
 mod ranking;
 
 pub(super) use points::{Interpolation, interpolated, interpolated_from_samples};
-pub(super) use ranking::{between, parts};
 
 use crate::math::extrema::{Extremum, deeper};
 use crate::math::interpolation::lagrange;

@@ -30,7 +30,7 @@ pub fn parts(width: f64, spacing: f64) -> f64 {
 }
 
 /// Places between rising separations, m, that divide the spaces wider than `spacing`, m, evenly.
-pub fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
+fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
     let places = |ends: &[f64]| {
         let (from, to, parts) = (ends[0], ends[1], parts(ends[1] - ends[0], spacing));
         (1..parts as usize).map(move |i| from + (to - from) * i as f64 / parts)

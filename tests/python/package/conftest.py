@@ -45,7 +45,7 @@ MADE = {
         replicas=20,
     ),
     "comparison": lambda path: stiction.compare(
-        CONFIGS / "quick.toml", ["hybrid", "emd", "fit:refit"], path, ensemble=True, replicas=40
+        CONFIGS / "quick.toml", ["hybrid", "emd", "fit:paper"], path, ensemble=True, replicas=40
     ),
     "finite_size": lambda path: stiction.finite_size(
         CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50

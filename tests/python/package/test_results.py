@@ -113,7 +113,7 @@ def test_points_of_a_sweep_are_selected_by_their_keys(result):
 
 def test_the_laws_of_a_comparison_are_selected_by_name(result):
     comparison = result("comparison")
-    assert comparison.laws == ["hybrid", "emd", "fit:refit"]
+    assert comparison.laws == ["hybrid", "emd", "fit:paper"]
     emd = comparison.integral.sel(law="emd")
     assert float(emd.external_force.sel(h_star=2.8, method="nearest")) != 0.0
 

@@ -9,18 +9,15 @@
 //! | elastic, δ < 0 | f_sel(δ) | 0 |
 //! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
 //!
-//! `fit:paper` takes the coefficients of its Table 3, for its three cases, and δ_A as it is given, if it is;
-//! `fit:refit` fits the same forms to the direct law of any asperity, and of asperities that differ in their radii to
-//! each of many radii. The contact area, which has no fit, is that of Hertz.
+//! Coefficients are those of its Table 3, for its three cases, and δ_A is as it is given, if it is. The contact area, which
+//! has no fit, is that of Hertz.
 //!
 //! # Validity
 //! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has
-//! no contact force; where the base of the power in f_sel is negative it is taken as 0. A refit far from 0.05
-//! < λ < 5 can give negative forces; its residuals tell.
+//! no contact force; where the base of the power in f_sel is negative it is taken as 0.
 
+mod direct;
 mod forms;
-mod radii;
-mod refit;
 
 pub use forms::{Coefficients, FORCES, NAMES};
 
@@ -33,10 +30,8 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::table::{Interaction, Row, Table};
-use radii::{Fitted, Force, Refits};
-use refit::{Direct, FITTED, JUDGED};
+use direct::Direct;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Table 3.
 const TABLE: &str = include_str!("table_3.csv");
@@ -51,38 +46,19 @@ const SAME: f64 = 1e-6;
 /// The law `fit:paper`.
 ///
 /// # Errors
-/// [`LawError::NotInTable3`] for another asperity than its three.
+/// [`LawError::NotInTable3`] for another asperity than its three; [`LawError`] without a critical interference, which
+/// ends the fits, or with one so deep that no number holds their powers.
 pub fn paper(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let published = published(&parameters.scale).ok_or(LawError::NotInTable3)?;
-    law(parameters, &published.in_units(parameters.scale.length / 1e-9, parameters.scale.force / 1e-6), None)
-}
-
-/// The law `fit:refit`.
-///
-/// # Errors
-/// [`LawError`] without a critical interference, which ends the fit, or when the forms cannot be fitted.
-pub fn refit(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
-    parameters.plastic("fit:refit")?;
-    // A fit is for the range that the direct law has, which ends at its own δ_A.
-    let parameters = &LawParameters { critical_approach: None, ..*parameters };
-    let coefficients = Direct::new(parameters, FITTED)?.fit()?;
-    law(parameters, &coefficients, Some(Arc::new(Refits::new(parameters, coefficients))))
-}
-
-/// The law of scaled coefficients, and of those that are refitted to other radii.
-fn law(
-    parameters: &LawParameters,
-    coefficients: &Coefficients,
-    refits: Option<Arc<Refits>>,
-) -> Result<Box<dyn Law>, LawError> {
     parameters.plastic("fit:paper")?;
-    let direct = Direct::new(parameters, JUDGED)?;
-    let report = direct.report(coefficients, parameters);
+    let (scale, thickness) = (parameters.scale, parameters.lubricant_thickness);
+    let coefficients = published.in_units(scale.length / 1e-9, scale.force / 1e-6);
+    let direct = Direct::new(parameters)?;
+    let report = direct.report(&coefficients, parameters);
     // Powers with coefficients that no number holds, of a range that the forms were not made for.
     if !report.coefficients.iter().chain(&report.largest_residual).all(|value| value.is_finite()) {
         return Err(LawError::NoFit);
     }
-    let (scale, thickness, coefficients) = (parameters.scale, parameters.lubricant_thickness, *coefficients);
     let own_end = direct.end * scale.length;
     // Where contact begins or ends by the history, less an offset, m; at the one place that is given, if it is.
     let begins = |offset: f64| match parameters.critical_approach {
@@ -95,12 +71,9 @@ fn law(
     let attraction = ClosedForm::attraction(move |delta: f64| {
         scale.force * coefficients.noncontact((delta + thickness) / scale.length)
     });
-    let fitted =
-        |force: Force, one: Box<dyn Interaction>| Fitted { one, force, scale, refits: refits.clone() };
-    let before = fitted(Force::Noncontact { thickness }, Box::new(attraction));
-    let contact = fitted(Force::Contact, Box::new(fitted_contact(parameters, coefficients, direct.end)));
+    let contact = fitted_contact(parameters, coefficients, direct.end);
     let rows = [
-        Row::below(Regime::Noncontact, begins(thickness), before),
+        Row::below(Regime::Noncontact, begins(thickness), attraction),
         Row::below(Regime::Lubricant, begins(0.0), Constant::lubricant(parameters)),
         Row::up_to(Regime::Elastic, Place::proportional(parameters.critical_interference, 1.0), contact),
     ];

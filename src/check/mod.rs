@@ -6,12 +6,12 @@ mod sweep;
 
 pub use cross_check::CrossCheck;
 
+use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, LAYOUTS, SWEEP};
 use crate::format::replicas as shown;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::partial::{Kept, Partial};
 use crate::output::reader::Reader;
-use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, LAYOUTS, SWEEP};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::output::shard_file::{ShardFile, is_shard};
 use crate::validation::{JointTest, Verdict, overall};

@@ -11,7 +11,7 @@ pub(super) const GROUP: &str = "/independence";
 pub(crate) type Figure = (&'static str, fn(&Independence) -> f64);
 
 /// The figures, by the names of their datasets.
-const FIGURES: [Figure; 13] = [
+pub(crate) const FIGURES: [Figure; 13] = [
     ("patch_side", |own| own.patch_side),
     ("substrate_stiffness", |own| own.substrate_stiffness),
     ("shift", |own| own.shift),

@@ -120,12 +120,12 @@ impl<'c> Writer<'c> {
         self.layout
     }
 
-    /// Makes a group that not every file of the layout has.
+    /// Makes a group that not every file of the layout has, if it is not there yet.
     ///
     /// # Errors
     /// When HDF5 fails; likewise below.
     pub fn group(&self, name: &str) -> Result<(), OutputError> {
-        Ok(self.file.create_group(name).map(|_| ())?)
+        if self.file.link_exists(name) { Ok(()) } else { Ok(self.file.create_group(name).map(|_| ())?) }
     }
 
     /// Writes a text attribute of a group.
@@ -362,7 +362,6 @@ impl<'c> Writer<'c> {
     fn require_group(&self, path: &str) -> Result<(), OutputError> {
         match self.layout.variable(path).group().trim_start_matches('/') {
             "" => Ok(()),
-            group if self.file.link_exists(group) => Ok(()),
             group => self.group(group),
         }
     }

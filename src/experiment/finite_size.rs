@@ -23,10 +23,11 @@ use std::sync::Arc;
 /// Numbers of asperities that are compared at most.
 pub(crate) const MOST_SIZES: usize = 100;
 /// Asperities of a patch at most.
-pub(crate) const LARGEST: u64 = MOST_ASPERITIES;
+pub(crate) const LARGEST: u64 = MOST_ASPERITIES / 2;
 
-/// Asperities of a patch that tells the density to more digits than any other has.
-const PROBE: f64 = 1e11;
+/// Asperities of a patch whose number tells the density; rounding to whole asperities leaves room for that of the
+/// scene.
+const PROBE: f64 = LARGEST as f64;
 
 /// Refuses scenes that have no patches of every size.
 fn refuse(scene: &Scene) -> Result<(), &'static str> {

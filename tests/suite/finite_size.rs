@@ -126,7 +126,7 @@ fn what_cannot_be_studied_is_refused_with_what_would_do() {
         assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
         assert_eq!(folder.files(), ["scene.toml"]);
     };
-    refused(&["--counts", "10,x"], "`x` is no whole number from 1 to 2e8, such as 10,100,1e4");
+    refused(&["--counts", "10,x"], "`x` is no whole number from 1 to 1e8, such as 10,100,1e4");
     refused(&["--counts", "10"], "2 to 100 are needed");
     refused(&["--counts", "10:1e3"], "is neither a number nor a range FROM:TO:COUNT");
     refused(&["-o", "scene.toml"], "scene.toml is scene.toml, which this command reads");

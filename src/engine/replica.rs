@@ -158,7 +158,7 @@ impl Workspace {
         let all = self.independent(job, replicas, ends, |index, kept, curves| {
             independent.push((index, kept, curves.clone()))
         });
-        // They take seconds each: those of a batch do not wait for each other.
+        // Each takes seconds, so the replicas of a batch are computed side by side.
         let of = (job, substrate, ends);
         let coupled: Vec<_> = independent.into_par_iter().map(|replica| coupled(of, replica)).collect();
         for coupled in coupled {

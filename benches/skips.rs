@@ -15,7 +15,7 @@ mod common;
 
 use common::{job, scene, seconds, text};
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{BLOCK, Boundary, Law, Method, Piece, Regime, Responses, SolverStats};
+use stiction::asperity::{BLOCK, Boundary, Lane, Lanes, Law, Method, Piece, Regime, Responses, SolverStats};
 use stiction::engine::Workspace;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::scene::Scene;
@@ -83,8 +83,8 @@ impl Law for Hidden<'_> {
         &boundaries[..boundaries.len().min(self.regimes.len())]
     }
 
-    fn pieces(&self) -> Vec<Piece> {
-        self.law.pieces().into_iter().filter(|piece| piece.regime < self.regimes.len()).collect()
+    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces(None).into_iter().filter(|piece| piece.regime < self.regimes.len()).collect()
     }
 
     fn method(&self, regime: usize) -> Method {
@@ -94,9 +94,16 @@ impl Law for Hidden<'_> {
         }
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         let Some((emd, length, thickness, force)) = self.solved.as_ref().filter(|_| regime == 0) else {
-            return self.law.evaluate(regime, interference, out, stats);
+            return self.law.evaluate(regime, lanes, interference, out, stats);
         };
         let (inverse, count) = (1.0 / length, interference.len());
         let mut approaches = [0.0; BLOCK];

@@ -11,7 +11,9 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{self, BLOCK, LawParameters, Quantity, Responses, SolverStats, regime_ranges};
+use stiction::asperity::{
+    self, BLOCK, Lanes, LawParameters, Quantity, Responses, SolverStats, regime_ranges,
+};
 use stiction::engine::moments::{LANES, MomentMatrix};
 use stiction::engine::{BATCH, Batch, Curves, Job, Outcome, ReductionTree, Summation, Workspace, draw};
 use stiction::integral::{Expectations, controls};
@@ -139,7 +141,7 @@ fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
         let ranges: Vec<_> = regime_ranges(law.as_ref(), &heights, d).collect();
         for (regime, range) in ranges.into_iter().rev() {
             for u in heights[range].iter().rev() {
-                law.evaluate(regime, &[u - d], &mut out, &mut stats);
+                law.evaluate(regime, Lanes::Own, &[u - d], &mut out, &mut stats);
                 for (part, sign) in [(out.contact[0], 1.0), (out.adhesion[0], -1.0)] {
                     force.add(sign * part);
                     size.add(part);

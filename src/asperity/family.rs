@@ -5,7 +5,7 @@ use super::history::Path;
 use super::law::Law;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
-use super::radius::{Lane, OfRadii, RadiusLaw};
+use super::radius::{Lane, RadiusLaw};
 use super::scale::Asperity;
 use super::unloading::{Loop, Unloading};
 use std::ops::Deref;
@@ -62,8 +62,10 @@ impl Family {
         }
         let tabulated = (0.0, TABULATED * asperity.critical_interference());
         let law: Arc<dyn Law> = Arc::from(model.law(&LawParameters::new(&asperity, path, tabulated)?)?);
-        let lambda = law.of_radii().ok_or(LawError::OneRadius)?.lambda();
-        Ok(Self { law, radius: asperity.radius, lambda })
+        if !law.follows_radius() {
+            return Err(LawError::OneRadius);
+        }
+        Ok(Self { lambda: law.lambda(), law, radius: asperity.radius })
     }
 
     /// The law of an asperity of a radius, m.
@@ -95,10 +97,10 @@ impl Family {
         self.law.regimes()[regime].is_contact()
     }
 
-    /// The law of all of them, in lanes.
+    /// The law that follows the radius, in lanes.
     #[doc(hidden)]
-    pub fn lanes(&self) -> &dyn OfRadii {
-        self.law.of_radii().expect("a family is of a law that follows the radius")
+    pub fn shared(&self) -> &dyn Law {
+        self.law.as_ref()
     }
 }
 

@@ -4,11 +4,12 @@
 use super::law::Method;
 use super::law::{BLOCK, End, Responses, Smoothness};
 use super::parameters::LawParameters;
-use super::radius::{Lane, Lanes, Similarity};
+use super::radius::{Lane, Lanes, Numbered, Similarity};
 use super::stats::SolverStats;
-use super::table::{Interaction, PartOfRadii};
+use super::table::Interaction;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
+use std::ops::Range;
 
 /// One quantity of an asperity by its interference δ, m: any `Fn(f64) -> f64` is one.
 ///
@@ -251,43 +252,56 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
 }
 
 impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        smoothness(&self.roots, lower, upper)
+    fn follows_radius(&self) -> bool {
+        let known = [self.adhesion.similarity(), self.contact.similarity(), self.area.similarity()];
+        known.iter().all(Option::is_some)
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        let known = [self.adhesion.similarity(), self.contact.similarity(), self.area.similarity()];
-        known.iter().all(Option::is_some).then_some(self)
+    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let similarity = self.adhesion.similarity().unwrap_or(Similarity::new(0.0, 0.0));
+        let place = |own: f64| lane.map_or(own, |lane| similarity.interference(own, lane));
+        let of = |root: &Root| Root { from: place(root.from), place: place(root.place), order: root.order };
+        smoothness(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
     }
 
     fn method(&self) -> Method {
         Method::ClosedForm
     }
 
-    fn capture(&self) -> Option<f64> {
-        self.capture
+    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
+        self.capture.filter(|_| lane.is_none())
     }
 
     fn unstable_work(&self) -> f64 {
         self.unstable_work
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
         let count = interference.len();
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                self.adhesion.fill(interference, &mut out.adhesion[..count]);
-                self.contact.fill(interference, &mut out.contact[..count]);
-                self.area.fill(interference, &mut out.area[..count]);
-            },
-        );
+        let Responses { adhesion, contact, area } = out;
+        let (adhesion, contact, area) = (&mut adhesion[..count], &mut contact[..count], &mut area[..count]);
+        match lanes {
+            Lanes::Own => InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    self.adhesion.fill(interference, adhesion);
+                    self.contact.fill(interference, contact);
+                    self.area.fill(interference, area);
+                },
+            ),
+            Lanes::Each(lanes) => {
+                fill_lanes(&self.adhesion, lanes, interference, adhesion);
+                fill_lanes(&self.contact, lanes, interference, contact);
+                fill_lanes(&self.area, lanes, interference, area);
+            }
+        }
     }
 }
 
-/// The ends within `lower..upper`, m, from which roots act, and how what they act on varies on each of the intervals that
+/// The ends within an interval, m, from which roots act, and how what they act on varies on each of the intervals that
 /// they leave.
-fn smoothness(roots: &[Root], lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+fn smoothness(roots: &[Root], within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    let Range { start: lower, end: upper } = within;
     let mut ends: Vec<f64> = roots.iter().map(|root| root.from).collect();
     ends.retain(|end| lower < *end && *end < upper);
     ends.sort_by(f64::total_cmp);
@@ -303,7 +317,7 @@ fn smoothness(roots: &[Root], lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothne
 }
 
 /// Fills `out` with the values of a formula for asperities at interferences δ, m.
-fn fill_lanes(formula: &impl Formula, lanes: Lanes<'_>, interference: &[f64], out: &mut [f64]) {
+fn fill_lanes(formula: &impl Formula, lanes: Numbered<'_>, interference: &[f64], out: &mut [f64]) {
     let Some(Similarity { origin, place, value }) = formula.similarity() else { return };
     if place == 0.0 {
         InstructionSet::current().run(
@@ -326,28 +340,6 @@ fn fill_lanes(formula: &impl Formula, lanes: Lanes<'_>, interference: &[f64], ou
     lanes.times_power(value, out);
 }
 
-impl<F: Formula, P: Formula, A: Formula> PartOfRadii for ClosedForm<F, P, A> {
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let similarity = self.adhesion.similarity().unwrap_or(Similarity::new(0.0, 0.0));
-        let place = |interference: f64| similarity.interference(interference, lane);
-        let of = |root: &Root| Root { from: place(root.from), place: place(root.place), order: root.order };
-        smoothness(&self.roots.iter().map(of).collect::<Vec<Root>>(), lower, upper)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        let count = interference.len();
-        fill_lanes(&self.adhesion, lanes, interference, &mut out.adhesion[..count]);
-        fill_lanes(&self.contact, lanes, interference, &mut out.contact[..count]);
-        fill_lanes(&self.area, lanes, interference, &mut out.area[..count]);
-    }
-}
-
 /// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction
 /// across a gap, or that of a lubricant. Nothing is evaluated where it acts.
 #[derive(Clone, Copy, Debug)]
@@ -366,35 +358,18 @@ impl Constant {
     }
 }
 
-impl PartOfRadii for Constant {
-    fn smoothness_of(&self, _: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![Smoothness::Smooth])
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        self.evaluate(interference, out, stats);
-        lanes.times_power(1.0, &mut out.adhesion[..interference.len()]);
-    }
-}
-
 impl Interaction for Constant {
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
     fn method(&self) -> Method {
         Method::Constant(self.adhesion)
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        out.adhesion[..interference.len()].fill(self.adhesion);
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = interference.len();
+        out.adhesion[..count].fill(self.adhesion);
+        out.contact[..count].fill(0.0);
+        out.area[..count].fill(0.0);
+        if let Lanes::Each(lanes) = lanes {
+            lanes.times_power(1.0, &mut out.adhesion[..count]);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The history of an asperity.
+//! The histories of asperities.
 
 /// The history that selects the branch where two are stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,4 +18,32 @@ impl Path {
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, path)| *path == self).expect("every path is in ALL").0
     }
+}
+
+/// What an asperity has gone through since the surfaces were far apart.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ContactHistory, LawParameters, Loop, UnloadedRadius, Path, model};
+///
+/// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
+/// let cycle = Loop::new(&model("jkr").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// assert_eq!(cycle.history(-0.1), ContactHistory::Untouched);
+/// assert_eq!(cycle.history(0.1), ContactHistory::Touched);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum ContactHistory {
+    /// It has never touched.
+    Untouched,
+    /// It has touched and is elastic.
+    Touched,
+    /// It has flowed.
+    Flowed,
+}
+
+impl ContactHistory {
+    /// All of them, in the order in which they follow each other.
+    pub const ALL: [Self; 3] = [Self::Untouched, Self::Touched, Self::Flowed];
 }

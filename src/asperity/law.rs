@@ -1,10 +1,8 @@
 //! The contract between an asperity law and everything that sums it.
 
-use super::radius::OfRadii;
-use super::scale::Scale;
+use super::radius::{Lane, Lanes};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
-use std::f64::consts::PI;
 
 /// Asperities that are evaluated at once.
 pub const BLOCK: usize = 256;
@@ -170,21 +168,6 @@ pub struct FitReport {
     pub rms_residual: [f64; 3],
 }
 
-impl Responses {
-    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact
-    /// radii A: F_s and P = A³ in the unit of force, area πa².
-    #[inline(always)]
-    pub fn scale_contacts(&mut self, scale: &Scale, radius: &[f64]) {
-        let area_unit = PI * scale.radius * scale.radius;
-        for (i, &radius) in radius.iter().enumerate() {
-            let square = radius * radius;
-            self.adhesion[i] *= scale.force;
-            self.contact[i] = scale.force * square * radius;
-            self.area[i] = area_unit * square;
-        }
-    }
-}
-
 /// How the forces of a regime follow from the interference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
@@ -227,9 +210,35 @@ pub trait Law: Send + Sync {
     #[doc(hidden)]
     fn boundaries(&self) -> &[Boundary];
 
-    /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
+    /// Whether it is known how the law follows the radius: only then a lane may be given to what takes one.
     #[doc(hidden)]
-    fn pieces(&self) -> Vec<Piece>;
+    fn follows_radius(&self) -> bool {
+        false
+    }
+
+    /// λ of its own radius, if it solves elastic branches.
+    #[doc(hidden)]
+    fn lambda(&self) -> Option<f64> {
+        None
+    }
+
+    /// The end of a regime of an asperity, m, if it has one.
+    #[doc(hidden)]
+    fn end(&self, regime: usize, _lane: &Lane) -> Option<f64> {
+        self.boundaries().get(regime).map(|end| end.interference)
+    }
+
+    /// The ends of all regimes of an asperity, m, rising.
+    #[doc(hidden)]
+    fn ends(&self, lane: &Lane, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend((0..self.boundaries().len()).filter_map(|regime| self.end(regime, lane)));
+    }
+
+    /// The smooth pieces, rising, that cover the regimes: split at every kink and jump. They are of an asperity of the
+    /// law's own radius, or of one in a lane.
+    #[doc(hidden)]
+    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece>;
 
     /// How the forces of a regime are evaluated.
     #[doc(hidden)]
@@ -240,7 +249,7 @@ pub trait Law: Send + Sync {
     /// Interference, m, from which an asperity that turns back takes another way, if that is before contact
     /// begins.
     #[doc(hidden)]
-    fn capture(&self) -> Option<f64> {
+    fn capture(&self, _lane: Option<&Lane>) -> Option<f64> {
         None
     }
 
@@ -257,16 +266,17 @@ pub trait Law: Send + Sync {
         None
     }
 
-    /// The law as that of asperities of other radii, if it is known how it follows them.
+    /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for asperities at interferences δ, m, that all lie
+    /// in one regime.
     #[doc(hidden)]
-    fn of_radii(&self) -> Option<&dyn OfRadii> {
-        None
-    }
-
-    /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one
-    /// regime.
-    #[doc(hidden)]
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    );
 }
 
 /// Scratch space of [`for_each_block`].
@@ -324,7 +334,7 @@ pub fn for_each_block_of(
                 }
             },
         );
-        law.evaluate(regime, interference, &mut scratch.responses, stats);
+        law.evaluate(regime, Lanes::Own, interference, &mut scratch.responses, stats);
         visit(block, &scratch.responses);
     }
 }

@@ -16,6 +16,7 @@
 
 use super::history::Path;
 use super::law::{End, Law, Responses, Smoothness};
+use super::radius::Lanes;
 use super::springback::{Springback, follow, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
@@ -104,8 +105,7 @@ impl Memory<'_> {
     pub fn law(&self, path: Path) -> &dyn Law {
         match (self, path) {
             (Self::None(law), _) => &**law,
-            (Self::Loop(cycle), Path::Approach) => cycle.approach(),
-            (Self::Loop(cycle), Path::Retraction) => cycle.retraction(),
+            (Self::Loop(cycle), path) => cycle.law(path),
         }
     }
 
@@ -158,7 +158,7 @@ impl Memory<'_> {
     /// The state of an asperity that has flowed to ω_max, m; none where that is not known, or below ω_c.
     pub fn flowed(&self, largest: f64, stats: &mut SolverStats) -> Option<Flowed> {
         let Self::Loop(cycle) = self else { return None };
-        if cycle.fate(largest) < 2 {
+        if !cycle.has_flowed(largest) {
             return None;
         }
         let residual = largest - cycle.recovery(largest);
@@ -224,7 +224,7 @@ impl Memory<'_> {
         );
         let mut out = Responses::default();
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
-        cycle.approach().evaluate(regime, &[largest], &mut out, stats);
+        cycle.approach().evaluate(regime, Lanes::Own, &[largest], &mut out, stats);
         Some(Flowed {
             largest,
             residual,
@@ -255,7 +255,9 @@ impl Memory<'_> {
                 out.adhesion[0] = flowed.at_largest[0];
                 cycle.unload(&[flowed.largest], distance, out, stats);
             }
-            Source::Law(path, regime) => self.law(path).evaluate(regime, &[interference], out, stats),
+            Source::Law(path, regime) => {
+                self.law(path).evaluate(regime, Lanes::Own, &[interference], out, stats)
+            }
             Source::Lowered(path, regime) => {
                 let (law, mut own) = (self.law(path), [interference - flowed.residual]);
                 if cycle.own_radii {
@@ -263,7 +265,7 @@ impl Memory<'_> {
                     within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
                     follow(law, regime, &lane, &own, out, stats);
                 } else {
-                    law.evaluate(regime, &own, out, stats);
+                    law.evaluate(regime, Lanes::Own, &own, out, stats);
                 }
             }
         }
@@ -274,7 +276,7 @@ impl Memory<'_> {
 impl Loop {
     /// Interference, m, below which retraction is what approach is.
     fn lost(&self) -> f64 {
-        match (self.approach.capture(), self.retraction.pieces().first()) {
+        match (self.approach.capture(None), self.retraction.pieces(None).first()) {
             (Some(_), Some(first)) => first.upper.min(self.release()),
             _ => self.release(),
         }
@@ -283,7 +285,7 @@ impl Loop {
 
 /// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
 fn pieces(law: &dyn Law, path: Path, regimes: std::ops::Range<usize>) -> Vec<Segment> {
-    let all = law.pieces();
+    let all = law.pieces(None);
     let end = all.last().map_or(f64::INFINITY, |piece| piece.upper);
     let is_last = regimes.end >= law.regimes().len();
     let own = all.into_iter().filter(|piece| regimes.contains(&piece.regime)).map(|piece| Segment {

@@ -59,7 +59,7 @@ pub mod unloading;
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
-pub use history::Path;
+pub use history::{ContactHistory, Path};
 #[doc(hidden)]
 pub use law::{
     BLOCK, Boundary, End, FitReport, Method, Piece, Responses, Scratch, Smoothness, for_each_block,
@@ -72,6 +72,8 @@ pub use models::{MODELS, Model, Validity, model};
 pub use parameters::InnerState;
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
+#[doc(hidden)]
+pub use radius::{Lane, Lanes};
 #[doc(hidden)]
 pub use retraction::Retraction;
 pub use scale::{Asperity, Scale};

@@ -12,6 +12,7 @@ use super::laws::{
     sbl, tn, zmc,
 };
 use super::parameters::LawParameters;
+use super::radius::Lanes;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
 
@@ -158,11 +159,11 @@ impl Model {
         let Ok(law) = self.law(&LawParameters { critical_interference: 1.0, ..parameters }) else {
             return true;
         };
-        let pieces = law.pieces();
+        let pieces = law.pieces(None);
         let far = pieces.iter().find(|piece| piece.lower <= FAR && FAR <= piece.upper);
         far.is_some_and(|piece| {
             let mut responses = Responses::default();
-            law.evaluate(piece.regime, &[FAR], &mut responses, &mut SolverStats::default());
+            law.evaluate(piece.regime, Lanes::Own, &[FAR], &mut responses, &mut SolverStats::default());
             responses.adhesion[0] > 0.0
         })
     }

@@ -49,49 +49,84 @@ impl Lane {
     }
 }
 
-/// Some of many asperities, in lanes.
+/// The asperities of a block.
 #[derive(Clone, Copy)]
-pub struct Lanes<'a> {
+pub enum Lanes<'a> {
+    /// All have the radius of the law.
+    Own,
+    /// Each has a radius.
+    Each(Numbered<'a>),
+}
+
+/// Asperities of a block, by their numbers among many.
+#[derive(Clone, Copy)]
+pub struct Numbered<'a> {
     all: &'a [Lane],
     which: &'a [u32],
 }
 
 impl<'a> Lanes<'a> {
-    /// Those of `all` that `which` numbers.
+    /// The asperities of `all` that `which` numbers.
     pub fn new(all: &'a [Lane], which: &'a [u32]) -> Self {
-        Self { all, which }
+        Self::Each(Numbered { all, which })
+    }
+
+    /// The displacements Δ of interferences δ, m, from which they are `offset`, m, away.
+    #[inline(always)]
+    pub fn displacements(self, scale: &Scale, offset: f64, interference: &[f64], out: &mut [f64]) {
+        let inverse = 1.0 / scale.length;
+        let out = out.iter_mut().zip(interference);
+        match self {
+            Self::Own => out.for_each(|(displacement, delta)| *displacement = (delta + offset) * inverse),
+            Self::Each(lanes) => out.enumerate().for_each(|(i, (displacement, delta))| {
+                *displacement = (delta + offset) * (inverse * lanes.at(i).per_cube_root);
+            }),
+        }
+    }
+
+    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A:
+    /// F_s and P = A³ in the unit of force, area πa².
+    #[inline(always)]
+    pub fn scale_contacts(self, scale: &Scale, radius: &[f64], out: &mut Responses) {
+        let area_unit = PI * scale.radius * scale.radius;
+        let Responses { adhesion, contact, area } = out;
+        let contacts = radius.iter().zip(adhesion).zip(contact).zip(area).enumerate();
+        for (i, (((radius, adhesion), contact), area)) in contacts {
+            let (force, area_unit) = match self {
+                Self::Own => (scale.force, area_unit),
+                Self::Each(lanes) => {
+                    let Lane { ratio, cube_root, .. } = *lanes.at(i);
+                    (scale.force * ratio, area_unit * (ratio * cube_root))
+                }
+            };
+            let square = radius * radius;
+            *adhesion *= force;
+            *contact = force * square * radius;
+            *area = area_unit * square;
+        }
+    }
+}
+
+impl<'a> Numbered<'a> {
+    /// As many asperities as there may be in a block, which are alike.
+    pub fn alike(lane: &'a [Lane; 1]) -> Self {
+        Self { all: lane, which: &[0; BLOCK] }
     }
 
     /// The lanes from one on.
-    pub fn from(&self, first: usize) -> Self {
-        Self { which: &self.which[first..], ..*self }
+    pub fn from(self, first: usize) -> Self {
+        Self { which: &self.which[first..], ..self }
     }
 
     /// The asperity of a lane.
     #[inline(always)]
-    pub fn at(&self, lane: usize) -> &'a Lane {
+    pub fn at(self, lane: usize) -> &'a Lane {
         &self.all[self.which[lane] as usize]
-    }
-
-    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A, which
-    /// are in the place of areas, in the units at ρ = 1: as [`Responses::scale_contacts`].
-    pub fn scale_contacts(&self, scale: &Scale, count: usize, out: &mut Responses) {
-        let area_unit = PI * scale.radius * scale.radius;
-        let Responses { adhesion, contact, area } = out;
-        let lanes = adhesion[..count].iter_mut().zip(&mut contact[..count]).zip(&mut area[..count]);
-        for (i, ((adhesion, contact), area)) in lanes.enumerate() {
-            let Lane { ratio, cube_root, .. } = *self.at(i);
-            let (force, radius) = (scale.force * ratio, *area);
-            let square = radius * radius;
-            *adhesion *= force;
-            *contact = force * square * radius;
-            *area = area_unit * (ratio * cube_root) * square;
-        }
     }
 
     /// Multiplies values by ρ^exponent, lane by lane.
     #[inline(always)]
-    pub fn times_power(&self, exponent: f64, values: &mut [f64]) {
+    pub fn times_power(self, exponent: f64, values: &mut [f64]) {
         let mut times = |power: &dyn Fn(&Lane) -> f64| {
             values.iter_mut().enumerate().for_each(|(lane, value)| *value *= power(self.at(lane)));
         };
@@ -201,35 +236,6 @@ impl Place {
     }
 }
 
-/// A law as that of asperities of other radii.
-pub trait OfRadii: Send + Sync {
-    /// λ at ρ = 1, if elastic branches are solved.
-    fn lambda(&self) -> Option<f64>;
-
-    /// The ends of regimes of an asperity, m, rising.
-    fn ends(&self, lane: &Lane, out: &mut Vec<f64>);
-
-    /// The end of a regime of an asperity, m, if it has one.
-    fn end(&self, regime: usize, lane: &Lane) -> Option<f64>;
-
-    /// The pieces of an asperity.
-    fn pieces_of(&self, lane: &Lane) -> Vec<Piece>;
-
-    /// As [`Law::capture`], of an asperity.
-    fn capture_of(&self, lane: &Lane) -> Option<f64>;
-
-    /// Fills the first responses for asperities, at most [`BLOCK`](super::law::BLOCK), at interferences δ, m, which lie in
-    /// one regime.
-    fn evaluate_lanes(
-        &self,
-        regime: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    );
-}
-
 /// The law of the asperities of one radius, as lanes that are alike.
 pub struct RadiusLaw {
     law: Arc<dyn Law>,
@@ -238,24 +244,17 @@ pub struct RadiusLaw {
 }
 
 impl RadiusLaw {
-    /// The law of an asperity.
-    ///
-    /// # Panics
-    /// When it is not known how the law follows the radius.
+    /// The law of an asperity, from one that follows the radius.
     pub fn new(law: &Arc<dyn Law>, lane: Lane) -> Self {
-        let of_radii = law.of_radii().expect("a family is of a law that follows the radius");
         let mut ends = Vec::new();
-        of_radii.ends(&lane, &mut ends);
+        law.ends(&lane, &mut ends);
         let boundary = |(own, end): (&Boundary, f64)| Boundary { interference: end, ..*own };
         let boundaries = law.boundaries().iter().zip(ends).map(boundary).collect();
         Self { law: Arc::clone(law), lane: [lane], boundaries }
     }
-
-    fn lanes(&self) -> &dyn OfRadii {
-        self.law.of_radii().expect("a family is of a law that follows the radius")
-    }
 }
 
+/// Lanes are relative to the law that this one is made of.
 impl Law for RadiusLaw {
     fn regimes(&self) -> &[Regime] {
         self.law.regimes()
@@ -265,17 +264,24 @@ impl Law for RadiusLaw {
         &self.boundaries
     }
 
-    fn pieces(&self) -> Vec<Piece> {
-        self.lanes().pieces_of(&self.lane[0])
+    fn follows_radius(&self) -> bool {
+        self.law.follows_radius()
     }
 
-    fn capture(&self) -> Option<f64> {
-        self.lanes().capture_of(&self.lane[0])
+    fn lambda(&self) -> Option<f64> {
+        self.law.lambda()
     }
 
-    // Lanes are relative to the law that this one is made of.
-    fn of_radii(&self) -> Option<&dyn OfRadii> {
-        self.law.of_radii()
+    fn end(&self, regime: usize, lane: &Lane) -> Option<f64> {
+        self.law.end(regime, lane)
+    }
+
+    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces(lane.or(self.lane.first()))
+    }
+
+    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
+        self.law.capture(lane.or(self.lane.first()))
     }
 
     fn method(&self, regime: usize) -> Method {
@@ -287,9 +293,18 @@ impl Law for RadiusLaw {
         }
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        const ALIKE: [u32; BLOCK] = [0; BLOCK];
-        let lanes = Lanes::new(&self.lane, &ALIKE[..interference.len()]);
-        self.lanes().evaluate_lanes(regime, lanes, interference, out, stats);
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let lanes = match lanes {
+            Lanes::Own => Lanes::Each(Numbered::alike(&self.lane)),
+            each => each,
+        };
+        self.law.evaluate(regime, lanes, interference, out, stats);
     }
 }

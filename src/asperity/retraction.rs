@@ -1,7 +1,7 @@
 //! The law of the asperities of a loop at one distance from the closest approach.
 
 use super::law::{BLOCK, Boundary, End, Law, Method, Piece, Regime, Responses, Smoothness};
-use super::radius::Lane;
+use super::radius::{Lane, Lanes};
 use super::springback::{POWERS, Springback, Top, follow, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};
@@ -57,7 +57,7 @@ impl Loop {
     #[doc(hidden)]
     pub fn meetings(&self) -> Vec<f64> {
         let ends = self.retraction.boundaries()[..self.first_contact].iter().map(|end| end.interference);
-        let attraction = self.retraction.pieces().first().map_or(f64::NAN, |piece| piece.upper);
+        let attraction = self.retraction.pieces(None).first().map_or(f64::NAN, |piece| piece.upper);
         let further: Vec<f64> = ends.chain([attraction]).map(|end| self.release() - end).collect();
         let mut meetings: Vec<f64> =
             further.iter().map(|further| self.capture - self.release() + further).collect();
@@ -91,7 +91,7 @@ impl Loop {
     }
 }
 
-/// The fate of an asperity, and the regime of the law that it is in.
+/// The contact history of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Condition {
     /// It has never touched.
@@ -215,8 +215,11 @@ impl<'a> Retraction<'a> {
         place: impl Fn(f64) -> f64,
     ) -> impl Iterator<Item = Piece> {
         let condition = self.conditions[index];
-        let pieces =
-            self.law(condition).pieces().into_iter().filter(move |piece| piece.regime == condition.regime());
+        let pieces = self
+            .law(condition)
+            .pieces(None)
+            .into_iter()
+            .filter(move |piece| piece.regime == condition.regime());
         let moved = pieces.map(move |piece| Piece {
             regime: index,
             lower: place(piece.lower).max(limits.0),
@@ -260,7 +263,7 @@ impl<'a> Retraction<'a> {
     /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
     /// of the attraction.
     fn flattened(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
-        let mut ends: Vec<f64> = self.cycle.approach.pieces().iter().map(|piece| piece.upper).collect();
+        let mut ends: Vec<f64> = self.cycle.approach.pieces(None).iter().map(|piece| piece.upper).collect();
         ends.retain(|end| lower < *end && *end < upper);
         ends.push(upper);
         let mut pieces = Vec::new();
@@ -327,7 +330,7 @@ impl Law for Retraction<'_> {
         &self.boundaries
     }
 
-    fn pieces(&self) -> Vec<Piece> {
+    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
         let mut pieces = Vec::new();
         let mut lower = f64::NEG_INFINITY;
         for (index, condition) in self.conditions.iter().enumerate() {
@@ -365,11 +368,18 @@ impl Law for Retraction<'_> {
         }
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         let condition = self.conditions[regime];
         let (law, base) = (self.law(condition), condition.regime());
         if let Condition::Unloading(_) = condition {
-            law.evaluate(base, interference, out, stats);
+            law.evaluate(base, lanes, interference, out, stats);
             return self.cycle.unload(interference, self.distance, out, stats);
         }
         let mut own = [0.0; BLOCK];
@@ -393,6 +403,6 @@ impl Law for Retraction<'_> {
         let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
         let lower = begin_of(law, base).min(upper);
         own.iter_mut().for_each(|delta| *delta = delta.clamp(lower, upper));
-        law.evaluate(base, own, out, stats);
+        law.evaluate(base, lanes, own, out, stats);
     }
 }

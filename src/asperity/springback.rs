@@ -23,7 +23,7 @@ use super::decohesion::Decohesion;
 use super::flattened::Around;
 use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, Lanes, OfRadii, RadiusLaw};
+use super::radius::{Lane, Lanes, RadiusLaw};
 use super::scale::Scale;
 use super::stats::SolverStats;
 use std::f64::consts::PI;
@@ -126,7 +126,7 @@ impl Springback {
     pub fn order(&self, law: &dyn Law) -> i32 {
         let contact = self.contact(law);
         let first = first_contact(contact);
-        let of_first = contact.pieces().into_iter().find(|piece| piece.regime == first);
+        let of_first = contact.pieces(None).into_iter().find(|piece| piece.regime == first);
         match of_first.map(|piece| piece.smoothness) {
             Some(Smoothness::Root { end: End::Lower, order, .. }) => order,
             _ => 1,
@@ -199,7 +199,7 @@ fn fade(
     let end = first.checked_sub(1).map_or(f64::NEG_INFINITY, |below| law.boundaries()[below].interference);
     places.iter_mut().for_each(|place| *place = place.max(end));
     let mut elastic = Responses::default();
-    law.evaluate(first, places, &mut elastic, stats);
+    law.evaluate(first, Lanes::Own, places, &mut elastic, stats);
     for (i, (share, place)) in shares.iter().zip(&*places).enumerate() {
         out.adhesion[i] = share * out.adhesion[i] + (1.0 - share) * pull(scale, *place, &elastic, i);
     }
@@ -216,21 +216,16 @@ pub(super) fn first_contact(law: &dyn Law) -> usize {
     law.regimes().iter().position(|regime: &Regime| regime.is_contact()).unwrap_or(law.regimes().len())
 }
 
-/// A law as that of other radii, which that of tops with radii of their own is.
-pub(super) fn of_radii(law: &dyn Law) -> &dyn OfRadii {
-    law.of_radii().expect("tops of radii of their own are of a law that follows the radius")
-}
-
 /// The interference, m, from which an asperity is in a regime.
 fn lower_limit(law: &dyn Law, regime: usize, lane: &Lane) -> f64 {
-    regime.checked_sub(1).and_then(|below| of_radii(law).end(below, lane)).unwrap_or(f64::NEG_INFINITY)
+    regime.checked_sub(1).and_then(|below| law.end(below, lane)).unwrap_or(f64::NEG_INFINITY)
 }
 
 /// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
 /// ends earlier than the law's own may lead out of it.
 pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
     for (delta, lane) in interference.iter_mut().zip(lanes) {
-        let upper = || of_radii(law).end(regime, lane).unwrap_or(f64::INFINITY);
+        let upper = || law.end(regime, lane).unwrap_or(f64::INFINITY);
         let upper = if beyond == f64::INFINITY { beyond } else { upper().max(beyond) };
         *delta = delta.max(lower_limit(law, regime, lane)).min(upper);
     }
@@ -246,5 +241,5 @@ pub(super) fn follow(
     stats: &mut SolverStats,
 ) {
     let lanes = Lanes::new(lanes, &EACH[..interference.len()]);
-    of_radii(law).evaluate_lanes(regime, lanes, interference, out, stats);
+    law.evaluate(regime, lanes, interference, out, stats);
 }

@@ -4,8 +4,9 @@
 //! several laws, the same lubricant all that know one.
 
 use super::law::{Boundary, FitReport, Law, Method, Piece, Regime, Responses, Smoothness};
-use super::radius::{Lane, Lanes, OfRadii, Place};
+use super::radius::{Lane, Lanes, Place};
 use super::stats::SolverStats;
+use std::ops::Range;
 
 /// The interaction of an asperity in one regime: a [`ClosedForm`](super::ClosedForm), or a
 /// [`Constant`](super::Constant) force.
@@ -25,10 +26,22 @@ use super::stats::SolverStats;
 /// assert_eq!(law.regimes(), [Regime::Noncontact, Regime::Lubricant]);
 /// ```
 pub trait Interaction: Send + Sync {
-    /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the
+    /// Whether it is known how the part follows the radius: only then a lane may be given to what takes one.
+    #[doc(hidden)]
+    fn follows_radius(&self) -> bool {
+        true
+    }
+
+    /// λ of its own radius, if it solves elastic branches.
+    #[doc(hidden)]
+    fn lambda(&self) -> Option<f64> {
+        None
+    }
+
+    /// Ends, m, inside an interval where the part of an asperity is not smooth, rising, and how it varies on each of the
     /// intervals that they leave: one more than ends.
     #[doc(hidden)]
-    fn smoothness(&self, _lower: f64, _upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+    fn smoothness(&self, _lane: Option<&Lane>, _within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Smooth])
     }
 
@@ -39,7 +52,7 @@ pub trait Interaction: Send + Sync {
     /// Interference, m, from which an asperity that turns back takes another way, if there is one within the
     /// part.
     #[doc(hidden)]
-    fn capture(&self) -> Option<f64> {
+    fn capture(&self, _lane: Option<&Lane>) -> Option<f64> {
         None
     }
 
@@ -50,41 +63,9 @@ pub trait Interaction: Send + Sync {
         0.0
     }
 
-    /// The same part of asperities of other radii, if it is known how it follows them.
+    /// Fills the first `interference.len()` responses for asperities at interferences δ, m.
     #[doc(hidden)]
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        None
-    }
-
-    /// Fills the first `interference.len()` responses for interferences δ, m.
-    #[doc(hidden)]
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
-}
-
-/// An interaction as that of asperities of other radii.
-#[doc(hidden)]
-pub trait PartOfRadii {
-    /// λ at ρ = 1, if elastic branches are solved.
-    fn lambda(&self) -> Option<f64> {
-        None
-    }
-
-    /// As [`Interaction::capture`], of an asperity.
-    fn capture_of(&self, _lane: &Lane) -> Option<f64> {
-        None
-    }
-
-    /// As [`Interaction::smoothness`], of an asperity.
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>);
-
-    /// Fills the first responses for asperities at interferences δ, m.
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    );
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
 /// A regime, the boundary at its upper end if it has one, and what acts in it.
@@ -155,21 +136,42 @@ impl Law for Table {
         &self.boundaries
     }
 
-    fn pieces(&self) -> Vec<Piece> {
-        let ends: Vec<f64> = self.boundaries.iter().map(|boundary| boundary.interference).collect();
-        pieces(&self.parts, &ends, |part, lower, upper| part.smoothness(lower, upper))
+    fn follows_radius(&self) -> bool {
+        self.parts.iter().all(|part| part.follows_radius())
     }
 
-    fn of_radii(&self) -> Option<&dyn OfRadii> {
-        self.parts.iter().all(|part| part.of_radii().is_some()).then_some(self)
+    fn lambda(&self) -> Option<f64> {
+        self.parts.iter().find_map(|part| part.lambda())
+    }
+
+    fn end(&self, regime: usize, lane: &Lane) -> Option<f64> {
+        self.places.get(regime).map(|place| place.of(lane))
+    }
+
+    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        let mut lower = f64::NEG_INFINITY;
+        for (regime, part) in self.parts.iter().enumerate() {
+            let end = self.places.get(regime);
+            let upper = end.map_or(f64::INFINITY, |end| lane.map_or(end.interference, |lane| end.of(lane)));
+            if lower < upper {
+                let (mut ends, smoothness) = part.smoothness(lane, lower..upper);
+                ends.push(upper);
+                for (end, smoothness) in ends.into_iter().zip(smoothness) {
+                    pieces.push(Piece { regime, lower, upper: end, smoothness });
+                    lower = end;
+                }
+            }
+        }
+        pieces
     }
 
     fn method(&self, regime: usize) -> Method {
         self.parts[regime].method()
     }
 
-    fn capture(&self) -> Option<f64> {
-        self.parts.iter().find_map(|part| part.capture())
+    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
+        self.parts.iter().find_map(|part| part.capture(lane))
     }
 
     fn unstable_work(&self) -> f64 {
@@ -180,67 +182,7 @@ impl Law for Table {
         self.fit.as_ref()
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let (part, far) = (&self.parts[regime], stats.far);
-        part.evaluate(interference, out, stats);
-        part.method().count(interference.len() as u64, stats.far - far, stats);
-    }
-}
-
-/// The pieces of parts that end at interferences, m: of each part those that it says.
-fn pieces(
-    parts: &[Box<dyn Interaction>],
-    ends: &[f64],
-    smoothness: impl Fn(&dyn Interaction, f64, f64) -> (Vec<f64>, Vec<Smoothness>),
-) -> Vec<Piece> {
-    let mut pieces = Vec::new();
-    let mut lower = f64::NEG_INFINITY;
-    for (regime, part) in parts.iter().enumerate() {
-        let upper = ends.get(regime).copied().unwrap_or(f64::INFINITY);
-        if lower < upper {
-            let (mut ends, smoothness) = smoothness(part.as_ref(), lower, upper);
-            ends.push(upper);
-            for (end, smoothness) in ends.into_iter().zip(smoothness) {
-                pieces.push(Piece { regime, lower, upper: end, smoothness });
-                lower = end;
-            }
-        }
-    }
-    pieces
-}
-
-impl Table {
-    fn part_of_radii(part: &dyn Interaction) -> &dyn PartOfRadii {
-        part.of_radii().expect("all parts of a law that follows the radius do")
-    }
-}
-
-impl OfRadii for Table {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.iter().find_map(|part| Self::part_of_radii(part.as_ref()).lambda())
-    }
-
-    fn ends(&self, lane: &Lane, out: &mut Vec<f64>) {
-        out.clear();
-        out.extend(self.places.iter().map(|place| place.of(lane)));
-    }
-
-    fn end(&self, regime: usize, lane: &Lane) -> Option<f64> {
-        self.places.get(regime).map(|place| place.of(lane))
-    }
-
-    fn pieces_of(&self, lane: &Lane) -> Vec<Piece> {
-        let ends: Vec<f64> = self.places.iter().map(|place| place.of(lane)).collect();
-        pieces(&self.parts, &ends, |part, lower, upper| {
-            Self::part_of_radii(part).smoothness_of(lane, lower, upper)
-        })
-    }
-
-    fn capture_of(&self, lane: &Lane) -> Option<f64> {
-        self.parts.iter().find_map(|part| Self::part_of_radii(part.as_ref()).capture_of(lane))
-    }
-
-    fn evaluate_lanes(
+    fn evaluate(
         &self,
         regime: usize,
         lanes: Lanes<'_>,
@@ -249,7 +191,7 @@ impl OfRadii for Table {
         stats: &mut SolverStats,
     ) {
         let (part, far) = (&self.parts[regime], stats.far);
-        Self::part_of_radii(part.as_ref()).evaluate_lanes(lanes, interference, out, stats);
+        part.evaluate(lanes, interference, out, stats);
         part.method().count(interference.len() as u64, stats.far - far, stats);
     }
 }

@@ -5,7 +5,7 @@
 //! and at which distances it passes from one condition to the next; asperities in one condition are then evaluated
 //! together, each as a lane.
 
-use super::history::Path;
+use super::history::{ContactHistory, Path};
 use super::law::{BLOCK, Responses};
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, Lanes};
@@ -23,7 +23,7 @@ pub struct Turned {
     /// ω_max of each, m, and the recovery from there.
     largest: Vec<f64>,
     recovery: Vec<f64>,
-    fates: Vec<u8>,
+    histories: Vec<ContactHistory>,
     /// F_s, P, N, and the area, m², of those that have flowed, at ω_max, and their tops.
     borne: Vec<[f64; 3]>,
     tops: Vec<Top>,
@@ -55,7 +55,7 @@ impl Turned {
             lowered: Arc::clone(lanes),
             recovery: largest.clone(),
             largest,
-            fates: Vec::with_capacity(count),
+            histories: Vec::with_capacity(count),
             borne: Vec::new(),
             tops: Vec::new(),
             conditions,
@@ -64,7 +64,7 @@ impl Turned {
             ends: vec![Vec::with_capacity(count); columns],
         };
         let first = [0, contact, contact + back];
-        let [approach, retraction] = [Path::Approach, Path::Retraction].map(|path| cycle.lanes(path));
+        let [approach, retraction] = [cycle.approach(), cycle.retraction()];
         // From where tops are lowered is as ω_c is.
         let onset = |lane: &Lane, ends: &[f64]| {
             if cycle.onset == cycle.critical() { ends[plastic - 1] } else { cycle.onset * lane.ratio }
@@ -79,30 +79,30 @@ impl Turned {
                 approach.ends(lane, &mut on_approach);
                 retraction.ends(lane, &mut own);
                 let touch = on_approach[contact - 1];
-                capture = approach.capture_of(lane).map_or(touch, |capture| capture.min(touch));
+                capture = approach.capture(Some(lane)).map_or(touch, |capture| capture.min(touch));
             }
-            let fate = if largest < capture {
-                0
+            let history = if largest < capture {
+                ContactHistory::Untouched
             } else if cycle.flows() && largest > onset(lane, &on_approach) {
-                2
+                ContactHistory::Flowed
             } else {
-                1
+                ContactHistory::Touched
             };
-            turned.fates.push(fate as u8);
-            turned.first.push(first[fate] as u8);
-            if fate == 2 {
+            turned.histories.push(history);
+            turned.first.push(first[history as usize] as u8);
+            if history == ContactHistory::Flowed {
                 let regime = on_approach.iter().take_while(|end| largest > **end).count().max(unloads);
                 turned.deepest[i] = (first[2] + contact + regime - unloads) as u8;
                 flowed.push(i as u32);
             }
             // What is not passed on this way.
-            let passed = match fate {
-                0 => contact - 1,
-                1 if cycle.flows() => back - 1,
-                1 => columns,
-                _ => contact,
+            let passed = match history {
+                ContactHistory::Untouched => contact - 1,
+                ContactHistory::Touched if cycle.flows() => back - 1,
+                ContactHistory::Touched => columns,
+                ContactHistory::Flowed => contact,
             };
-            let ends = if fate == 0 { &on_approach } else { &own };
+            let ends = if history == ContactHistory::Untouched { &on_approach } else { &own };
             for (e, column) in turned.ends.iter_mut().enumerate() {
                 column.push(if e < passed { turned.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
             }
@@ -119,14 +119,14 @@ impl Turned {
         }
         self.borne = vec![[0.0; 3]; self.largest.len()];
         self.tops = vec![Top::default(); self.largest.len()];
-        let (approach, mut out) = (cycle.lanes(Path::Approach), Responses::default());
+        let (approach, mut out) = (cycle.approach(), Responses::default());
         for regime in cycle.elastic_regimes().1..cycle.approach().regimes().len() {
             let is_in =
                 |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
             let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
-                approach.evaluate_lanes(regime, Lanes::new(&self.lanes, which), &largest, &mut out, stats);
+                approach.evaluate(regime, Lanes::new(&self.lanes, which), &largest, &mut out, stats);
                 for (lane, i) in which.iter().map(|i| *i as usize).enumerate() {
                     let [adhesion, load, area] = [out.adhesion[lane], out.contact[lane], out.area[lane]];
                     let own = &self.lanes[i];
@@ -150,7 +150,7 @@ impl Turned {
             self.recovery[i] = top.recovery;
             if self.lanes[i].ratio != ratio {
                 ratio = self.lanes[i].ratio;
-                cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
+                cycle.retraction().ends(&self.lanes[i], &mut own);
             }
             if cycle.own_radii {
                 lowered[i] = cycle.lane(self.lanes[i].ratio * top.ratio);
@@ -216,7 +216,7 @@ impl Turned {
             Condition::Lowered(regime) => (Path::Retraction, &self.lanes, regime),
             Condition::Unloading(_) => return self.unload(cycle, (which, distance), out, stats),
         };
-        cycle.lanes(path).evaluate_lanes(regime, Lanes::new(lanes, which), interference, out, stats);
+        cycle.law(path).evaluate(regime, Lanes::new(lanes, which), interference, out, stats);
     }
 
     /// What contacts that have flowed bear at a distance, m.
@@ -259,28 +259,28 @@ impl Turned {
         let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
         (0..count).for_each(|lane| places[lane] = distance / ratio(lane));
         plastic.elastic_places(largest, &mut shares[..count], &mut places[..count]);
-        let (law, first) = (cycle.lanes(Path::Retraction), cycle.first_contact);
+        let (law, first) = (cycle.retraction(), cycle.first_contact);
         for (lane, place) in places[..count].iter_mut().enumerate() {
             let own = &self.lanes[which[lane] as usize];
             *place = (*place * own.ratio).max(law.end(first - 1, own).unwrap_or(f64::NEG_INFINITY));
         }
         let mut elastic = Responses::default();
-        law.evaluate_lanes(first, Lanes::new(&self.lanes, which), &places[..count], &mut elastic, stats);
+        law.evaluate(first, Lanes::new(&self.lanes, which), &places[..count], &mut elastic, stats);
         for lane in 0..count {
             let own = pull(&cycle.scale.of_ratio(ratio(lane)), places[lane], &elastic, lane);
             out.adhesion[lane] = shares[lane] * out.adhesion[lane] + (1.0 - shares[lane]) * own;
         }
     }
 
-    /// The fate of an asperity, by [`Loop::fate`].
-    pub fn fate(&self, asperity: usize) -> usize {
-        self.fates[asperity] as usize
+    /// The history of an asperity.
+    pub fn history(&self, asperity: usize) -> ContactHistory {
+        self.histories[asperity]
     }
 
     /// Distances, m, falling, at which the force of an asperity is not smooth.
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
         let lane = &self.lanes[asperity];
-        if self.fates[asperity] == 2 && cycle.own_radii {
+        if self.history(asperity) == ContactHistory::Flowed && cycle.own_radii {
             let ends = self.ends[..cycle.first_contact].iter().map(|ends| ends[asperity]);
             let attraction = cycle.attraction_kink(&self.lowered[asperity]).unwrap_or(f64::NAN);
             let opens = cycle.springback.kink(&self.tops[asperity]);
@@ -289,15 +289,15 @@ impl Turned {
             kinks.sort_by(|a, b| b.total_cmp(a));
             return kinks;
         }
-        let (path, end) = match self.fates[asperity] {
-            0 => (Path::Approach, cycle.first_contact),
-            1 => (Path::Retraction, cycle.elastic_regimes().0),
-            _ => (Path::Retraction, cycle.first_contact),
+        let (path, end) = match self.history(asperity) {
+            ContactHistory::Untouched => (Path::Approach, cycle.first_contact),
+            ContactHistory::Touched => (Path::Retraction, cycle.elastic_regimes().0),
+            ContactHistory::Flowed => (Path::Retraction, cycle.first_contact),
         };
-        let pieces = cycle.lanes(path).pieces_of(lane);
+        let pieces = cycle.law(path).pieces(Some(lane));
         let ends = pieces.iter().filter(|piece| piece.regime < end).map(|piece| piece.upper);
         let mut kinks: Vec<f64> = ends.filter(|end| end.is_finite()).collect();
-        if self.fates[asperity] == 2 {
+        if self.history(asperity) == ContactHistory::Flowed {
             // The load ends where it has sprung back.
             kinks.push(0.0);
         }
@@ -310,8 +310,9 @@ impl Turned {
         let mut own = Vec::new();
         let of = |i: usize| {
             // Captured ones need not have touched.
-            cycle.lanes(Path::Approach).ends(&self.lanes[i], &mut own);
-            let touched = self.fates[i] > 0 && self.largest[i] >= own[cycle.first_contact - 1];
+            cycle.approach().ends(&self.lanes[i], &mut own);
+            let touched = self.histories[i] > ContactHistory::Untouched
+                && self.largest[i] >= own[cycle.first_contact - 1];
             touched.then(|| self.ends[cycle.first_contact - 1][i])
         };
         (0..self.largest.len()).filter_map(of).reduce(f64::max)

@@ -47,14 +47,14 @@
 //! Solids 48 (2000) 2009; Thornton and Ning, Powder Technol. 99 (1998) 154.
 
 use super::error::LawError;
-use super::history::Path;
+use super::history::{ContactHistory, Path};
 use super::law::{End, Law, Responses, Smoothness};
 use super::models::{Model, Plasticity, model};
 use super::parameters::{InnerState, LawParameters};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, OfRadii, RadiusLaw};
+use super::radius::{Lane, Lanes, RadiusLaw};
 use super::scale::Scale;
-use super::springback::{Springback, Top, first_contact, of_radii};
+use super::springback::{Springback, Top, first_contact};
 use super::stats::SolverStats;
 use crate::math::roots::{Sample, safe_newton};
 use std::sync::Arc;
@@ -275,7 +275,7 @@ impl Loop {
         let first_contact = first_contact(approach.as_ref());
         let first_plastic = regimes.iter().position(|regime| regime.is_plastic()).unwrap_or(regimes.len());
         let own_radii = unloading.radius() == UnloadedRadius::Elastic && first_plastic < regimes.len();
-        if own_radii && (model.is_fit() || retraction.of_radii().is_none()) {
+        if own_radii && (model.is_fit() || !retraction.follows_radius()) {
             return Err(LawError::NotFlattened);
         }
         let mut cycle = Self {
@@ -287,7 +287,7 @@ impl Loop {
             own_radii,
             again: None,
             ratio: 1.0,
-            lambda: retraction.of_radii().and_then(|law| law.lambda()),
+            lambda: retraction.lambda().filter(|_| retraction.follows_radius()),
             scale: parameters.scale,
             approach,
             retraction,
@@ -352,12 +352,12 @@ impl Loop {
         cycle
     }
 
-    /// The law along a path of asperities of any radius, in lanes.
-    pub(super) fn lanes(&self, path: Path) -> &dyn OfRadii {
-        of_radii(match path {
+    /// The law along a path.
+    pub(super) fn law(&self, path: Path) -> &dyn Law {
+        match path {
             Path::Approach => self.approach(),
             Path::Retraction => self.retraction(),
-        })
+        }
     }
 
     /// Index of the first regime of contact.
@@ -381,15 +381,14 @@ impl Loop {
         self.retraction.as_ref()
     }
 
-    /// The fate of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one
-    /// that has, 2 of one that has flowed.
-    pub fn fate(&self, largest: f64) -> usize {
+    /// The history of an asperity of the interference ω_max, m.
+    pub fn history(&self, largest: f64) -> ContactHistory {
         if largest < self.capture {
-            0
+            ContactHistory::Untouched
         } else if self.flows() && largest > self.onset {
-            2
+            ContactHistory::Flowed
         } else {
-            1
+            ContactHistory::Touched
         }
     }
 
@@ -400,7 +399,7 @@ impl Loop {
 
     /// Whether an asperity of the interference ω_max, m, has flowed.
     pub fn has_flowed(&self, largest: f64) -> bool {
-        self.fate(largest) == 2
+        self.history(largest) == ContactHistory::Flowed
     }
 
     /// Whether tops that have flowed have radii of their own.
@@ -409,13 +408,17 @@ impl Loop {
         self.own_radii
     }
 
-    /// Interferences, m, rising, at which the force on retraction is not smooth, by [`Loop::fate`]: counted
+    /// Interferences, m, rising, at which the force on retraction is not smooth, by [`ContactHistory`]: counted
     /// from the top that the asperity has then, so they are passed at the distance [`Loop::recovery`] less
     /// them.
     pub fn kinks(&self) -> [Vec<f64>; 3] {
         let ends = |law: &dyn Law, regimes: usize| {
-            let mut ends: Vec<f64> =
-                law.pieces().iter().filter(|piece| piece.regime < regimes).map(|piece| piece.upper).collect();
+            let mut ends: Vec<f64> = law
+                .pieces(None)
+                .iter()
+                .filter(|piece| piece.regime < regimes)
+                .map(|piece| piece.upper)
+                .collect();
             ends.retain(|end| end.is_finite());
             ends
         };
@@ -452,7 +455,7 @@ impl Loop {
         match &self.springback {
             // It is the law on retraction of its radius.
             Springback::Elastic(None) | Springback::Flattened(_) => {
-                of_radii(self.retraction()).end(regime, lane).map_or(release, |end| end.min(release))
+                self.retraction.end(regime, lane).map_or(release, |end| end.min(release))
             }
             _ => release - (self.release() - self.retraction.boundaries()[regime].interference),
         }
@@ -468,7 +471,7 @@ impl Loop {
     /// approach, if there is one.
     pub(super) fn attraction_kink(&self, lane: &Lane) -> Option<f64> {
         let is_kink = |smoothness| matches!(smoothness, Smoothness::Root { end: End::Upper, .. });
-        let mut pieces = of_radii(self.retraction()).pieces_of(lane).into_iter();
+        let mut pieces = self.retraction.pieces(Some(lane)).into_iter();
         pieces.find(|piece| piece.regime < self.first_contact && is_kink(piece.smoothness)).map(|p| p.upper)
     }
 
@@ -555,7 +558,7 @@ impl Loop {
         while begin < largest.len() {
             let own = regime(largest[begin]);
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
-            self.approach.evaluate(own, &largest[begin..end], out, stats);
+            self.approach.evaluate(own, Lanes::Own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
                 tops[place] = self.springback.top(&self.scale, out.contact[i], out.area[i]);
             }
@@ -612,7 +615,7 @@ fn springback(
 /// Interference, m, from which retraction does not retrace an approach whose contact begins in a regime.
 fn capture_of(approach: &dyn Law, first_contact: usize) -> f64 {
     let touch = begin_of(approach, first_contact);
-    approach.capture().map_or(touch, |capture| capture.min(touch))
+    approach.capture(None).map_or(touch, |capture| capture.min(touch))
 }
 
 /// Interference at which a regime begins, m.

@@ -1,7 +1,7 @@
 //! The asperities of a surface with the state of each, and their forces.
 
 use crate::asperity::memory::{Flowed, Memory, Segment, Source};
-use crate::asperity::{BLOCK, Method, Path, Responses, SolverStats};
+use crate::asperity::{BLOCK, Lanes, Method, Path, Responses, SolverStats};
 use crate::math::counting_sort::counting_sort;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -168,7 +168,13 @@ impl<'a> Asperities<'a> {
         let work = *unstable_work.get_or_init(|| memory.unstable_work());
         let (Some(flowed), Some(last)) = (&states.unloaded[i], segments.get(*untouched)) else { return work };
         let Source::Law(path, regime) = last.source else { return work };
-        memory.law(path).evaluate(regime, &[within(last, last.lower)], &mut self.out, &mut self.stats);
+        memory.law(path).evaluate(
+            regime,
+            Lanes::Own,
+            &[within(last, last.lower)],
+            &mut self.out,
+            &mut self.stats,
+        );
         let elastic = self.out.contact[0] - self.out.adhesion[0];
         let first = flowed.untouched as u8;
         work * self.load(states, i, first, flowed.segments[first as usize].lower) / elastic
@@ -332,7 +338,7 @@ impl<'a> Asperities<'a> {
             return laws.memory.respond(flowed, &segment, delta, &mut self.out, &mut self.stats);
         }
         let Source::Law(path, regime) = segment.source else { return [0.0; 3] };
-        laws.memory.law(path).evaluate(regime, &[delta], &mut self.out, &mut self.stats);
+        laws.memory.law(path).evaluate(regime, Lanes::Own, &[delta], &mut self.out, &mut self.stats);
         [self.out.adhesion[0], self.out.contact[0], self.out.area[0]]
     }
 
@@ -362,7 +368,7 @@ impl<'a> Asperities<'a> {
             for (place, &i) in places.iter_mut().zip(block) {
                 *place = within(segment, interference[i as usize] / stretch_of(stretches, i as usize));
             }
-            law.evaluate(regime, &places[..block.len()], out, stats);
+            law.evaluate(regime, Lanes::Own, &places[..block.len()], out, stats);
             for (k, &i) in block.iter().enumerate() {
                 let found = [out.adhesion[k], out.contact[k], out.area[k]];
                 put(forces, i as usize, stretched(stretch_of(stretches, i as usize), found));

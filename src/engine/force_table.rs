@@ -69,7 +69,7 @@ impl ForceTable {
         } else {
             at_kinks.iter().fold(0.0, |most: f64, force| most.max(force.abs()))
         };
-        let pieces = law.pieces();
+        let pieces = law.pieces(None);
         let pieces = pieces.iter().filter(|piece| piece.upper > low && piece.lower < high).map(|piece| {
             let mut tabulated = Tabulated::of(piece, low, high);
             let force = |s: f64| forces(&[tabulated.interference(s, piece)])[0];

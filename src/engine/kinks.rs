@@ -6,7 +6,7 @@ use super::stray_table::StrayTable;
 use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
 use std::cell::RefCell;
 
-/// More kinks than there are of one fate.
+/// More kinks than asperities of one history have.
 pub const KINKS: usize = 64;
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
 const WINDOWS: usize = 8;
@@ -75,7 +75,7 @@ impl Kink {
 
     /// Where the force of a law is not smooth, δ in m, rising.
     pub fn interferences(law: &dyn Law) -> Vec<f64> {
-        let pieces = law.pieces();
+        let pieces = law.pieces(None);
         // Where pieces meet, and where the law ends.
         let ends = pieces.iter().map(|piece| piece.lower).chain(pieces.last().map(|piece| piece.upper));
         ends.filter(|end| end.is_finite()).collect()

@@ -9,7 +9,7 @@ use super::Job;
 use super::curves::Curves;
 use super::sums::RegimeSums;
 use crate::asperity::radius::{Lane, Lanes};
-use crate::asperity::{BLOCK, Family, Loop, Responses, SolverStats, Turned};
+use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::lane_sum;
 use std::sync::Arc;
@@ -84,7 +84,7 @@ impl Asperities {
         let mut own = Vec::new();
         let mut ends: Vec<Vec<f64>> = Vec::new();
         for (lane, height) in lanes.iter().zip(heights) {
-            family.lanes().ends(lane, &mut own);
+            family.shared().ends(lane, &mut own);
             ends.resize_with(own.len(), || Vec::with_capacity(lanes.len()));
             ends.iter_mut().zip(&own).for_each(|(ends, end)| ends.push(height - end));
         }
@@ -137,7 +137,7 @@ impl Asperities {
                 self.all.iter().zip(own.iter()).for_each(|(i, regime)| lists[*regime as usize].push(*i));
             }
         }
-        let law = self.family.lanes();
+        let law = self.family.shared();
         for (regime, (sum, list)) in regimes.iter_mut().zip(lists).enumerate() {
             *sum = RegimeSums { count: list.len() as f64, ..RegimeSums::default() };
             let touches = self.family.touches(regime);
@@ -148,7 +148,8 @@ impl Asperities {
                 for (delta, i) in interference.iter_mut().zip(which) {
                     *delta = self.heights[*i as usize] - d;
                 }
-                law.evaluate_lanes(regime, Lanes::new(&self.lanes, which), interference, responses, stats);
+                let lanes = Lanes::new(&self.lanes, which);
+                law.evaluate(regime, lanes, interference, responses, stats);
                 sum.add_lanes(responses, n, touches);
             }
         }
@@ -169,7 +170,7 @@ impl Asperities {
 
     /// The separations d, m, at which the force of an asperity is not smooth, falling.
     pub fn kinks(&self, asperity: usize) -> impl Iterator<Item = f64> + use<> {
-        let pieces = self.family.lanes().pieces_of(&self.lanes[asperity]);
+        let pieces = self.family.shared().pieces(Some(&self.lanes[asperity]));
         let last = pieces.last().map(|piece| piece.upper);
         let ends: Vec<f64> = pieces.iter().map(|piece| piece.lower).chain(last).collect();
         let height = self.heights[asperity];
@@ -273,9 +274,9 @@ impl PulledBack {
         self.turned.kinks(cycle, asperity).into_iter().map(move |distance| closest + distance)
     }
 
-    /// What has become of an asperity, by [`Loop::fate`].
-    pub fn fate(&self, asperity: usize) -> usize {
-        self.turned.fate(asperity)
+    /// The history of an asperity.
+    pub fn history(&self, asperity: usize) -> ContactHistory {
+        self.turned.history(asperity)
     }
 
     /// The separation h, m, at which the last of them loses contact; NaN where none has any.

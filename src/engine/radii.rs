@@ -103,21 +103,21 @@ impl<'a> PolydisperseCurve<'a> {
         }
     }
 
-    /// What has become of an asperity.
-    fn fate(&self, asperity: u32) -> usize {
+    /// The history of an asperity, as an index of typical kinks.
+    fn history(&self, asperity: u32) -> usize {
         match self.way {
             Way::Approach => 0,
-            Way::Retraction(_, pulled) => pulled.fate(asperity as usize),
+            Way::Retraction(_, pulled) => pulled.history(asperity as usize) as usize,
         }
     }
 
     /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
     /// each. The last are alike, and what not all have comes first.
     fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
-        let (places, fate) = (self.places.of(asperity), self.fate(asperity));
-        let typical = self.typical[fate].len();
+        let (places, history) = (self.places.of(asperity), self.history(asperity));
+        let typical = self.typical[history].len();
         let like = move |i: usize| (i + typical).saturating_sub(places.len()).min(typical - 1);
-        places.iter().enumerate().map(move |(i, place)| (*place, fate * KINKS + like(i)))
+        places.iter().enumerate().map(move |(i, place)| (*place, history * KINKS + like(i)))
     }
 
     /// The kink of the typical asperity by its number.

@@ -4,11 +4,11 @@ use super::Job;
 use super::kinks::{KINKS, Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{RegimeSums, State, Sums};
-use crate::asperity::Loop;
+use crate::asperity::{ContactHistory, Loop};
 use std::ops::Range;
 
-/// The fate of an asperity that has flowed, by [`Loop::fate`].
-const FLOWED: usize = 2;
+/// The index of asperities that have flowed.
+const FLOWED: usize = ContactHistory::Flowed as usize;
 /// Roundings of a recovery and of its inverse in those of a height.
 const ROUNDINGS: f64 = 32.0;
 /// How many times the stray of a kink those of flattened tops of the same radius may be.
@@ -47,8 +47,8 @@ pub(super) struct Released {
     height: f64,
     /// By how much it springs back, m.
     recovery: f64,
-    /// The fate of it.
-    fate: usize,
+    /// The index of its history.
+    history: usize,
 }
 
 /// A top that has flowed and has a radius of its own.
@@ -64,7 +64,7 @@ impl FlattenedTop {
     /// separation h, m; none where tops keep their radius.
     pub fn of(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<Self> {
         let closest = job.surface.asperity_separation(from);
-        let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
+        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         let top = |largest: f64| {
             let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
             Some(Self {
@@ -92,7 +92,8 @@ impl<'a> Retracted<'a> {
         sums: &'a mut Sums,
     ) -> Self {
         let closest = job.surface.asperity_separation(from);
-        let ends = std::array::from_fn(|fate| heights.partition_point(|u| cycle.fate(u - closest) <= fate));
+        let ends =
+            ContactHistory::ALL.map(|last| heights.partition_point(|u| cycle.history(u - closest) <= last));
         let mut kinks = kinks.clone();
         if !flattened.is_empty() {
             // Forces grow with the radius.
@@ -107,9 +108,9 @@ impl<'a> Retracted<'a> {
         Self { job, cycle, kinks, flattened, heights, ends, from, closest, sums, few: Vec::new() }
     }
 
-    /// Whether asperities of a fate have kinks of their own.
-    fn is_flattened(&self, fate: usize) -> bool {
-        fate == FLOWED && !self.flattened.is_empty()
+    /// Whether asperities of a history have kinks of their own.
+    fn is_flattened(&self, history: usize) -> bool {
+        history == FLOWED && !self.flattened.is_empty()
     }
 
     /// The kink of a top that is not flattened which each of a flattened one is like: the last are alike.
@@ -119,27 +120,27 @@ impl<'a> Retracted<'a> {
 
     /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
     fn place(&self, asperity: &Released, number: usize) -> f64 {
-        if self.is_flattened(asperity.fate) {
+        if self.is_flattened(asperity.history) {
             return self.top(asperity).places[number];
         }
-        self.from + asperity.recovery - self.kinks[asperity.fate][number].interference
+        self.from + asperity.recovery - self.kinks[asperity.history][number].interference
     }
 
-    /// How many kinks asperities of a fate have at most.
-    fn count(&self, fate: usize) -> usize {
-        if self.is_flattened(fate) { OF_TOP } else { self.kinks[fate].len() }
+    /// How many kinks asperities of a history have at most.
+    fn count(&self, history: usize) -> usize {
+        if self.is_flattened(history) { OF_TOP } else { self.kinks[history].len() }
     }
 
     /// An asperity by its number among the heights.
-    fn released(&self, number: usize, fate: usize) -> Released {
+    fn released(&self, number: usize, history: usize) -> Released {
         let height = self.heights[number];
-        Released { number, height, recovery: self.cycle.recovery(height - self.closest), fate }
+        Released { number, height, recovery: self.cycle.recovery(height - self.closest), history }
     }
 
-    /// The heights of a fate whose recovery is in `low..high`, m.
-    fn recovering(&self, fate: usize, low: f64, high: f64) -> Range<usize> {
-        let first = if fate == 0 { 0 } else { self.ends[fate - 1] };
-        let heights = &self.heights[first..self.ends[fate]];
+    /// The heights of a history whose recovery is in `low..high`, m.
+    fn recovering(&self, history: usize, low: f64, high: f64) -> Range<usize> {
+        let first = if history == 0 { 0 } else { self.ends[history - 1] };
+        let heights = &self.heights[first..self.ends[history]];
         let [low, high] = [low, high]
             .map(|limit| heights.partition_point(|u| self.cycle.recovery(u - self.closest) < limit));
         first + low..first + high
@@ -157,7 +158,7 @@ impl<'a> Retracted<'a> {
             self.cycle.at(distance)
         } else {
             // Where each loses contact is known: to solve for it at every distance takes most of a search.
-            let flowed = asperities.iter().filter(|asperity| asperity.fate == FLOWED);
+            let flowed = asperities.iter().filter(|asperity| asperity.history == FLOWED);
             let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).lost));
             self.cycle.at_for(distance, &flowed.collect::<Vec<_>>())
         };
@@ -183,39 +184,39 @@ impl Curve for Retracted<'_> {
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<Released> {
         let mut found = Vec::new();
-        for (fate, kinks) in self.kinks.iter().enumerate() {
-            if self.is_flattened(fate) {
+        for (history, kinks) in self.kinks.iter().enumerate() {
+            if self.is_flattened(history) {
                 let is_near = |top: &FlattenedTop| (0..OF_TOP).any(|number| top.passes(number, low, high));
                 let near = self.flattened.iter().enumerate().filter(|(_, top)| is_near(top));
-                found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, fate)));
+                found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, history)));
                 continue;
             }
             let mut reached = 0;
             for Kink { interference, .. } in kinks {
                 let range =
-                    self.recovering(fate, low - self.from + interference, high - self.from + interference);
+                    self.recovering(history, low - self.from + interference, high - self.from + interference);
                 let range = range.start.max(reached)..range.end;
                 reached = reached.max(range.end);
-                found.extend(range.map(|number| self.released(number, fate)));
+                found.extend(range.map(|number| self.released(number, history)));
             }
         }
         found
     }
 
     fn passings(&mut self, asperities: &[Released], low: f64, high: f64, passings: &mut Vec<Passing>) {
-        for fate in 0..self.kinks.len() {
-            let first = asperities.partition_point(|asperity| asperity.fate < fate);
-            let end = asperities.partition_point(|asperity| asperity.fate <= fate);
-            for number in (0..self.count(fate)).rev() {
-                let like = if self.is_flattened(fate) { self.alike(number) } else { number };
-                let kink = (fate * KINKS + like) as u32;
+        for history in 0..self.kinks.len() {
+            let first = asperities.partition_point(|asperity| asperity.history < history);
+            let end = asperities.partition_point(|asperity| asperity.history <= history);
+            for number in (0..self.count(history)).rev() {
+                let like = if self.is_flattened(history) { self.alike(number) } else { number };
+                let kink = (history * KINKS + like) as u32;
                 for (i, asperity) in asperities[first..end].iter().enumerate() {
                     let place = self.place(asperity, number);
                     if !(place >= low && place <= high) {
                         continue;
                     }
-                    let mut step = -self.kinks[fate][like].jump;
-                    if fate == FLOWED {
+                    let mut step = -self.kinks[history][like].jump;
+                    if history == FLOWED {
                         let beside = self.rounding();
                         let [below, above] = [place - beside, place + beside]
                             .map(|h| self.sum(std::slice::from_ref(asperity), h));
@@ -243,8 +244,8 @@ impl Curve for Retracted<'_> {
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
-        for (fate, kinks) in self.kinks.iter().enumerate() {
-            if self.is_flattened(fate) {
+        for (history, kinks) in self.kinks.iter().enumerate() {
+            if self.is_flattened(history) {
                 for number in 0..OF_TOP {
                     let passing = |top: &&FlattenedTop| top.passes(number, low, high);
                     visit(kinks[self.alike(number)].fall, self.flattened.iter().filter(passing).count());
@@ -253,7 +254,7 @@ impl Curve for Retracted<'_> {
             }
             for kink in kinks.iter().filter(|kink| kink.fall > 0.0) {
                 let [low, high] = [low, high].map(|h| h - self.from + kink.interference);
-                visit(kink.fall, self.recovering(fate, low, high).len());
+                visit(kink.fall, self.recovering(history, low, high).len());
             }
         }
     }

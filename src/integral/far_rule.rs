@@ -9,7 +9,7 @@
 
 use super::height_integral::AtSeparation;
 use super::node_table::Normal;
-use crate::asperity::{Law, Quantity, Responses, SolverStats};
+use crate::asperity::{Lanes, Law, Quantity, Responses, SolverStats};
 use crate::math::extrema::maximum;
 use gauss_quad::GaussHermite;
 use std::f64::consts::{PI, SQRT_2};
@@ -27,7 +27,7 @@ type Rule = Vec<(f64, f64)>;
 /// The separation d, m, from which on heights are far from contact under a law; infinite where its first
 /// piece has no end.
 pub(super) fn begin(law: &dyn Law, heights: Normal) -> f64 {
-    let first = law.pieces().first().map_or(f64::INFINITY, |piece| piece.upper);
+    let first = law.pieces(None).first().map_or(f64::INFINITY, |piece| piece.upper);
     if first.is_finite() { DISTANCE * heights.std + heights.mean - first } else { f64::INFINITY }
 }
 
@@ -76,7 +76,7 @@ fn responses(
     let mean = heights.mean - separation;
     let interference: Vec<f64> = rule.iter().map(|(deviate, _)| mean + heights.std * deviate).collect();
     let mut out = Responses::default();
-    law.evaluate(0, &interference, &mut out, stats);
+    law.evaluate(0, Lanes::Own, &interference, &mut out, stats);
     out
 }
 

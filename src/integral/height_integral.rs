@@ -1,7 +1,7 @@
 //! Expectations of asperities that have one law, at one separation.
 
 use crate::asperity::{
-    Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats, for_each_block, regime_ranges,
+    Lanes, Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats, for_each_block, regime_ranges,
 };
 use crate::math::extrema::maximum;
 use crate::math::quadrature::{Integral, NODES, Rule};
@@ -158,7 +158,7 @@ impl AtSeparation {
             self.beyond = heights.probability(end.interference + separation, f64::INFINITY);
         }
         let mut covered = vec![0.0; self.regimes.len()];
-        for piece in law.pieces() {
+        for piece in law.pieces(None) {
             let piece = Piece {
                 lower: piece.lower.max(reach.0 - separation),
                 upper: piece.upper.min(reach.1 - separation),
@@ -222,7 +222,7 @@ impl AtSeparation {
             for (delta, &place) in interference.iter_mut().zip(places) {
                 *delta = variable.interference(place).clamp(piece.lower, piece.upper);
             }
-            law.evaluate(piece.regime, &interference, &mut responses, &mut self.stats);
+            law.evaluate(piece.regime, Lanes::Own, &interference, &mut responses, &mut self.stats);
             for (i, value) in values.iter_mut().enumerate() {
                 let weight = heights.density(variable.height(places[i])) * variable.stretch(places[i]);
                 let quantities =
@@ -255,11 +255,11 @@ impl AtSeparation {
 
 /// The four quantities at an interference, m; 0 beyond the law's end.
 pub(super) fn typical(law: &dyn Law, interference: f64, stats: &mut SolverStats) -> [f64; 4] {
-    let pieces = law.pieces();
+    let pieces = law.pieces(None);
     let inside = |piece: &&Piece| piece.lower <= interference && interference <= piece.upper;
     let Some(piece) = pieces.iter().find(inside) else { return [0.0; 4] };
     let mut responses = Responses::default();
-    law.evaluate(piece.regime, &[interference], &mut responses, stats);
+    law.evaluate(piece.regime, Lanes::Own, &[interference], &mut responses, stats);
     Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
 }
 

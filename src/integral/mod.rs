@@ -36,7 +36,7 @@ pub use retraction::RetractionModel;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asperity::{Boundary, Law, Piece, Regime, Responses, Smoothness, SolverStats};
+    use crate::asperity::{Boundary, Lane, Lanes, Law, Piece, Regime, Responses, Smoothness, SolverStats};
     use crate::surface::Surface;
 
     /// A force of 1 that is not a number above some interference, m, in pieces, m, that should reach without
@@ -61,13 +61,20 @@ mod tests {
             &[]
         }
 
-        fn pieces(&self) -> Vec<Piece> {
+        fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
             let smoothness = Smoothness::Smooth;
             let ends = self.pieces.iter();
             ends.map(|&[lower, upper]| Piece { regime: 0, lower, upper, smoothness }).collect()
         }
 
-        fn evaluate(&self, _: usize, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        fn evaluate(
+            &self,
+            _: usize,
+            _: Lanes<'_>,
+            interference: &[f64],
+            out: &mut Responses,
+            _: &mut SolverStats,
+        ) {
             for (i, delta) in interference.iter().enumerate() {
                 out.adhesion[i] = if *delta > self.above { f64::NAN } else { 1.0 };
                 (out.contact[i], out.area[i]) = (0.0, 0.0);

@@ -9,7 +9,7 @@
 
 use super::far_rule;
 use super::height_integral::{AtSeparation, Variable};
-use crate::asperity::{Law, Quantity, Responses, SolverStats};
+use crate::asperity::{Lanes, Law, Quantity, Responses, SolverStats};
 use crate::math::exponential::exp;
 use crate::math::extrema::maximum;
 use crate::math::instruction_set::InstructionSet;
@@ -66,7 +66,7 @@ impl NodeTable {
         let mut out = Responses::default();
         let reach = heights.reach * heights.std;
         let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
-        for piece in law.pieces() {
+        for piece in law.pieces(None) {
             let (lower, upper) = (piece.lower.max(low), piece.upper.min(high));
             if !(lower < upper) {
                 continue;
@@ -203,7 +203,7 @@ impl Panel {
         if !rises {
             rising.reverse();
         }
-        law.evaluate(regime, &rising, out, stats);
+        law.evaluate(regime, Lanes::Own, &rising, out, stats);
         let quantity = |values: &[f64]| -> [f64; NODES] {
             std::array::from_fn(|i| values[if rises { i } else { NODES - 1 - i }])
         };

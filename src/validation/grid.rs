@@ -35,7 +35,7 @@ impl GridSize {
             (None, None) => {
                 return Self {
                     fixed: NODES.len() * CELLS,
-                    per_separation: NODES.len() * laws.pieces().len(),
+                    per_separation: NODES.len() * laws.pieces(None).len(),
                 };
             }
         };
@@ -191,7 +191,7 @@ fn scored(states: &[StateAt<'_>], heights: &Heights, cells: usize) -> (Vec<f64>,
     ends.extend((STRATA / 2 + 1..STRATA).map(|i| -normal.gaussian_quantile(1.0 - i as f64 / STRATA as f64)));
     for state in states {
         state.visit(&OwnLaws::default(), |law, separation| {
-            let places = law.pieces().into_iter().map(|piece| piece.upper + separation);
+            let places = law.pieces(None).into_iter().map(|piece| piece.upper + separation);
             let scores = places.filter(|u| u.is_finite()).map(|u| heights.score(u).abs());
             ends.extend(scores.filter(|score| *score < GRID_REACH));
         });
@@ -214,7 +214,7 @@ fn cells(states: &[StateAt<'_>], heights: &Heights, scheme: SamplingScheme) -> (
     let (low, high) = (ends[0], ends[ends.len() - 1]);
     for state in states {
         state.visit(&OwnLaws::default(), |law, separation| {
-            ends.extend(law.pieces().iter().map(|piece| piece.upper + separation));
+            ends.extend(law.pieces(None).iter().map(|piece| piece.upper + separation));
         });
     }
     match scheme {

@@ -7,7 +7,7 @@ use stiction::math::sums::Compensated;
 /// Interferences, m, at which a law is not smooth, from its boundaries and pieces.
 pub fn events(law: &dyn Law) -> Vec<f64> {
     let boundaries = law.boundaries().iter().map(|boundary| boundary.interference);
-    let pieces = law.pieces().into_iter().flat_map(|piece| [piece.lower, piece.upper]);
+    let pieces = law.pieces(None).into_iter().flat_map(|piece| [piece.lower, piece.upper]);
     let mut events: Vec<f64> = boundaries.chain(pieces).filter(|event| event.is_finite()).collect();
     events.sort_by(f64::total_cmp);
     events.dedup();

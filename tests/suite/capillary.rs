@@ -6,9 +6,13 @@ use std::f64::consts::PI;
 use stiction::Scene;
 use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Law, LawError, LawParameters, Loop, Path, Quantity, Regime, Unloading};
+use stiction::asperity::{
+    ContactHistory, Law, LawError, LawParameters, Loop, Path, Quantity, Regime, Unloading,
+};
 use stiction::liquid::{Bridges, Film, Liquid, Meniscus, Volume};
 use stiction::surface::Surface;
+
+const UP_TO_TOUCH: [ContactHistory; 2] = [ContactHistory::Untouched, ContactHistory::Touched];
 
 /// Water at 25 °C, with ρ = 997.047 kg/m³.
 fn water(humidity: f64, degrees: f64) -> Meniscus {
@@ -347,7 +351,7 @@ fn pieces_are_smooth() {
             let asperity = Asperity { work_of_adhesion: 0.05, ..asperity };
             let law = model.law(&LawParameters::new(&asperity, path, (-30e-9, 30e-9)).unwrap()).unwrap();
             let mut looked = 0;
-            for piece in law.pieces() {
+            for piece in law.pieces(None) {
                 let (low, high) = (piece.lower.max(-30e-9), piece.upper.min(30e-9));
                 for i in 1..20 {
                     let delta = low + (high - low) * f64::from(i) / 20.0;
@@ -379,7 +383,7 @@ fn only_what_was_touched_has_a_bridge() {
     let regime = |law: &dyn Law, delta: f64| respond(law, delta).unwrap().0;
     assert_eq!(regime(cycle.approach(), -0.5e-9), Regime::Noncontact);
     assert_eq!(regime(cycle.retraction(), -0.5e-9), Regime::Bridge);
-    assert_eq!((cycle.fate(-0.1e-9), cycle.fate(0.1e-9)), (0, 1));
+    assert_eq!([-0.1e-9, 0.1e-9].map(|largest| cycle.history(largest)), UP_TO_TOUCH);
     // Half a nanometre beyond where the surfaces turned.
     let back = cycle.at(0.5e-9);
     assert_eq!(respond(&back, 0.1e-9).unwrap().0, Regime::Bridge);
@@ -551,7 +555,7 @@ fn bridges_of_films_form_where_the_film_touches() {
     }
     let parameters = LawParameters::new(&sphere(70e9, 1e-3), Path::Approach, (-1e-7, 1e-7)).unwrap();
     let cycle = Loop::new(&wet(meniscus), &parameters, Unloading::FlattenedTop).unwrap();
-    assert_eq!((cycle.fate(-1.1e-9), cycle.fate(-0.9e-9)), (0, 1));
+    assert_eq!([-1.1e-9, -0.9e-9].map(|largest| cycle.history(largest)), UP_TO_TOUCH);
 }
 
 /// Stiff asperities in a film that drains.

@@ -2,7 +2,7 @@
 
 use crate::common::{case, dry_laws, law, respond};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
+use stiction::asperity::{Boundary, Lane, Lanes, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
 use stiction::engine::moments::{MANY, MomentMatrix, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
@@ -470,12 +470,19 @@ impl Law for Noisy {
         self.0.boundaries()
     }
 
-    fn pieces(&self) -> Vec<Piece> {
-        self.0.pieces()
+    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
+        self.0.pieces(None)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        self.0.evaluate(regime, interference, out, stats);
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.0.evaluate(regime, lanes, interference, out, stats);
         if interference.len() > 64 {
             out.adhesion[..interference.len()].iter_mut().for_each(|force| *force *= 1.0 + 1e-5);
         }

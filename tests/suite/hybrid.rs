@@ -124,7 +124,7 @@ fn a_dry_asperity_has_no_lubricant_regime() {
     let touch = first_touch(&asperity);
     assert_eq!(respond(law.as_ref(), touch.next_down()).unwrap().0, Regime::Noncontact);
     assert_eq!(respond(law.as_ref(), touch).unwrap().0, Regime::Elastic);
-    assert!(law.pieces().iter().all(|piece| law.regimes()[piece.regime] != Regime::Lubricant));
+    assert!(law.pieces(None).iter().all(|piece| law.regimes()[piece.regime] != Regime::Lubricant));
 }
 
 /// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing

@@ -4,7 +4,7 @@
 use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
 use crate::common::{case, dry_laws, for_each_instruction_set, law};
 use std::process::{Command, Output};
-use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, SolverStats};
+use stiction::asperity::{BLOCK, Lanes, Law, LawParameters, Path, Responses, SolverStats};
 use stiction::math::instruction_set::{InstructionSet, VARIABLE};
 
 /// Interferences of a regime within ±`reach`, in no order.
@@ -30,7 +30,7 @@ fn evaluated(law: &dyn Law, reach: f64) -> (Vec<u64>, SolverStats) {
         for count in [BLOCK, 100, 9, 1] {
             let block = mixed(law, regime, reach, count);
             let mut out = Responses::default();
-            law.evaluate(regime, &block, &mut out, &mut stats);
+            law.evaluate(regime, Lanes::Own, &block, &mut out, &mut stats);
             for values in [&out.adhesion, &out.contact, &out.area] {
                 all.extend(values[..block.len()].iter().map(|value| value.to_bits()));
             }

@@ -551,7 +551,7 @@ fn laws_jump_where_and_as_much_as_documented() {
                         (at(law.as_ref(), delta - step), at(law.as_ref(), delta + step));
                     ([g - f, q - p], f + p + g + q)
                 };
-                let ends: Vec<f64> = law.pieces().iter().map(|piece| piece.upper).collect();
+                let ends: Vec<f64> = law.pieces(None).iter().map(|piece| piece.upper).collect();
                 for &(place, sizes) in &jumps {
                     // The integral relies on it.
                     assert!(
@@ -744,7 +744,7 @@ fn laws_are_smooth_between_the_ends_of_their_pieces() {
     for path in [Path::Approach, Path::Retraction] {
         for lambda in [0.1, 0.5, 0.9, 2.5] {
             for (name, law) in all(lambda, path) {
-                for piece in law.pieces() {
+                for piece in law.pieces(None) {
                     let (low, high) = (piece.lower.max(-20.0), piece.upper.min(400.0));
                     let (place, order) = match piece.smoothness {
                         Smoothness::Smooth => (low - 1.0, 1),
@@ -909,7 +909,7 @@ fn laws_follow_the_radius_as_they_are_made_for_it() {
                 let follows = family.law(own.radius);
                 let what = format!("{} {path:?} {name}, ratio {ratio}", model.name);
                 let places = |law: &dyn Law| -> Vec<f64> {
-                    let pieces = law.pieces();
+                    let pieces = law.pieces(None);
                     pieces.iter().flat_map(|piece| [piece.lower, piece.upper]).collect()
                 };
                 let (theirs, mine) = (places(made.as_ref()), places(follows.as_ref()));

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
-    Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius, Unloading,
+    ContactHistory, Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius, Unloading,
 };
 use stiction::engine::{Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, draw, run};
 use stiction::integral::{Expectations, RetractionModel};
@@ -193,9 +193,10 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
         for (height, cycle) in heights.iter().zip(&loops) {
             let largest = height - closest;
             let recovery = cycle.recovery(largest);
-            let fate = cycle.fate(largest);
-            let own = cycle.flattened_kinks(largest).filter(|_| fate == 2);
-            let kinks: Vec<f64> = own.map_or_else(|| cycle.kinks()[fate].clone(), |own| own.to_vec());
+            let history = cycle.history(largest);
+            let own = cycle.flattened_kinks(largest).filter(|_| history == ContactHistory::Flowed);
+            let kinks: Vec<f64> =
+                own.map_or_else(|| cycle.kinks()[history as usize].clone(), |own| own.to_vec());
             events.extend(kinks.iter().map(|kink| separations[0] + recovery - kink));
         }
         let force = |h: f64| {

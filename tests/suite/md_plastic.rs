@@ -162,7 +162,7 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
         contact - adhesion
     };
     // Both ways are smooth between these places, at which forces may jump.
-    let ends = |law: &dyn Law| law.pieces().iter().map(|piece| piece.upper).collect::<Vec<f64>>();
+    let ends = |law: &dyn Law| law.pieces(None).iter().map(|piece| piece.upper).collect::<Vec<f64>>();
     let mut places: Vec<f64> = ends(cycle.approach()).iter().map(|end| largest - end).collect();
     places.extend(
         cycle.flattened_kinks(largest).into_iter().flatten().map(|kink| cycle.recovery(largest) - kink),

@@ -137,7 +137,7 @@ fn every_law_is_integrated_over_all_its_pieces() {
                 stats.constant + stats.closed_form + stats.contact_solves + stats.noncontact_solves;
             // A panel of 60 evaluations per σ_s, and few more per piece: a root or a jump that a piece does
             // not declare costs dozens.
-            let most = 60 * (26 + 3 * law.pieces().len() as u64);
+            let most = 60 * (26 + 3 * law.pieces(None).len() as u64);
             assert!(evaluations <= most, "{} at {h_star}: {evaluations}, not {most}", model.name);
             assert!(integral.quadrature_error < 1e-11, "{}: {:e}", model.name, integral.quadrature_error);
             for (sum, expected) in sums.into_iter().zip(&integral.expected) {

@@ -8,7 +8,9 @@ use std::f64::consts::PI;
 use stiction::asperity::branch::MOST_EVALUATIONS;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::pressure_factor;
-use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, Scratch, SolverStats, for_each_block};
+use stiction::asperity::{
+    BLOCK, Lanes, Law, LawParameters, Path, Responses, Scratch, SolverStats, for_each_block,
+};
 
 /// Errors that are allowed, in ε (1 + condition number).
 const ALLOWED: f64 = 10.0;
@@ -233,7 +235,7 @@ fn approaches(law: &dyn Law, regime: usize, count: usize) -> Vec<f64> {
 fn evaluate(law: &dyn Law, regime: usize, deltas: &[f64]) -> (Vec<[f64; 3]>, SolverStats) {
     let (mut values, mut out, mut stats) = (Vec::new(), Responses::default(), SolverStats::default());
     for block in deltas.chunks(BLOCK) {
-        law.evaluate(regime, block, &mut out, &mut stats);
+        law.evaluate(regime, Lanes::Own, block, &mut out, &mut stats);
         values.extend((0..block.len()).map(|i| [out.adhesion[i], out.contact[i], out.area[i] / PI]));
     }
     (values, stats)
@@ -262,7 +264,7 @@ fn sweep(name: &str, parameters: &LawParameters, count: usize) -> usize {
         let solves = stats.contact_solves + stats.noncontact_solves;
         assert!(stats.evaluations <= EVALUATIONS * solves, "{}: {stats:?}", context(f64::NAN));
         let ends = direct.boundaries().iter().map(|boundary| boundary.interference);
-        let ends: Vec<f64> = ends.chain(direct.pieces().iter().map(|piece| piece.upper)).collect();
+        let ends: Vec<f64> = ends.chain(direct.pieces(None).iter().map(|piece| piece.upper)).collect();
         for (i, &delta) in deltas.iter().enumerate() {
             let (here, other) = (plain[i], fast[i]);
             assert!(

@@ -7,7 +7,8 @@ use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{
-    Boundary, Family, Law, Laws, Path, Piece, Quantity, Regime, Responses, SolverStats, SurfaceLaws,
+    Boundary, Family, Lane, Lanes, Law, Laws, Path, Piece, Quantity, Regime, Responses, SolverStats,
+    SurfaceLaws,
 };
 use stiction::engine::{Job, Outcome, Protocol, run};
 use stiction::integral::Expectations;
@@ -32,12 +33,19 @@ impl Law for Planted<'_> {
         self.law.boundaries()
     }
 
-    fn pieces(&self) -> Vec<Piece> {
-        self.law.pieces()
+    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces(None)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        self.law.evaluate(regime, interference, out, stats);
+    fn evaluate(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.law.evaluate(regime, lanes, interference, out, stats);
         if regime == self.regime {
             for i in 0..interference.len() {
                 out.adhesion[i] *= self.factor;

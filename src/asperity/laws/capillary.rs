@@ -60,10 +60,11 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place, Similarity};
 use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::liquid::{Bridges, Meniscus, Volume};
 use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// The law `capillary`.
 ///
@@ -298,26 +299,14 @@ struct Spanned {
 }
 
 impl Spanned {
-    /// F_s of asperities, N; `closed` are their bridges that keep their liquid, if they do.
-    fn forces<'a>(
-        &self,
-        lane: impl Fn(usize) -> &'a Lane,
-        closed: impl Fn(usize) -> Option<Closed>,
-        interference: &[f64],
-        out: &mut Responses,
-    ) {
+    /// F_s of an asperity at δ, m, N; `closed` is its bridge if that keeps its liquid.
+    fn force(&self, ratio: f64, closed: Option<&Closed>, delta: f64) -> f64 {
         let Parts { bridge, solid, .. } = self.parts;
-        let solid = solid.as_ref().map(across);
-        for (i, delta) in interference.iter().enumerate() {
-            let ratio = lane(i).ratio;
-            let (pull, gap) = match closed(i) {
-                Some(closed) => closed.pull(-delta),
-                None => bridge.of_ratio(ratio).pull(-delta),
-            };
-            out.adhesion[i] = pull + solid.as_ref().map_or(0.0, |solid| ratio * solid(gap.max(0.0)));
-        }
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
+        let (pull, gap) = match closed {
+            Some(closed) => closed.pull(-delta),
+            None => bridge.of_ratio(ratio).pull(-delta),
+        };
+        pull + solid.map_or(0.0, |solid| ratio * across(&solid)(gap.max(0.0)))
     }
 
     /// The bridge of an asperity if it keeps its liquid.
@@ -327,49 +316,39 @@ impl Spanned {
 }
 
 impl Interaction for Spanned {
-    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![self.parts.spanned(1.0)])
+    fn lambda(&self) -> Option<f64> {
+        self.parts.lambda()
+    }
+
+    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![self.parts.spanned(lane.map_or(1.0, |lane| lane.ratio))])
     }
 
     fn method(&self) -> Method {
         Method::ClosedForm
     }
 
-    fn capture(&self) -> Option<f64> {
-        self.parts.capture(&self.typical)
+    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
+        self.parts.capture(lane.unwrap_or(&self.typical))
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let closed = self.closed(&self.typical);
-        self.forces(|_| &self.typical, |_| closed, interference, out);
-    }
-}
-
-impl PartOfRadii for Spanned {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
-    }
-
-    fn capture_of(&self, lane: &Lane) -> Option<f64> {
-        self.parts.capture(lane)
-    }
-
-    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![self.parts.spanned(lane.ratio)])
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        self.forces(|i| lanes.at(i), |i| self.closed(lanes.at(i)), interference, out);
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = interference.len();
+        let forces = out.adhesion.iter_mut().zip(interference);
+        match lanes {
+            Lanes::Own => {
+                let closed = self.closed(&self.typical);
+                forces.for_each(|(force, delta)| *force = self.force(1.0, closed.as_ref(), *delta));
+            }
+            Lanes::Each(lanes) => {
+                for (i, (force, delta)) in forces.enumerate() {
+                    let lane = lanes.at(i);
+                    *force = self.force(lane.ratio, self.closed(lane).as_ref(), *delta);
+                }
+            }
+        }
+        out.contact[..count].fill(0.0);
+        out.area[..count].fill(0.0);
     }
 }
 
@@ -400,7 +379,8 @@ impl WetContact {
 
     /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
     /// after that of the solids.
-    fn smoothness_in(end: f64, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+    fn smoothness_in(end: f64, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let Range { start: lower, end: upper } = within;
         let root = |place| Smoothness::Root { end: End::Lower, place, order: 2 };
         // Where both begin at once the two places are one but for rounding.
         if lower < end - 1e-14 * end.abs() && end < upper {
@@ -450,65 +430,52 @@ impl WetContact {
 }
 
 impl Interaction for WetContact {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        Self::smoothness_in(self.last.interference, lower, upper)
+    fn lambda(&self) -> Option<f64> {
+        self.parts.lambda()
+    }
+
+    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let own = |lane: &Lane| self.parts.bridge.of_ratio(lane.ratio).last_contact();
+        Self::smoothness_in(lane.map_or(self.last, own).interference, within)
     }
 
     fn method(&self) -> Method {
         Method::Contact
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let mut starts = [f64::NAN; BLOCK];
-        let mut roots = [0.0; BLOCK];
-        for (root, delta) in roots.iter_mut().zip(interference) {
-            *root = (delta - self.last.interference).max(0.0).sqrt();
-        }
-        self.starts.values(&roots[..interference.len()], &mut starts[..interference.len()]);
-        let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
-        let inner = self.bridges(|_| (1.0, self.last), start, interference, out);
-        let Some(contact) = &self.solid else { return };
-        let mut solid = Responses::default();
-        contact.evaluate(&inner[..interference.len()], &mut solid, stats);
-        Self::add(out, &solid, interference.len());
-    }
-}
-
-impl PartOfRadii for WetContact {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
-    }
-
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let last = self.parts.bridge.of_ratio(lane.ratio).last_contact();
-        Self::smoothness_in(last.interference, lower, upper)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let of = |i: usize| {
-            let ratio = lanes.at(i).ratio;
-            (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
-        };
-        let mut inner = self.bridges(of, |_| None, interference, out);
-        let Some(scale) = self.parts.solid else { return };
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let count = interference.len();
-        for (i, inner) in inner[..count].iter_mut().enumerate() {
-            *inner /= scale.length * lanes.at(i).cube_root;
-        }
+        let mut inner = match lanes {
+            Lanes::Own => {
+                let (mut starts, mut roots) = ([f64::NAN; BLOCK], [0.0; BLOCK]);
+                for (root, delta) in roots.iter_mut().zip(interference) {
+                    *root = (delta - self.last.interference).max(0.0).sqrt();
+                }
+                self.starts.values(&roots[..count], &mut starts[..count]);
+                let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
+                self.bridges(|_| (1.0, self.last), start, interference, out)
+            }
+            Lanes::Each(lanes) => {
+                let of = |i: usize| {
+                    let ratio = lanes.at(i).ratio;
+                    (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
+                };
+                self.bridges(of, |_| None, interference, out)
+            }
+        };
+        let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else { return };
         let mut solid = Responses::default();
-        let Responses { adhesion, area: radius, .. } = &mut solid;
-        elastic::contact(|i| &lanes.at(i).elastic, &inner[..count], adhesion, radius, stats);
-        lanes.scale_contacts(&scale, count, &mut solid);
+        match lanes {
+            Lanes::Own => contact.evaluate(lanes, &inner[..count], &mut solid, stats),
+            Lanes::Each(each) => {
+                for (i, inner) in inner[..count].iter_mut().enumerate() {
+                    *inner /= scale.length * each.at(i).cube_root;
+                }
+                let (mut radius, adhesion) = ([0.0; BLOCK], &mut solid.adhesion);
+                elastic::contact(|i| &each.at(i).elastic, &inner[..count], adhesion, &mut radius, stats);
+                lanes.scale_contacts(&scale, &radius[..count], &mut solid);
+            }
+        }
         Self::add(out, &solid, count);
     }
 }

@@ -21,13 +21,14 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
-use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::{InnerState, LawParameters};
 use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The law `emd`.
@@ -90,17 +91,41 @@ impl Attraction {
         }
         Ok(Self { emd: Arc::new(emd), scale, path, thickness, inner_state })
     }
+
+    /// s_δ of an asperity, m.
+    fn length(&self, lane: Option<&Lane>) -> f64 {
+        lane.map_or(self.scale.length, |lane| self.scale.length * lane.cube_root)
+    }
+
+    fn is_held(&self) -> bool {
+        self.inner_state == InnerState::Held
+    }
 }
 
 impl Interaction for Attraction {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let place = |displacement: f64| displacement * self.scale.length - self.thickness;
-        smoothness(self.emd.noncontact_fold().map(place), self.emd.fold_behind().map(place), (lower, upper))
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
     }
 
-    fn capture(&self) -> Option<f64> {
-        let place = self.emd.capture().filter(|_| self.inner_state != InnerState::Ignored);
-        place.map(|displacement| displacement * self.scale.length - self.thickness)
+    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let (split, behind) = match lane.map(|lane| &lane.elastic) {
+            None => (self.emd.noncontact_fold(), self.emd.fold_behind()),
+            Some(elastic) => match elastic.inner_fold().filter(|_| self.is_held()) {
+                None => (elastic.noncontact_fold(self.path), None),
+                held => (held, elastic.noncontact_fold(self.path)),
+            },
+        };
+        let place = |displacement: f64| displacement * self.length(lane) - self.thickness;
+        smoothness(split.map(place), behind.map(place), within)
+    }
+
+    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
+        let fold = match lane.map(|lane| &lane.elastic) {
+            None => self.emd.capture(),
+            Some(elastic) => elastic.inner_fold().and(elastic.outer_fold()),
+        };
+        let displacement = fold.filter(|_| self.inner_state != InnerState::Ignored)?;
+        Some(displacement * self.length(lane) - self.thickness)
     }
 
     fn unstable_work(&self) -> f64 {
@@ -114,88 +139,40 @@ impl Interaction for Attraction {
         Method::Noncontact { far: self.emd.far().map(|far| far * self.scale.length - self.thickness) }
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let inverse = 1.0 / self.scale.length;
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let count = interference.len();
-        let mut displacements = [0.0; BLOCK];
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (displacement, &delta) in displacements.iter_mut().zip(interference) {
-                    *displacement = (delta + self.thickness) * inverse;
-                }
-                self.emd.noncontact_block(&mut displacements[..count], &mut out.adhesion, stats);
-                out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
-                out.contact[..count].fill(0.0);
-                out.area[..count].fill(0.0);
-            },
-        );
-    }
-}
-
-impl PartOfRadii for Attraction {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
-    }
-
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let length = self.scale.length * lane.cube_root;
-        let place = |displacement: f64| displacement * length - self.thickness;
-        let (fold, held) = (lane.elastic.noncontact_fold(self.path), lane.elastic.inner_fold());
-        let (split, behind) =
-            if self.inner_state == InnerState::Held && held.is_some() { (held, fold) } else { (fold, None) };
-        smoothness(split.map(place), behind.map(place), (lower, upper))
-    }
-
-    fn capture_of(&self, lane: &Lane) -> Option<f64> {
-        let fold = lane.elastic.inner_fold().and(lane.elastic.outer_fold());
-        let displacement = fold.filter(|_| self.inner_state != InnerState::Ignored)?;
-        Some(displacement * (self.scale.length * lane.cube_root) - self.thickness)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let count = interference.len();
-        let per_spacing = 1.0 / self.scale.equilibrium_spacing();
-        let inverse = 1.0 / self.scale.length;
+        let Responses { adhesion, contact, area } = out;
+        area[..count].fill(0.0);
         // Where there is no load, its memory has the displacements.
-        let displacements = &mut out.contact[..count];
-        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
-            *displacement = (delta + self.thickness) * (inverse * lanes.at(i).per_cube_root);
+        let displacements = &mut contact[..count];
+        match lanes {
+            Lanes::Own => InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    lanes.displacements(&self.scale, self.thickness, interference, displacements);
+                    self.emd.noncontact_block(displacements, adhesion, stats);
+                    adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
+                },
+            ),
+            Lanes::Each(each) => {
+                lanes.displacements(&self.scale, self.thickness, interference, displacements);
+                let per_spacing = 1.0 / self.scale.equilibrium_spacing();
+                let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
+                let displacements = (&*displacements, self.is_held());
+                elastic::noncontact(|i| &each.at(i).elastic, gap, displacements, adhesion, stats);
+                for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {
+                    *adhesion *= self.scale.force * each.at(i).ratio;
+                }
+            }
         }
-        let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
-        elastic::noncontact(
-            |i| &lanes.at(i).elastic,
-            gap,
-            (displacements, self.inner_state == InnerState::Held),
-            &mut out.adhesion,
-            stats,
-        );
-        for (i, adhesion) in out.adhesion[..count].iter_mut().enumerate() {
-            *adhesion *= self.scale.force * lanes.at(i).ratio;
-        }
-        out.contact[..count].fill(0.0);
-        out.area[..count].fill(0.0);
+        contact[..count].fill(0.0);
     }
 }
 
 /// Of the attraction within an interval, m: it may be left there for another branch at the end of one, which is a fold, or
 /// for the outer branch, whose fold is `behind`.
-fn smoothness(
-    split: Option<f64>,
-    behind: Option<f64>,
-    (lower, upper): (f64, f64),
-) -> (Vec<f64>, Vec<Smoothness>) {
-    let Some(place) = split.filter(|place| lower < *place && *place < upper) else {
+fn smoothness(split: Option<f64>, behind: Option<f64>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    let Some(place) = split.filter(|place| within.start < *place && *place < within.end) else {
         return (Vec::new(), vec![Smoothness::Smooth]);
     };
     let root = |end, place| Smoothness::Root { end, place, order: 2 };

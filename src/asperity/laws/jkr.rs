@@ -25,7 +25,8 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place, Similarity};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
+use std::ops::Range;
 
 /// The law `jkr`.
 ///
@@ -118,16 +119,14 @@ impl JkrContact {
 }
 
 impl Interaction for JkrContact {
-    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place: self.end(), order: 2 }])
+    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let own = self.end();
+        let place = lane.map_or(own, |lane| Similarity::new(LENGTH, 0.0).interference(own, lane));
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
     fn method(&self) -> Method {
         Method::Contact
-    }
-
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
     }
 
     fn unstable_work(&self) -> f64 {
@@ -135,39 +134,13 @@ impl Interaction for JkrContact {
         0.4 * end * end * self.scale.energy()
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let inverse = 1.0 / self.scale.length;
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let (lowest, count) = (self.branch.anchor().displacement, interference.len());
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (displacement, &delta) in displacements.iter_mut().zip(interference) {
-            *displacement = (delta * inverse).max(lowest);
-        }
-        self.branch.solve_block(&displacements[..count], &mut out.adhesion, &mut radius, stats);
-        out.scale_contacts(&self.scale, &radius[..count]);
-    }
-}
-
-impl PartOfRadii for JkrContact {
-    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let place = Similarity::new(LENGTH, 0.0).interference(self.end(), lane);
-        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let (lowest, count) = (self.branch.anchor().displacement, interference.len());
-        let inverse = 1.0 / self.scale.length;
-        let Responses { adhesion, contact: displacements, area: radius } = &mut *out;
-        let displacements = &mut displacements[..count];
-        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
-            *displacement = (delta * (inverse * lanes.at(i).per_cube_root)).max(lowest);
-        }
-        self.branch.solve_block(displacements, adhesion, radius, stats);
-        lanes.scale_contacts(&self.scale, count, out);
+        let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
+        lanes.displacements(&self.scale, 0.0, interference, displacements);
+        displacements.iter_mut().for_each(|displacement| *displacement = displacement.max(lowest));
+        self.branch.solve_block(displacements, &mut out.adhesion, radius, stats);
+        lanes.scale_contacts(&self.scale, radius, out);
     }
 }

@@ -18,8 +18,9 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The law `md`.
@@ -72,71 +73,44 @@ impl MaugisContact {
 }
 
 impl Interaction for MaugisContact {
-    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (
-            Vec::new(),
-            vec![Smoothness::Root {
-                end: End::Lower,
-                place: self.emd.contact_fold() * self.scale.length,
-                order: 2,
-            }],
-        )
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
+    }
+
+    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let place = match lane {
+            None => self.emd.contact_fold() * self.scale.length,
+            Some(lane) => lane.elastic.contact_fold() * (self.scale.length * lane.cube_root),
+        };
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
     fn method(&self) -> Method {
         Method::Contact
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
     fn unstable_work(&self) -> f64 {
         self.emd.unstable_work() * self.scale.energy()
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let inverse = 1.0 / self.scale.length;
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let count = interference.len();
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (displacement, &delta) in displacements.iter_mut().zip(interference) {
-                    *displacement = delta * inverse;
-                }
-                self.emd.contact_block(&mut displacements[..count], &mut out.adhesion, &mut radius, stats);
-                out.scale_contacts(&self.scale, &radius[..count]);
-            },
-        );
-    }
-}
-
-impl PartOfRadii for MaugisContact {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
-    }
-
-    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let place = lane.elastic.contact_fold() * (self.scale.length * lane.cube_root);
-        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let count = interference.len();
-        let inverse = 1.0 / self.scale.length;
-        let Responses { adhesion, contact: displacements, area: radius } = &mut *out;
-        let displacements = &mut displacements[..count];
-        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
-            *displacement = delta * (inverse * lanes.at(i).per_cube_root);
+        let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
+        match lanes {
+            Lanes::Own => InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    lanes.displacements(&self.scale, 0.0, interference, displacements);
+                    self.emd.contact_block(displacements, &mut out.adhesion, radius, stats);
+                    lanes.scale_contacts(&self.scale, radius, out);
+                },
+            ),
+            Lanes::Each(each) => {
+                lanes.displacements(&self.scale, 0.0, interference, displacements);
+                elastic::contact(|i| &each.at(i).elastic, displacements, &mut out.adhesion, radius, stats);
+                lanes.scale_contacts(&self.scale, radius, out);
+            }
         }
-        elastic::contact(|i| &lanes.at(i).elastic, displacements, adhesion, radius, stats);
-        lanes.scale_contacts(&self.scale, count, out);
     }
 }

@@ -24,9 +24,10 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// The law `md_kim`.
 ///
@@ -92,14 +93,14 @@ impl ConstantStress {
     }
 
     /// From where it acts it varies like a root.
-    fn smoothness_in(zone: Zone, length: f64, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+    fn smoothness_in(zone: Zone, length: f64, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         let root = Smoothness::Root { end: End::Lower, place: zone.fold * length, order: 2 };
         let begin = zone.begin * length;
         // Where contact begins at once, the two places are one but for rounding.
         let rounding = 1e-14 * begin.abs();
         match begin {
-            begin if begin <= lower => (Vec::new(), vec![root]),
-            begin if begin + rounding < upper => (vec![begin], vec![Smoothness::Smooth, root]),
+            begin if begin <= within.start => (Vec::new(), vec![root]),
+            begin if begin + rounding < within.end => (vec![begin], vec![Smoothness::Smooth, root]),
             _ => (Vec::new(), vec![Smoothness::Smooth]),
         }
     }
@@ -115,15 +116,23 @@ impl Zone {
 }
 
 impl Interaction for ConstantStress {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        Self::smoothness_in(self.zone(self.scale.lambda), self.scale.length, lower, upper)
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
+    }
+
+    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let (zone, length) = match lane {
+            None => (self.zone(self.scale.lambda), self.scale.length),
+            Some(lane) => (self.zone(lane.elastic.lambda), self.scale.length * lane.cube_root),
+        };
+        Self::smoothness_in(zone, length, within)
     }
 
     fn method(&self) -> Method {
         Method::ClosedForm
     }
 
-    fn capture(&self) -> Option<f64> {
+    fn capture(&self, _: Option<&Lane>) -> Option<f64> {
         Some(self.onset())
     }
 
@@ -135,50 +144,27 @@ impl Interaction for ConstantStress {
         0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0) * self.scale.energy()
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let (zone, per_length) = (self.zone(self.scale.lambda), 1.0 / self.scale.length);
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (adhesion, delta) in out.adhesion.iter_mut().zip(interference) {
-                    *adhesion = self.scale.force * zone.adhesion(delta * per_length);
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let forces = out.adhesion.iter_mut().zip(interference);
+        match lanes {
+            Lanes::Own => {
+                let (zone, per_length) = (self.zone(self.scale.lambda), 1.0 / self.scale.length);
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        for (adhesion, delta) in forces {
+                            *adhesion = self.scale.force * zone.adhesion(delta * per_length);
+                        }
+                    },
+                );
+            }
+            Lanes::Each(lanes) => {
+                for (i, (adhesion, delta)) in forces.enumerate() {
+                    let Lane { ratio, cube_root, elastic, .. } = lanes.at(i);
+                    let displacement = delta / (self.scale.length * cube_root);
+                    *adhesion = self.scale.force * ratio * self.zone(elastic.lambda).adhesion(displacement);
                 }
-            },
-        );
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
-    }
-}
-
-impl PartOfRadii for ConstantStress {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
-    }
-
-    fn capture_of(&self, _: &Lane) -> Option<f64> {
-        Some(self.onset())
-    }
-
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let length = self.scale.length * lane.cube_root;
-        Self::smoothness_in(self.zone(lane.elastic.lambda), length, lower, upper)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        for (i, delta) in interference.iter().enumerate() {
-            let Lane { ratio, cube_root, elastic, .. } = lanes.at(i);
-            let displacement = delta / (self.scale.length * cube_root);
-            out.adhesion[i] = self.scale.force * ratio * self.zone(elastic.lambda).adhesion(displacement);
+            }
         }
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);

@@ -33,16 +33,17 @@
 use super::{emd, jg, kogut_etsion, tn, zmc};
 use crate::asperity::error::LawError;
 use crate::asperity::flattened::{Around, Flattened, State};
-use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
+use crate::asperity::law::{End, Law, Method, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::radius::{Lane, Lanes, Numbered, Place};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Piecewise, leading};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Steps of the search for a state at most. Most take six.
@@ -189,14 +190,14 @@ impl Flow {
 
     /// The states of asperities at ω/s_δ in a regime of the plastic contact; zones are searched for from those that there
     /// are.
-    fn states(&self, regime: usize, lanes: Lanes<'_>, places: &[f64], out: &mut [State]) {
+    fn states(&self, regime: usize, lanes: Numbered<'_>, places: &[f64], out: &mut [State]) {
         let mut interference = [0.0; TOGETHER];
         let interference = &mut interference[..places.len()];
         interference.iter_mut().zip(places).for_each(|(own, place)| *own = place * self.around.scale.length);
         BARE.with_borrow_mut(|bare| {
             if regime > self.onset {
-                let law = self.law.of_radii().expect("plastic contacts follow the radius");
-                law.evaluate_lanes(regime, lanes, interference, bare, &mut SolverStats::default());
+                let (lanes, stats) = (Lanes::Each(lanes), &mut SolverStats::default());
+                self.law.evaluate(regime, lanes, interference, bare, stats);
             }
             self.adhesive_states(regime, (lanes, bare), places, out);
         });
@@ -207,7 +208,7 @@ impl Flow {
     fn adhesive_states(
         &self,
         regime: usize,
-        (lanes, bare): (Lanes<'_>, &Responses),
+        (lanes, bare): (Numbered<'_>, &Responses),
         places: &[f64],
         out: &mut [State],
     ) {
@@ -227,7 +228,7 @@ impl Flow {
     /// The state of one asperity at ω/s_δ.
     fn state(&self, regime: usize, lane: &Lane, place: f64) -> State {
         let mut state = [State::default()];
-        self.states(regime, Lanes::new(std::slice::from_ref(lane), &[0]), &[place], &mut state);
+        self.states(regime, Numbered::alike(std::array::from_ref(lane)), &[place], &mut state);
         state[0]
     }
 
@@ -297,7 +298,7 @@ impl Flow {
     fn solve(
         &self,
         regime: usize,
-        lanes: Lanes<'_>,
+        lanes: Numbered<'_>,
         interference: &[f64],
         (begin, out): (usize, &mut Responses),
         stats: &mut SolverStats,
@@ -316,7 +317,7 @@ impl Flow {
     fn solve_few(
         &self,
         regime: usize,
-        lanes: Lanes<'_>,
+        lanes: Numbered<'_>,
         interference: &[f64],
         stats: &mut SolverStats,
     ) -> [State; TOGETHER] {
@@ -391,7 +392,7 @@ impl Tables {
         let forces = |delta: f64| {
             let solve = || {
                 let stats = &mut SolverStats::default();
-                flow.around.forces(&flow.solve_few(regime, Lanes::new(&lane, &[0]), &[delta], stats)[0])
+                flow.around.forces(&flow.solve_few(regime, Numbered::alike(&lane), &[delta], stats)[0])
             };
             *known.borrow_mut().entry(delta.to_bits()).or_insert_with(solve)
         };
@@ -444,19 +445,33 @@ impl Flowing {
 }
 
 impl Interaction for Flowing {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        self.smoothness_of(&self.exact.lane(), lower, upper)
+    fn lambda(&self) -> Option<f64> {
+        self.exact.lambda()
+    }
+
+    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+        let (flow, regime, own) = (&self.exact, self.regime, self.exact.lane());
+        let lane = lane.unwrap_or(&own);
+        // ω is proportional to the radius.
+        let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
+        let kink = kink.map(|kink| kink * flow.around.scale.length);
+        let kink = kink.filter(|kink| within.start < *kink && *kink < within.end);
+        let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
+            let place = within.start.min(fold * flow.around.scale.length);
+            Smoothness::Root { end: End::Lower, place, order: 2 }
+        });
+        let smoothness = std::iter::once(first).chain(kink.map(|_| Smoothness::Smooth)).collect();
+        (kink.into_iter().collect(), smoothness)
     }
 
     fn method(&self) -> Method {
         Method::Contact
     }
 
-    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
-        Some(self)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        if let Lanes::Each(lanes) = lanes {
+            return self.fast.solve(self.regime, lanes, interference, (0, out), stats);
+        }
         let kink = self.capped.map_or(f64::NEG_INFINITY, |[_, kink]| kink);
         let mut begin = 0;
         while begin < interference.len() {
@@ -469,42 +484,10 @@ impl Interaction for Flowing {
                 || self.tables[usize::from(is_beyond)].read(run, begin, out),
             );
             if !has_all {
-                const ALIKE: [u32; BLOCK] = [0; BLOCK];
                 let lane = [self.exact.lane()];
-                let lanes = Lanes::new(&lane, &ALIKE[..run.len()]);
-                self.exact.solve(self.regime, lanes, run, (begin, out), stats);
+                self.exact.solve(self.regime, Numbered::alike(&lane), run, (begin, out), stats);
             }
             begin += run.len();
         }
-    }
-}
-
-impl PartOfRadii for Flowing {
-    fn lambda(&self) -> Option<f64> {
-        self.exact.lambda()
-    }
-
-    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let (flow, regime) = (&self.exact, self.regime);
-        // ω is proportional to the radius.
-        let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
-        let kink =
-            kink.map(|kink| kink * flow.around.scale.length).filter(|kink| lower < *kink && *kink < upper);
-        let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
-            let place = lower.min(fold * flow.around.scale.length);
-            Smoothness::Root { end: End::Lower, place, order: 2 }
-        });
-        let smoothness = std::iter::once(first).chain(kink.map(|_| Smoothness::Smooth)).collect();
-        (kink.into_iter().collect(), smoothness)
-    }
-
-    fn evaluate_lanes(
-        &self,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        self.fast.solve(self.regime, lanes, interference, (0, out), stats);
     }
 }

@@ -103,7 +103,7 @@ impl MomentMatrix {
         if periods(surface, step) + separations.len() as f64 > MOST_PERIODS {
             return Err(Unfit::TooFine(step / surface.heights.std));
         }
-        let pieces = law.pieces();
+        let pieces = law.pieces(None);
         let geometry = Geometry::new(&pieces, separations[0], step, separations.len(), reach(surface));
         let offsets: Vec<Offset> =
             geometry.offsets().map(|j| Offset::new(law, &pieces, &geometry, j, tolerance)).collect();

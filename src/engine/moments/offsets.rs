@@ -2,7 +2,7 @@
 
 use super::geometry::Geometry;
 use super::lanes::{DEGREE, TERMS};
-use crate::asperity::{BLOCK, Law, Piece, Responses, SolverStats};
+use crate::asperity::{BLOCK, Lanes, Law, Piece, Responses, SolverStats};
 use crate::math::chebyshev;
 
 /// Nodes of an interpolant: more than terms, so that its tail shows how fast it converges.
@@ -107,7 +107,7 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
         *node = (middle - half * libm::cos(chebyshev::angle(i, NODES))).clamp(low, high);
     }
     let (mut responses, mut stats) = (Responses::default(), SolverStats::default());
-    law.evaluate(piece.regime, &nodes[..NODES], &mut responses, &mut stats);
+    law.evaluate(piece.regime, Lanes::Own, &nodes[..NODES], &mut responses, &mut stats);
     let samples = [&responses.adhesion, &responses.contact, &responses.area].map(|values| &values[..NODES]);
     let largest = samples.map(|values| values.iter().fold(0.0, |most: f64, value| most.max(value.abs())));
     // Forces are judged by the larger of both: their difference is what counts.

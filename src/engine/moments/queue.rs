@@ -2,7 +2,7 @@
 
 use super::binned::Binned;
 use super::matrix::MomentMatrix;
-use crate::asperity::{BLOCK, Law, Responses, SolverStats};
+use crate::asperity::{BLOCK, Lanes, Law, Responses, SolverStats};
 use std::ops::Range;
 
 /// Places in a segment by which asperities are put in order before they are solved.
@@ -83,7 +83,7 @@ impl Queue {
         mut add: impl FnMut(usize, [f64; 3]),
     ) {
         for (block, separations) in self.interference.chunks(BLOCK).zip(self.separations.chunks(BLOCK)) {
-            law.evaluate(regime, block, &mut self.responses, stats);
+            law.evaluate(regime, Lanes::Own, block, &mut self.responses, stats);
             let Responses { adhesion, contact, area } = &*self.responses;
             for (i, k) in separations.iter().enumerate() {
                 add(*k as usize, [adhesion[i], contact[i], area[i]]);

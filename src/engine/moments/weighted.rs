@@ -9,7 +9,7 @@
 use super::lanes::{Lanes, TERMS};
 use super::matrix::MomentMatrix;
 use super::offsets::Offset;
-use crate::asperity::{BLOCK, Law, Responses, Scratch, SolverStats, for_each_block};
+use crate::asperity::{self, BLOCK, Law, Responses, Scratch, SolverStats, for_each_block};
 use std::ops::Range;
 
 /// Interferences of one regime with weights, and what else is needed to solve them.
@@ -70,7 +70,7 @@ impl Weighted {
     fn solve(&mut self, law: &dyn Law, regime: usize, stats: &mut SolverStats) -> f64 {
         let mut force = 0.0;
         for (interference, weights) in self.interference.chunks(BLOCK).zip(self.weights.chunks(BLOCK)) {
-            law.evaluate(regime, interference, &mut self.responses, stats);
+            law.evaluate(regime, asperity::Lanes::Own, interference, &mut self.responses, stats);
             let external = self.responses.contact.iter().zip(&self.responses.adhesion).map(|(p, a)| p - a);
             force += external.zip(weights).map(|(external, weight)| weight * external).sum::<f64>();
         }

@@ -48,7 +48,7 @@ impl Pairs {
         sums: &mut [f64],
     ) {
         let Asperities { family, heights, lanes, ends, .. } = asperities;
-        let law = family.lanes();
+        let law = family.shared();
         self.lists.resize_with(family.regimes() + 1, Default::default);
         for List { which, places } in &mut self.lists {
             which.clear();
@@ -67,13 +67,7 @@ impl Pairs {
             for (which, places) in which.chunks(BLOCK).zip(places.chunks(BLOCK)) {
                 let interference = &mut self.interference[..which.len()];
                 interference.iter_mut().zip(places).for_each(|(delta, (own, _))| *delta = *own);
-                law.evaluate_lanes(
-                    regime,
-                    Lanes::new(lanes, which),
-                    interference,
-                    &mut self.responses,
-                    stats,
-                );
+                law.evaluate(regime, Lanes::new(lanes, which), interference, &mut self.responses, stats);
                 for (lane, (_, sum)) in places.iter().enumerate() {
                     let load = if touches { self.responses.contact[lane] } else { 0.0 };
                     sums[*sum as usize] += load - self.responses.adhesion[lane];

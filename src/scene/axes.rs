@@ -277,9 +277,8 @@ fn values(key: &Sweepable, entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
     }
     let table = entry.table()?;
     let end = |name: &str| table.require(name).and_then(|end| key.read(&end));
-    let spacing = table.optional("spacing", |entry| entry.choice("spacing", &SPACINGS));
-    let (from, to, count, spacing) = (end("from"), end("to"), length(entry), spacing).together()?;
-    let logarithmic = spacing.unwrap_or(false);
+    let spacing = table.value("spacing").choice("spacing", &SPACINGS);
+    let (from, to, count, logarithmic) = (end("from"), end("to"), length(entry), spacing).together()?;
     if logarithmic && !(from > 0.0 && to > 0.0) {
         return Err(entry.wrong("spacing = \"log\" needs ends that are greater than 0"));
     }

@@ -1,6 +1,6 @@
 //! Forces between the mean planes of a scene's surfaces: `[van_der_waals]` and `[electrostatic]`.
 
-use super::choices::{CAP_SHARE, CAP_SHARES, RETARDATION_WAVELENGTH};
+use super::choices::CAP_SHARES;
 use super::error::{SceneError, Together, all};
 use super::reader::{Entry, Section};
 use crate::asperity::models::Model;
@@ -120,17 +120,15 @@ impl<'a> BackgroundSections<'a> {
 }
 
 fn van_der_waals(section: &Section<'_>) -> Result<VanDerWaalsTable, SceneError> {
-    let retarded = section.optional("retarded", Entry::boolean);
-    let wavelength = section.optional("retardation_wavelength", |entry| match &retarded {
-        Ok(Some(true)) | Err(_) => entry.measured(),
-        Ok(_) => Err(entry.wrong("needs retarded = true; without retardation there is no wavelength")),
-    });
-    let cap_share = section.optional("cap_share", |entry| {
-        let share = entry.number()?;
-        match CAP_SHARES.contains(&share) {
-            true => Ok(share),
-            false => Err(entry.wrong("a share of the nominal area is greater than 0 and at most 1")),
-        }
+    let retarded = section.value("retarded").boolean();
+    let wavelength = match section.get("retardation_wavelength").filter(|_| retarded == Ok(false)) {
+        None => section.value("retardation_wavelength").measured(),
+        Some(entry) => Err(entry.wrong("needs retarded = true; without retardation there is no wavelength")),
+    };
+    let given_share = section.value("cap_share");
+    let cap_share = given_share.number().and_then(|share| match CAP_SHARES.contains(&share) {
+        true => Ok(share),
+        false => Err(given_share.wrong("a share of the nominal area is greater than 0 and at most 1")),
     });
     let readings = (
         section.optional("hamaker_constant", Entry::measured),
@@ -139,8 +137,7 @@ fn van_der_waals(section: &Section<'_>) -> Result<VanDerWaalsTable, SceneError> 
         cap_share,
     );
     let (hamaker_constant, (retarded, wavelength), smallest_gap, cap_share) = readings.together()?;
-    let wavelength = retarded.unwrap_or(false).then(|| wavelength.unwrap_or(RETARDATION_WAVELENGTH));
-    let cap_share = cap_share.unwrap_or(CAP_SHARE);
+    let wavelength = retarded.then_some(wavelength);
     Ok(VanDerWaalsTable { hamaker_constant, wavelength, smallest_gap, cap_share })
 }
 
@@ -148,14 +145,14 @@ fn electrostatic(section: &Section<'_>) -> Result<Electrostatic, SceneError> {
     let dielectric = layers(section);
     let readings = (
         section.measured("voltage"),
-        section.optional("contact_potential", Entry::measured),
-        section.optional("recess", Entry::measured),
+        section.value("contact_potential").measured(),
+        section.value("recess").measured(),
         dielectric,
     );
     let (voltage, contact_potential, recess, dielectric) = readings.together()?;
     Ok(Electrostatic {
-        voltage: voltage + contact_potential.unwrap_or(0.0),
-        dielectric: dielectric + recess.unwrap_or(0.0),
+        voltage: voltage + contact_potential,
+        dielectric: dielectric + recess,
     })
 }
 

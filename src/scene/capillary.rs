@@ -8,8 +8,6 @@ use toml::de::DeValue;
 
 /// Names of liquids whose properties are known.
 pub(super) const LIQUIDS: [(&str, ()); 1] = [("water", ())];
-/// The temperature unless a scene gives one, K.
-pub(super) const TEMPERATURE: f64 = 293.15;
 
 /// The liquid of the table `[capillary]`.
 pub(super) struct CapillaryTable {
@@ -29,12 +27,11 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
     let Some(section) = root.section("capillary", false)? else { return Ok(None) };
     let angles =
         section.require("contact_angles").and_then(|entry| angles(&entry).map(|angles| (entry, angles)));
-    let volume = section.optional("volume", |entry| entry.choice("volume", &Volume::ALL));
-    let bridges = section.optional("bridges", |entry| entry.choice("bridges", &Bridges::ALL));
+    let volume = section.value("volume").choice("volume", &Volume::ALL);
+    let bridges = section.value("bridges").choice("bridges", &Bridges::ALL);
     let with = equilibrium(&section).and_then(|with| Ok((liquid(&section, &with)?, with)));
     let readings = (with, films(&section), angles, volume, bridges).together()?;
     let ((liquid, with), films, (entry, angles), volume, bridges) = readings;
-    let (volume, bridges) = (volume.unwrap_or_default(), bridges.unwrap_or_default());
     if volume == Volume::Constant
         && let Some(given) = section.get("volume")
     {
@@ -53,7 +50,7 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
         return Err(entry
             .wrong("a film lies on a face that the liquid wets: 0 deg is the angle of each face with one"));
     }
-    let drains = section.optional("film_drains", |entry| entry.boolean())?;
+    let drains = section.value("film_drains").boolean()?;
     let meniscus = match (with, films) {
         (Equilibrium::Vapour(humidity), films) => {
             if let Some(entry) = section.get("film_drains") {
@@ -78,7 +75,7 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
         _ => entry.wrong(&error.to_string()),
     })?;
     let film = meniscus.film.filter(|_| section.get("film_thickness").is_some());
-    let draining_film = film.filter(|_| drains.unwrap_or(true)).map(|film| film.thickness);
+    let draining_film = film.filter(|_| drains).map(|film| film.thickness);
     Ok(Some(CapillaryTable { meniscus: Meniscus { volume, bridges, ..meniscus }, draining_film }))
 }
 
@@ -116,7 +113,7 @@ fn films(section: &Section<'_>) -> Result<Option<(u8, f64)>, SceneError> {
 
 /// The liquid: one that is known, or one of a surface tension and a molar volume, which nothing depends on without vapour.
 fn liquid(section: &Section<'_>, with: &Equilibrium) -> Result<Liquid, SceneError> {
-    let temperature = section.optional("temperature", |entry| entry.measured());
+    let temperature = section.value("temperature").measured();
     let own = ["surface_tension", "molar_volume"];
     if let Some(given) = own.iter().find_map(|key| section.get(key)) {
         if section.get("liquid").is_some() {
@@ -131,12 +128,12 @@ fn liquid(section: &Section<'_>, with: &Equilibrium) -> Result<Liquid, SceneErro
         };
         let (temperature, tension, volume) =
             (temperature, section.measured("surface_tension"), volume).together()?;
-        return Liquid::new(tension, volume, temperature.unwrap_or(TEMPERATURE))
+        return Liquid::new(tension, volume, temperature)
             .map_err(|error| SceneError::general(error.to_string()));
     }
-    let known = section.optional("liquid", |entry| entry.choice("liquid", &LIQUIDS));
+    let known = section.value("liquid").choice("liquid", &LIQUIDS);
     let (temperature, _) = (temperature, known).together()?;
-    Liquid::water(temperature.unwrap_or(TEMPERATURE)).map_err(|error| match section.get("temperature") {
+    Liquid::water(temperature).map_err(|error| match section.get("temperature") {
         Some(entry) => entry.wrong(&error.to_string()),
         None => SceneError::general(error.to_string()),
     })

@@ -11,8 +11,6 @@ pub(super) const FORMAT: u64 = 1;
 /// Tolerances of sums by moments that make sense: below, the rounding of a solve is larger; above, nothing
 /// gets faster.
 pub(super) const SUM_TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
-/// The tolerance of sums by moments unless a scene gives one.
-pub(super) const SUM_TOLERANCE: f64 = 1e-9;
 
 /// Ways of summing; whether by moments.
 pub(super) const SUMS: [(&str, bool); 2] = [("direct", false), ("moments", true)];
@@ -70,11 +68,6 @@ pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
 
 /// Shares of the nominal area that caps of asperities may have.
 pub(super) const CAP_SHARES: (Bound<f64>, Bound<f64>) = (Bound::Excluded(0.0), Bound::Included(1.0));
-/// The share of caps unless a scene gives one: with it the sum over asperities and background is within a tenth
-/// of Derjaguin's approximation for the whole of a Gaussian surface.
-pub(super) const CAP_SHARE: f64 = 0.75;
-/// Wavelength of the retardation, m, unless a scene gives one (Gregory 1981).
-pub(super) const RETARDATION_WAVELENGTH: f64 = 100e-9;
 /// Relative permittivities of dielectrics.
 pub(super) const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0), Bound::Unbounded);
 

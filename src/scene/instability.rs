@@ -56,7 +56,7 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
         return Ok(InstabilityTable::default());
     };
     let stiffness = section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness, spring));
-    let smallest_snap = section.optional("smallest_snap", |entry| entry.measured());
+    let smallest_snap = section.value("smallest_snap").measured();
     let preload = section.optional("preload", |preload| {
         if !cycle {
             return Err(
@@ -69,7 +69,7 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     Ok(InstabilityTable {
         stiffness,
         preload: preload.unwrap_or_default(),
-        smallest_snap: smallest_snap.unwrap_or_default(),
+        smallest_snap,
     })
 }
 

@@ -1,7 +1,11 @@
 //! Keys of scenes by their names, and by what people write in their place.
 
-use super::keys::Key;
+use super::keys::{Absent, Key};
 use super::table::KEYS;
+use std::collections::HashMap;
+use std::sync::LazyLock;
+use toml::Spanned;
+use toml::de::DeValue;
 
 /// Longest name, in bytes, that is compared with the known ones.
 const LONGEST_NAME: usize = 100;
@@ -36,6 +40,23 @@ const FORMER_VALUES: [(&str, &str); 2] = [
     ("compressed", "is now \"moments\""),
     ("fit:refit", "has gone: fit:paper has the published fits, hybrid solves what they are fitted to"),
 ];
+
+/// A value as it is written behind the `=`, and as it is read.
+type Default = (&'static str, Spanned<DeValue<'static>>);
+
+/// Defaults of keys by their dotted names.
+static DEFAULTS: LazyLock<HashMap<&str, Default>> = LazyLock::new(|| {
+    let with = KEYS.iter().filter_map(|key| match key.absent {
+        Absent::Is(text) => Some((key.name, (text, DeValue::parse(text).expect("defaults are TOML")))),
+        _ => None,
+    });
+    with.collect()
+});
+
+/// The default of a key by its dotted name, as it is written and as it is read.
+pub(super) fn default(name: &str) -> Option<(&'static str, &'static Spanned<DeValue<'static>>)> {
+    DEFAULTS.get(tabled(name).as_str()).map(|(text, value)| (*text, value))
+}
 
 /// The key that a table had under another name in earlier versions.
 pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {

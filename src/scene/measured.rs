@@ -19,16 +19,15 @@ pub(super) fn measured(
     let others = section.excluded("asperities", "follows from the measured asperities; give either");
     let table = entry.table()?;
     let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
-    let whole = table.optional("sample", |sample| sample.choice("sample", &SAMPLES));
-    let is_equivalent = table.optional("radius", |radius| radius.choice("radius", &MEASURED_RADII));
+    let whole = table.value("sample").choice("sample", &SAMPLES);
+    let is_equivalent = table.value("radius").choice("radius", &MEASURED_RADII);
     let area = section.optional("nominal_area", |area| area.measured());
     let offset = section.optional("mean_plane_offset", |entry| entry.measured());
     let readings = (others, path, (whole, is_equivalent).together(), area, offset, count(section));
     let (_, (path, name), (whole, is_equivalent), given_area, offset, count_law) = readings.together()?;
-    let whole = whole.unwrap_or(false);
     let Measured { heights, radii, equivalent_radii, positions, extent, nominal_area, surface_height_std } =
         files.asperities(name).map_err(|problem| path.wrong(&problem))?;
-    let radii = match (equivalent_radii, is_equivalent.unwrap_or(false)) {
+    let radii = match (equivalent_radii, is_equivalent) {
         (Some(equivalent), true) => equivalent,
         (None, true) => {
             return Err(path.wrong(

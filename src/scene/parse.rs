@@ -2,7 +2,7 @@
 
 use super::background::BackgroundSections;
 use super::capillary::{capillary, wet};
-use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
+use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
 use super::files::Files;
@@ -28,7 +28,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
     let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
     let material = section("material").and_then(|material| Material::read(&material));
     let population = section("surface").and_then(|surface| {
-        let lubricant = surface.optional("lubricant_thickness", |entry| entry.measured());
+        let lubricant = surface.value("lubricant_thickness").measured();
         // A radius that is given is judged before the surface that follows from it.
         if let (Ok(material), Some(Ok(radius))) =
             (&material, surface.get("asperity_radius").map(|entry| entry.measured()))
@@ -62,7 +62,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
     let Population { surface, places, inputs } = population;
-    let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
+    let asperity = material.asperity(surface.asperity_radius, lubricant)?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
     let law = wet(root, law, liquid.as_ref().map(|liquid| liquid.meniscus), is_coupled)?;
     law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
@@ -160,22 +160,25 @@ fn heading(root: &Section<'_>) -> Result<String, SceneError> {
         FORMAT => Ok(()),
         _ => Err(format.wrong(&format!("this program reads scenes of format {FORMAT}"))),
     });
-    let title = root.optional("title", |title| title.string().map(str::to_owned));
-    (format, title).together().map(|((), title)| title.unwrap_or_default())
+    let title = root.value("title");
+    (format, title.string()).together().map(|((), title)| title.to_owned())
 }
 
 fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
-    let output = root.section("output", false)?;
-    output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())
+    root.section("output", false)?.map_or(Ok(false), |output| output.value("curves").boolean())
 }
 
 fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
     let Some(solver) = root.section("solver", false)? else { return Ok(None) };
-    let by_moments = solver.get("summation").map_or(Ok(false), |entry| entry.choice("summation", &SUMS))?;
-    let Some(entry) = solver.get("tolerance") else { return Ok(by_moments.then_some(SUM_TOLERANCE)) };
-    if !by_moments {
-        return Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one"));
+    if !solver.value("summation").choice("summation", &SUMS)? {
+        return match solver.get("tolerance") {
+            None => Ok(None),
+            Some(entry) => {
+                Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one"))
+            }
+        };
     }
+    let entry = solver.value("tolerance");
     let tolerance = entry.number()?;
     if !SUM_TOLERANCES.contains(&tolerance) {
         let (low, high) = (SUM_TOLERANCES.start(), SUM_TOLERANCES.end());
@@ -226,15 +229,14 @@ fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<
 
 /// The law with the plastic contact that is chosen for it.
 fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneError> {
-    let Some(entry) = section.get("plastic_contact") else { return Ok(law) };
-    let contact = entry.choice("plastic_contact", &PlasticContact::ALL)?;
-    if law.contact().is_none() {
-        return Err(entry.wrong(&format!(
+    let contact = section.value("plastic_contact").choice("plastic_contact", &PlasticContact::ALL)?;
+    match section.get("plastic_contact").filter(|_| law.contact().is_none()) {
+        None => Ok(law.with_contact(contact)),
+        Some(entry) => Err(entry.wrong(&format!(
             "the law {} has no contact to choose; law = \"{LOOP_LAW}\" takes any of them, and \"capillary\" in a liquid",
             law.name
-        )));
+        ))),
     }
-    Ok(law.with_contact(contact))
 }
 
 /// The table `[model]`: law and history.
@@ -249,8 +251,8 @@ struct ModelTable {
 impl ModelTable {
     fn read(section: &Section<'_>) -> Result<Self, SceneError> {
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
-        let history = section.optional("history", |entry| entry.choice("history", &HISTORIES));
-        let is_loop = history.as_ref().is_ok_and(|history| history.is_some_and(|(_, cycle)| cycle));
+        let history = section.value("history").choice("history", &HISTORIES);
+        let is_loop = history.as_ref().is_ok_and(|(_, cycle)| *cycle);
         let law = match section.get("law") {
             None if is_loop => Ok(model(LOOP_LAW).expect("the law of loops is one of the registry")),
             _ => section.require("law").and_then(|law| law.choice("law", &models)),
@@ -261,12 +263,11 @@ impl ModelTable {
             Err(_) => Ok(None),
         };
         let unloading = match &history {
-            Ok(history) => unloading(section, law.as_ref().ok(), history.is_some_and(|(_, cycle)| cycle)),
+            Ok((_, cycle)) => unloading(section, law.as_ref().ok(), *cycle),
             Err(_) => Ok(UnloadedRadius::default().into()),
         };
         let readings = (law, history, unloading, critical_approach);
-        let (law, history, unloading, critical_approach) = readings.together()?;
-        let (history, cycle) = history.unwrap_or((Path::Approach, false));
+        let (law, (history, cycle), unloading, critical_approach) = readings.together()?;
         Ok(Self { law, history, cycle, unloading, critical_approach })
     }
 }
@@ -281,11 +282,10 @@ struct EnsembleTable {
 
 impl EnsembleTable {
     fn read(section: &Section<'_>) -> Result<Self, SceneError> {
-        let sampling = section.optional("sampling", |entry| entry.choice("sampling", &SamplingScheme::ALL));
-        let sampling = sampling.map(Option::unwrap_or_default);
+        let sampling = section.value("sampling").choice("sampling", &SamplingScheme::ALL);
         let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
-        let seed = section.optional("seed", |entry| entry.whole());
+        let seed = section.value("seed").whole();
         let ((replicas, stopping), sampling, seed) = (replicas, sampling, seed).together()?;
-        Ok(Self { replicas, stopping, sampling, seed: seed.unwrap_or(1) })
+        Ok(Self { replicas, stopping, sampling, seed })
     }
 }

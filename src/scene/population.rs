@@ -50,7 +50,7 @@ pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Pop
 
 /// `count`: whether every replica has as many asperities.
 pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
-    section.get("count").map_or(Ok(CountLaw::Fixed), |entry| entry.choice("count", &CountLaw::ALL))
+    section.value("count").choice("count", &CountLaw::ALL)
 }
 
 /// The numbers of a surface that stand by themselves, SI.
@@ -200,7 +200,7 @@ fn heights(
     files: &dyn Files,
     inputs: &mut Vec<Input>,
 ) -> Result<(HeightLaw, Option<f64>), SceneError> {
-    let Some(entry) = section.get("heights") else { return Ok((HeightLaw::Gaussian, None)) };
+    let entry = section.value("heights");
     let (name, table) = law(&entry)?;
     let table = table.as_ref();
     let chosen = name.choice("law of heights", &HEIGHT_LAWS)?;
@@ -259,7 +259,7 @@ fn centred(values: Vec<f64>) -> Heights {
 
 /// `radii`.
 fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> Result<Radii, SceneError> {
-    let Some(entry) = section.get("radii") else { return Ok(Radii::Common) };
+    let entry = section.value("radii");
     let (name, table) = law(&entry)?;
     let table = table.as_ref();
     let chosen = name.choice("law of radii", &RADIUS_LAWS)?;

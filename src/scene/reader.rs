@@ -3,7 +3,7 @@
 use super::echo::{one_line, shortened};
 use super::error::{SceneError, all};
 use super::keys::{Sign, Value};
-use super::lookup::{example, find, former_value, keys_of, meant, nearest, renamed};
+use super::lookup::{default, example, find, former_value, keys_of, meant, nearest, renamed};
 use super::units::{Dimension, QuantityError, parse};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -137,6 +137,15 @@ impl<'a> Section<'a> {
     pub fn get(&self, key: &str) -> Option<Entry<'a>> {
         let value = self.table.get(key)?;
         Some(Entry { text: self.text, name: self.dotted(key), value })
+    }
+
+    /// The value of a key that has a default, or that default, by the table of keys.
+    pub fn value(&self, key: &str) -> Entry<'a> {
+        self.get(key).unwrap_or_else(|| {
+            let name = self.dotted(key);
+            let (text, value) = default(&name).expect("a key without a default is read otherwise");
+            Entry { text, name, value }
+        })
     }
 
     /// All keys and their values.

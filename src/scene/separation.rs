@@ -56,13 +56,10 @@ pub(super) fn stiffness_span(
 
 /// Reads how often the separations are passed to and fro.
 pub(super) fn cycles(section: &Section<'_>, is_loop: bool) -> Result<u64, SceneError> {
-    match section.get("cycles") {
-        None => Ok(1),
-        Some(entry) if !is_loop => {
-            Err(entry.wrong("it is for surfaces that are pulled back: history = \"loop\" in [model]"))
-        }
-        Some(entry) => entry.whole(),
+    if let Some(entry) = section.get("cycles").filter(|_| !is_loop) {
+        return Err(entry.wrong("it is for surfaces that are pulled back: history = \"loop\" in [model]"));
     }
+    section.value("cycles").whole()
 }
 
 /// A list, or a table `{ from, to, count }`, of values read by `value`.

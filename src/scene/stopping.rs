@@ -8,9 +8,8 @@ use crate::engine::{Estimator, Limit, SCALARS, Stopping, Target};
 use crate::surface::{STRATA, SamplingScheme};
 use toml::de::DeValue;
 
-/// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a
-/// scene says otherwise.
-const DEFAULTS: (u64, u64) = (64, 100_000);
+/// Groups of replicas before the targets are looked at for the first time, unless a scene says otherwise.
+const MIN_REPLICAS: u64 = 64;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
 
@@ -36,10 +35,10 @@ pub(super) fn replicas(
     let replicas = ensemble.get("replicas").map_or(Ok(()), |replicas| Err(replicas.wrong(problem)));
     let [least, most] = &bounds;
     let min_replicas = least.as_ref().map(|least| least.whole()).transpose();
-    let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole);
+    let max_replicas = whole(&ensemble.value("max_replicas"));
     let readings = (replicas, targets(&target), min_replicas, max_replicas);
     let ((), targets, min_replicas, max_replicas) = readings.together()?;
-    let min_replicas = min_replicas.unwrap_or((DEFAULTS.0 * sampling.group()).min(max_replicas));
+    let min_replicas = min_replicas.unwrap_or((MIN_REPLICAS * sampling.group()).min(max_replicas));
     let min_replicas = if min_replicas <= max_replicas {
         min_replicas.div_ceil(STRATA).saturating_mul(STRATA).min(max_replicas)
     } else {
@@ -65,7 +64,7 @@ fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
     let table = entry.table()?;
     let places: Vec<(&str, usize)> = SCALARS.iter().enumerate().map(|(i, scalar)| (scalar.name, i)).collect();
     let quantity = table.require("quantity").and_then(|entry| entry.choice("quantity", &places));
-    let estimate = table.optional("estimate", |entry| entry.choice("estimate", &Estimator::ALL));
+    let estimate = table.value("estimate").choice("estimate", &Estimator::ALL);
     let limit =
         match (table.get("relative_standard_error"), table.get("standard_error")) {
             (Some(relative), None) => share(&relative).map(Limit::Relative),
@@ -82,7 +81,7 @@ fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
             }
         };
     let (quantity, estimate, limit) = (quantity, estimate, limit).together()?;
-    Ok(Target { quantity, estimate: estimate.unwrap_or_default(), limit })
+    Ok(Target { quantity, estimate, limit })
 }
 
 fn share(entry: &Entry<'_>) -> Result<f64, SceneError> {

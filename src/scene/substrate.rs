@@ -10,8 +10,6 @@ use toml::de::DeValue;
 
 /// Least distance of asperities at random, in 1/√η, unless a scene gives one.
 const LEAST_DISTANCE: f64 = 0.5;
-/// Largest error of a load unless a scene gives one.
-const TOLERANCE: f64 = 1e-9;
 /// Most asperities that are coupled.
 const MOST_COUPLED: usize = 1 << 20;
 /// Most states whose asperities are told one by one.
@@ -49,7 +47,7 @@ pub(super) struct SubstrateTable<'a> {
     section: Section<'a>,
     coupling: Coupling,
     kernel: Kernel,
-    places: Option<Places>,
+    places: Places,
     minimum_distance: Option<f64>,
     tolerance: f64,
 }
@@ -59,18 +57,16 @@ impl<'a> SubstrateTable<'a> {
     pub fn read(root: &Section<'a>) -> Result<Option<Self>, SceneError> {
         let Some(section) = root.section("substrate", false)? else { return Ok(None) };
         let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &COUPLINGS));
-        let kernel = section.optional("kernel", |entry| entry.choice("kernel", &KERNELS));
-        let places = section.optional("positions", |entry| entry.choice("positions", &POSITIONS));
+        let kernel = section.value("kernel").choice("kernel", &KERNELS);
+        let places = section.value("positions").choice("positions", &POSITIONS);
         let minimum_distance = section.optional("minimum_distance", |entry| {
-            let is_random = places.as_ref().is_ok_and(|places| places.as_ref().is_none_or(is_hard_core));
+            let is_random = places.as_ref().is_ok_and(is_hard_core);
             if is_random { entry.measured() } else { Err(entry.wrong("is for positions = \"hard_core\"")) }
         });
-        let tolerance = section.optional("tolerance", tolerance);
+        let tolerance = tolerance(&section.value("tolerance"));
         let readings =
             (coupling, places.clone(), minimum_distance, (kernel, tolerance).together()).together()?;
         let (coupling, places, minimum_distance, (kernel, tolerance)) = readings;
-        let kernel = kernel.unwrap_or_default();
-        let tolerance = tolerance.unwrap_or(TOLERANCE);
         Ok(coupling.map(|coupling| Self { section, coupling, kernel, places, minimum_distance, tolerance }))
     }
 
@@ -98,7 +94,6 @@ impl<'a> SubstrateTable<'a> {
             let places = Places::Measured(on_map(&section, coupling, measured)?);
             return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
         }
-        let places = places.unwrap_or(POSITIONS[0].1.clone());
         if places.is_lattice() && surface.count_law == CountLaw::Poisson {
             return Err(entry().wrong("a lattice has a fixed number of places; count = \"fixed\" would do"));
         }

@@ -324,6 +324,14 @@ class Run(_Curves):
         )
 
     @cached_property
+    def mean_plane_forces(self) -> dict[str, str]:
+        """Datasets of the forces between the mean planes, N over the separations, by the name of each force."""
+        of_group = self.tree["background"] if "background" in self else ()
+        names = [str(name) for name in of_group if str(name).endswith("_force")]
+        words = (name.removesuffix("_force").replace("_", " ").replace("waals", "Waals") for name in names)
+        return dict(zip(words, (f"background/{name}" for name in names), strict=True))
+
+    @cached_property
     def cross_check(self) -> CrossCheck:
         """The joint test of the ensemble against the integral."""
         attrs = self.tree["validation"].attrs

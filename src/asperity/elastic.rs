@@ -470,25 +470,13 @@ pub fn noncontact<'a>(
         );
         stats.far += (count - near.count) as u64;
         if holds {
-            let mut others = Chosen::default();
-            for i in near.lanes() {
-                let (own, displacement) = (of(i), displacements[i]);
-                let is_held = own.is_held(displacement);
-                if is_held {
-                    adhesion[i] = own.held(displacement, stats);
-                }
-                others.add(i, !is_held);
-            }
-            near = others;
+            let held;
+            [held, near] = near.split(|i| of(i).is_held(displacements[i]));
+            held.lanes().for_each(|i| adhesion[i] = of(i).held(displacements[i], stats));
         }
         if any_inner {
-            let is_inner = |i: usize| lanes.roots[i] <= 0.0 && of(i).fold > 0.0;
-            let (mut outer, mut inner) = (Chosen::default(), Chosen::default());
-            for i in near.lanes() {
-                inner.add(i, is_inner(i));
-                outer.add(i, !is_inner(i));
-            }
-            near = outer;
+            let inner;
+            [inner, near] = near.split(|i| lanes.roots[i] <= 0.0 && of(i).fold > 0.0);
             if inner.count > 0 {
                 lanes.inner(&inner, &of, displacements, adhesion, stats);
             }
@@ -517,6 +505,17 @@ impl Chosen {
     fn add(&mut self, lane: usize, is_one: bool) {
         self.lanes[self.count % BLOCK] = lane as u8;
         self.count += usize::from(is_one);
+    }
+
+    /// The lanes that are of a kind, and the others.
+    fn split(&self, is_of: impl Fn(usize) -> bool) -> [Self; 2] {
+        let [mut chosen, mut others] = [Self::default(), Self::default()];
+        for i in self.lanes() {
+            let is_chosen = is_of(i);
+            chosen.add(i, is_chosen);
+            others.add(i, !is_chosen);
+        }
+        [chosen, others]
     }
 
     #[inline(always)]

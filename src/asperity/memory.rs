@@ -20,7 +20,7 @@ use super::radius::Lanes;
 use super::springback::{Springback, follow, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 
 /// The power of the load of unloading, which is close to 3/2, is none in a root of δ; in the fourth what is left is
 /// too smooth to matter.
@@ -174,45 +174,21 @@ impl Memory<'_> {
             // A top that has let go is an asperity of the law, of its own radius.
             _ => [own.release(), own.capture, own.lost()],
         };
-        let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {
-            let mut segments = pieces(law, path, 0..cycle.first_contact);
-            segments.retain(|segment| segment.lower < to && segment.upper > from);
-            for segment in &mut segments {
-                if let Source::Law(path, regime) = segment.source {
-                    segment.source = Source::Lowered(path, regime);
-                }
-                segment.lower = segment.lower.max(from) + residual;
-                segment.upper = segment.upper.min(to) + residual;
-                if let Smoothness::Root { place, .. } = &mut segment.smoothness {
-                    *place += residual;
-                }
-            }
-            if let Some(last) = segments.last_mut() {
-                last.upper = to + residual;
-            }
-            segments
-        };
-        let lost_contact = lowered(own.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
-        let mut contact = lowered(own.retraction(), Path::Retraction, (lost, release));
-        let plain = |source, lower, upper, order| {
-            let smoothness = Smoothness::Root { end: End::Lower, place: lower, order };
-            Segment { source, lower, upper, next: [None; 2], smoothness }
-        };
+        let lost_contact = lowered(own, Path::Approach, f64::NEG_INFINITY..capture, residual);
+        let mut contact = lowered(own, Path::Retraction, lost..release, residual);
         let end = release + residual;
         match (&cycle.springback, kinks) {
             (Springback::Punch(_), Some([.., opening])) => {
-                contact.push(plain(Source::Unloading, end, opening + residual, 2));
-                contact.push(Segment {
-                    smoothness: Smoothness::Smooth,
-                    ..plain(Source::Unloading, opening + residual, largest, 1)
-                });
+                let opened = Segment::unloading(opening + residual..largest, 1);
+                contact.push(Segment::unloading(end..opening + residual, 2));
+                contact.push(Segment { smoothness: Smoothness::Smooth, ..opened });
             }
             (Springback::Elastic(_) | Springback::Flattened(_), _) => {
-                contact.push(plain(Source::Unloading, end, largest, UNLOADING))
+                contact.push(Segment::unloading(end..largest, UNLOADING));
             }
             _ => {
-                contact.push(plain(Source::Unloading, end, residual, UNLOADING));
-                contact.push(plain(Source::Unloading, residual, largest, UNLOADING));
+                contact.push(Segment::unloading(end..residual, UNLOADING));
+                contact.push(Segment::unloading(residual..largest, UNLOADING));
             }
         }
         let virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
@@ -283,8 +259,39 @@ impl Loop {
     }
 }
 
+impl Segment {
+    /// A contact that has flowed, in an interval of δ, m, at whose lower end it varies like a root.
+    fn unloading(within: Range<f64>, order: i32) -> Self {
+        let smoothness = Smoothness::Root { end: End::Lower, place: within.start, order };
+        let Range { start: lower, end: upper } = within;
+        Self { source: Source::Unloading, lower, upper, next: [None; 2], smoothness }
+    }
+}
+
+/// The pieces before contact of the law of a loop along a path, in an interval of δ, m, of a top that is lowered by
+/// `residual`, m.
+fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Segment> {
+    let Range { start: from, end: to } = within;
+    let mut segments = pieces(own.law(path), path, 0..own.first_contact);
+    segments.retain(|segment| segment.lower < to && segment.upper > from);
+    for segment in &mut segments {
+        if let Source::Law(path, regime) = segment.source {
+            segment.source = Source::Lowered(path, regime);
+        }
+        segment.lower = segment.lower.max(from) + residual;
+        segment.upper = segment.upper.min(to) + residual;
+        if let Smoothness::Root { place, .. } = &mut segment.smoothness {
+            *place += residual;
+        }
+    }
+    if let Some(last) = segments.last_mut() {
+        last.upper = to + residual;
+    }
+    segments
+}
+
 /// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
-fn pieces(law: &dyn Law, path: Path, regimes: std::ops::Range<usize>) -> Vec<Segment> {
+fn pieces(law: &dyn Law, path: Path, regimes: Range<usize>) -> Vec<Segment> {
     let all = law.pieces(None);
     let end = all.last().map_or(f64::INFINITY, |piece| piece.upper);
     let is_last = regimes.end >= law.regimes().len();

@@ -71,17 +71,21 @@ impl<'a> Lanes<'a> {
         Self::Each(Numbered { all, which })
     }
 
-    /// The displacements Δ of interferences δ, m, from which they are `offset`, m, away.
-    #[inline(always)]
+    /// The displacements Δ of interferences δ, m, to which an `offset`, m, is added.
     pub fn displacements(self, scale: &Scale, offset: f64, interference: &[f64], out: &mut [f64]) {
         let inverse = 1.0 / scale.length;
-        let out = out.iter_mut().zip(interference);
-        match self {
-            Self::Own => out.for_each(|(displacement, delta)| *displacement = (delta + offset) * inverse),
-            Self::Each(lanes) => out.enumerate().for_each(|(i, (displacement, delta))| {
-                *displacement = (delta + offset) * (inverse * lanes.at(i).per_cube_root);
-            }),
-        }
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                let out = out.iter_mut().zip(interference);
+                match self {
+                    Self::Own => out.for_each(|(own, delta)| *own = (delta + offset) * inverse),
+                    Self::Each(lanes) => out.enumerate().for_each(|(i, (own, delta))| {
+                        *own = (delta + offset) * (inverse * lanes.at(i).per_cube_root);
+                    }),
+                }
+            },
+        );
     }
 
     /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A:

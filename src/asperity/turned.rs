@@ -36,18 +36,22 @@ pub struct Turned {
     ends: Vec<Vec<f64>>,
 }
 
+/// The conditions that asperities of a loop can be in.
+fn conditions(cycle: &Loop) -> Vec<Condition> {
+    let (contact, (back, unloads)) = (cycle.first_contact, cycle.elastic_regimes());
+    let untouched = (0..contact).map(Condition::Untouched);
+    // A law that does not flow may end: beyond is no regime.
+    let elastic = (0..back + usize::from(!cycle.flows())).map(Condition::Elastic);
+    let lowered = (0..if cycle.flows() { contact } else { 0 }).map(Condition::Lowered);
+    let flowed = (unloads..cycle.approach().regimes().len()).map(Condition::Unloading);
+    untouched.chain(elastic).chain(lowered).chain(flowed).collect()
+}
+
 impl Turned {
     /// Asperities of lanes of a loop, with ω_max of each, m.
     pub fn new(cycle: &Loop, lanes: &Arc<[Lane]>, largest: Vec<f64>, stats: &mut SolverStats) -> Self {
-        let regimes = cycle.approach().regimes().len();
         let (contact, plastic) = (cycle.first_contact, cycle.first_plastic);
         let (back, unloads) = cycle.elastic_regimes();
-        let untouched = (0..contact).map(Condition::Untouched);
-        // A law that does not flow may end: beyond is no regime.
-        let elastic = (0..back + usize::from(!cycle.flows())).map(Condition::Elastic);
-        let lowered = (0..if cycle.flows() { contact } else { 0 }).map(Condition::Lowered);
-        let flowed = (unloads..regimes).map(Condition::Unloading);
-        let conditions = untouched.chain(elastic).chain(lowered).chain(flowed).collect();
         let columns = cycle.approach().boundaries().len();
         let count = largest.len();
         let mut turned = Self {
@@ -58,7 +62,7 @@ impl Turned {
             histories: Vec::with_capacity(count),
             borne: Vec::new(),
             tops: Vec::new(),
-            conditions,
+            conditions: conditions(cycle),
             first: Vec::with_capacity(count),
             deepest: vec![0; count],
             ends: vec![Vec::with_capacity(count); columns],

@@ -10,9 +10,10 @@
 //! Laws with an attraction of a finite range own all gaps below it, and the background the others. Laws whose
 //! attraction has no end own [`Caps`] of the surface, and the background the share of it that these leave.
 
-use super::Strength;
 use super::caps::Caps;
 use super::roughness;
+use super::{MeanPlaneForce, Strength};
+use crate::format::{percent, si};
 use std::f64::consts::PI;
 
 /// λ_r b (Gregory 1981).
@@ -72,7 +73,8 @@ impl VanDerWaals {
 ///
 /// # Examples
 /// ```
-/// use stiction::background::{Background, Dispersion, Terms, VanDerWaals};
+/// use stiction::background::{Background, Dispersion, VanDerWaals};
+/// use std::sync::Arc;
 ///
 /// let dispersion = Dispersion {
 ///     planes: VanDerWaals::new(1e-19, None),
@@ -80,8 +82,7 @@ impl VanDerWaals {
 ///     contact_distance: 0.0,
 ///     caps: None,
 /// };
-/// let terms = Terms { dispersion: Some(dispersion), ..Terms::default() };
-/// let background = Background::new(terms, 1e-9, (4e-9, 6e-9));
+/// let background = Background::new(vec![("van_der_waals", Arc::new(dispersion))], 1e-9, (4e-9, 6e-9));
 /// assert!((background.pressure(5e-9) / 57774.21452 - 1.0).abs() < 1e-9);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -97,22 +98,36 @@ pub struct Dispersion {
 }
 
 impl Dispersion {
-    /// The strength over gaps of surfaces whose heights have the standard deviation `std`, m, at a separation
-    /// h, m, and what is taken off the asperities there.
-    pub(super) fn parts(&self, std: f64, separation: f64) -> [Strength; 2] {
-        let of = |gap: f64| self.planes.at(gap + self.contact_distance);
-        let mean = roughness::mean(std, separation, (self.smallest_gap, 0.0), of);
-        match &self.caps {
-            None => [mean, Strength::default()],
-            Some(caps) => [mean.times(1.0 - caps.share), caps.beyond(separation).times(-1.0)],
-        }
+    /// The strength between planes at a gap, m.
+    fn at(&self, gap: f64) -> Strength {
+        self.planes.at(gap + self.contact_distance)
+    }
+}
+
+impl MeanPlaneForce for Dispersion {
+    fn strength(&self, std: f64, separation: f64) -> Strength {
+        let mean = roughness::mean(std, separation, (self.smallest_gap, 0.0), |gap| self.at(gap));
+        self.caps
+            .as_ref()
+            .map_or(mean, |caps| mean.times(1.0 - caps.share).plus(caps.beyond(separation).times(-1.0)))
     }
 
-    /// The pressure of both together, Pa.
-    pub(super) fn pressure_over(&self, std: f64, separation: f64) -> f64 {
-        let of = |gap: f64| self.planes.at(gap + self.contact_distance);
-        let mean = roughness::mean_pressure(std, separation, (self.smallest_gap, 0.0), of);
+    fn pressure(&self, std: f64, separation: f64) -> f64 {
+        let mean = roughness::mean_pressure(std, separation, (self.smallest_gap, 0.0), |gap| self.at(gap));
         let rest = |caps: &Caps| (1.0 - caps.share) * mean - caps.pressure_beyond(separation);
         self.caps.as_ref().map_or(mean, rest)
+    }
+
+    fn cancelled(&self, separation: f64) -> f64 {
+        self.caps.as_ref().map_or(0.0, |caps| caps.pressure_beyond(separation))
+    }
+
+    fn about(&self) -> String {
+        let retarded = if self.planes.retardation().is_some() { ", retarded" } else { "" };
+        let owned = match &self.caps {
+            Some(caps) => format!("asperities own caps of {} of the area", percent(caps.share)),
+            None => format!("asperities own gaps below {}", si(self.smallest_gap, "m")),
+        };
+        format!("van der Waals, A = {}{retarded}: {owned}", si(self.planes.hamaker_constant(), "J"))
     }
 }

@@ -9,8 +9,9 @@
 //! Dielectrics without charges in them, conductors without resistance; a steady voltage, or the root of the
 //! mean square of one that the surfaces do not follow.
 
-use super::Strength;
 use super::roughness::{self, REACH};
+use super::{MeanPlaneForce, Strength};
+use crate::format::si;
 
 /// ε₀, F/m (CODATA 2018).
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
@@ -49,17 +50,6 @@ impl Electrostatic {
         self.voltage.abs() / (gap.max(0.0) + self.dielectric)
     }
 
-    /// The same as a mean over the gaps of surfaces whose heights have the standard deviation `std`, m, at a
-    /// separation h, m. Electrodes that are bare are to be at least [`Self::NEAREST_BARE`] σ apart.
-    pub(super) fn over(&self, std: f64, separation: f64) -> Strength {
-        roughness::mean(std, separation, (0.0, self.closed()), |gap| self.open(gap))
-    }
-
-    /// The pressure of it, Pa.
-    pub(super) fn pressure_over(&self, std: f64, separation: f64) -> f64 {
-        roughness::mean_pressure(std, separation, (0.0, self.closed()), |gap| self.open(gap))
-    }
-
     /// The pressure where gaps are closed, Pa.
     fn closed(&self) -> f64 {
         if self.dielectric > 0.0 { self.at(0.0).pressure } else { 0.0 }
@@ -68,5 +58,24 @@ impl Electrostatic {
     /// The strength at a gap, m, and none where bare electrodes touch.
     fn open(&self, gap: f64) -> Strength {
         if gap + self.dielectric > 0.0 { self.at(gap) } else { Strength::default() }
+    }
+}
+
+/// Electrodes that are bare are to be at least [`Electrostatic::NEAREST_BARE`] σ apart.
+impl MeanPlaneForce for Electrostatic {
+    fn strength(&self, std: f64, separation: f64) -> Strength {
+        roughness::mean(std, separation, (0.0, self.closed()), |gap| self.open(gap))
+    }
+
+    fn pressure(&self, std: f64, separation: f64) -> f64 {
+        roughness::mean_pressure(std, separation, (0.0, self.closed()), |gap| self.open(gap))
+    }
+
+    fn about(&self) -> String {
+        let apart = match self.dielectric > 0.0 {
+            true => format!("dielectrics and recess are worth a gap of {}", si(self.dielectric, "m")),
+            false => "bare electrodes".to_owned(),
+        };
+        format!("voltage, {}: {apart}", si(self.voltage, "V"))
     }
 }

@@ -5,8 +5,8 @@
 //! the standard deviation σ of the surface heights. What acts across a gap as between planes, p(g) per area,
 //! acts as ⟨p⟩ = ∫p(g) φ(x) dx per nominal area: Derjaguin's approximation, for slopes that are small.
 //!
-//! Two terms act so: [`Dispersion`] forces of van der Waals, of gaps that no asperity owns, and the
-//! [`Electrostatic`] pressure of a voltage, of which asperities have none.
+//! Forces that act so are a [`MeanPlaneForce`] each: [`Dispersion`] forces of van der Waals, of gaps that no asperity
+//! owns, and the [`Electrostatic`] pressure of a voltage, of which asperities have none.
 //!
 //! # Validity
 //! The background is a mean over the surface: it is the same for all replicas, and does not bend the surfaces.
@@ -23,7 +23,8 @@ pub use dispersion::{Dispersion, VanDerWaals};
 pub use electrostatic::{Electrostatic, VACUUM_PERMITTIVITY};
 
 use crate::math::piecewise::Piecewise;
-use std::sync::OnceLock;
+use std::fmt::Debug;
+use std::sync::{Arc, OnceLock};
 
 /// Accuracy of the table of pressures, relative.
 const ACCURACY: f64 = 1e-12;
@@ -66,31 +67,70 @@ impl Strength {
     }
 }
 
-/// The terms of a background.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Terms {
-    /// Forces of van der Waals.
-    pub dispersion: Option<Dispersion>,
-    /// The pressure of a voltage.
-    pub electrostatic: Option<Electrostatic>,
+/// A force between the mean planes of two rough surfaces.
+///
+/// # Examples
+/// A screened repulsion that decays with the gap, of which the mean over normal gaps is known:
+///
+/// ```
+/// use stiction::background::{Background, MeanPlaneForce, Strength};
+/// use std::sync::Arc;
+///
+/// #[derive(Debug)]
+/// struct Screened;
+///
+/// impl MeanPlaneForce for Screened {
+///     fn strength(&self, std: f64, separation: f64) -> Strength {
+///         let (length, at_contact) = (10e-9, -1e5);
+///         let roughness: f64 = std / length;
+///         let pressure = at_contact * (0.5 * roughness * roughness - separation / length).exp();
+///         Strength { energy: pressure * length, pressure, slope: -pressure / length }
+///     }
+///
+///     fn about(&self) -> String {
+///         "screened repulsion".to_owned()
+///     }
+/// }
+///
+/// let background = Background::new(vec![("screened", Arc::new(Screened))], 1e-9, (20e-9, 40e-9));
+/// assert!((background.pressure(30e-9) / Screened.strength(1e-9, 30e-9).pressure - 1.0).abs() < 1e-11);
+/// ```
+pub trait MeanPlaneForce: Debug + Send + Sync {
+    /// The strength as a mean over the gaps of surfaces whose heights have the standard deviation `std`, m, at a
+    /// separation h, m.
+    fn strength(&self, std: f64, separation: f64) -> Strength;
+
+    /// The pressure of that, attractive counted positive, Pa.
+    fn pressure(&self, std: f64, separation: f64) -> f64 {
+        self.strength(std, separation).pressure
+    }
+
+    /// The pressure that is lost to terms of opposite signs at a separation h, m, Pa: its rounding stays.
+    fn cancelled(&self, _separation: f64) -> f64 {
+        0.0
+    }
+
+    /// A line about it.
+    fn about(&self) -> String;
 }
 
 /// The attraction between the mean planes of two surfaces.
 ///
 /// # Examples
 /// ```
-/// use stiction::background::{Background, Electrostatic, Terms};
+/// use stiction::background::{Background, Electrostatic};
+/// use std::sync::Arc;
 ///
 /// let electrostatic = Electrostatic { voltage: 1.0, dielectric: 0.5e-9 };
-/// let terms = Terms { electrostatic: Some(electrostatic), ..Terms::default() };
 /// // Roughness of a tenth of a gap adds some 3 % to the pressure between planes.
-/// let background = Background::new(terms, 0.5e-9, (4e-9, 10e-9));
+/// let background =
+///     Background::new(vec![("electrostatic", Arc::new(electrostatic))], 0.5e-9, (4e-9, 10e-9));
 /// let rough = background.pressure(5e-9) / electrostatic.at(5e-9).pressure;
 /// assert!((1.02..1.04).contains(&rough));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Background {
-    terms: Terms,
+    forces: Vec<NamedForce>,
     /// Standard deviation σ of the surface heights, m.
     std: f64,
     /// Separations h, m, that the table is for.
@@ -101,32 +141,32 @@ pub struct Background {
 
 impl PartialEq for Background {
     fn eq(&self, other: &Self) -> bool {
-        let of = |own: &Self| (own.terms.clone(), own.std, own.range);
+        let of = |own: &Self| (format!("{:?}", own.forces), own.std, own.range);
         of(self) == of(other)
     }
 }
 
+/// A force with its name.
+pub type NamedForce = (&'static str, Arc<dyn MeanPlaneForce>);
+
 impl Background {
     /// The background of surfaces whose heights have the standard deviation `std`, m, fast at separations h in
     /// a range, m.
-    pub fn new(terms: Terms, std: f64, range: (f64, f64)) -> Self {
-        Self { terms, std, range, table: OnceLock::new() }
+    pub fn new(forces: Vec<NamedForce>, std: f64, range: (f64, f64)) -> Self {
+        Self { forces, std, range, table: OnceLock::new() }
     }
 
     fn table(&self) -> Piecewise {
         let (nearest, furthest) = self.range;
-        let pressure = |x: f64| self.exact_pressure(nearest + self.std * x);
-        // Terms of opposite signs leave the rounding of each.
-        let caps = self.terms.dispersion.as_ref().and_then(|term| term.caps.as_ref());
-        let beyond = |h: f64| caps.map_or(0.0, |caps| caps.pressure_beyond(h));
-        let tolerance =
-            |x: f64, pressure: f64| ACCURACY * (pressure.abs() + 2.0 * beyond(nearest + self.std * x));
-        Piecewise::new(pressure, tolerance, 0.0, (furthest - nearest) / self.std)
+        let at = |x: f64| nearest + self.std * x;
+        let cancelled = |x: f64| self.forces.iter().map(|(_, force)| force.cancelled(at(x))).sum::<f64>();
+        let tolerance = |x: f64, pressure: f64| ACCURACY * (pressure.abs() + 2.0 * cancelled(x));
+        Piecewise::new(|x| self.exact_pressure(at(x)), tolerance, 0.0, (furthest - nearest) / self.std)
     }
 
-    /// The terms.
-    pub fn terms(&self) -> &Terms {
-        &self.terms
+    /// The forces.
+    pub fn forces(&self) -> &[NamedForce] {
+        &self.forces
     }
 
     /// Pressure at a separation h, m, attractive counted positive, Pa.
@@ -137,28 +177,20 @@ impl Background {
         if pressure[0].is_nan() { self.exact_pressure(separation) } else { pressure[0] }
     }
 
-    /// The same without the table, Pa.
+    /// The pressure without the table, Pa.
     fn exact_pressure(&self, separation: f64) -> f64 {
-        let Terms { dispersion, electrostatic } = &self.terms;
-        dispersion.as_ref().map_or(0.0, |term| term.pressure_over(self.std, separation))
-            + electrostatic.map_or(0.0, |term| term.pressure_over(self.std, separation))
+        self.forces.iter().map(|(_, force)| force.pressure(self.std, separation)).sum()
     }
 
-    /// Dispersion forces at a separation h, m.
-    pub fn dispersion(&self, separation: f64) -> Strength {
-        self.terms.dispersion.as_ref().map_or(Strength::default(), |term| {
-            let [mean, beyond] = term.parts(self.std, separation);
-            mean.plus(beyond)
-        })
+    /// The strength of the force of a name at a separation h, m; 0 where there is none.
+    pub fn strength_of(&self, name: &str, separation: f64) -> Strength {
+        let own = self.forces.iter().find(|(known, _)| *known == name);
+        own.map_or(Strength::default(), |(_, force)| force.strength(self.std, separation))
     }
 
-    /// The pressure of a voltage at a separation h, m.
-    pub fn electrostatic(&self, separation: f64) -> Strength {
-        self.terms.electrostatic.map_or(Strength::default(), |term| term.over(self.std, separation))
-    }
-
-    /// All terms together at a separation h, m.
+    /// The strength of all forces together at a separation h, m.
     pub fn strength(&self, separation: f64) -> Strength {
-        self.dispersion(separation).plus(self.electrostatic(separation))
+        let each = self.forces.iter().map(|(_, force)| force.strength(self.std, separation));
+        each.fold(Strength::default(), Strength::plus)
     }
 }

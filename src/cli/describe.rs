@@ -3,7 +3,7 @@
 use super::instability::held;
 use super::rows::row;
 use crate::asperity::scale::Scale;
-use crate::background::{Dispersion, Electrostatic, Terms};
+use crate::background::NamedForce;
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
@@ -84,25 +84,8 @@ pub(super) fn title(scene: &Scene) -> String {
 /// The forces between the mean planes.
 fn background(surface: &Surface) -> String {
     let Some(background) = &surface.background else { return String::new() };
-    let Terms { dispersion, electrostatic } = background.terms();
-    let mut text = String::new();
-    if let Some(Dispersion { planes, smallest_gap, caps, .. }) = dispersion {
-        let retarded = if planes.retardation().is_some() { ", retarded" } else { "" };
-        let owned = match caps {
-            Some(caps) => format!("asperities own caps of {} of the area", percent(caps.share)),
-            None => format!("asperities own gaps below {}", si(*smallest_gap, "m")),
-        };
-        let constant = si(planes.hamaker_constant(), "J");
-        text += &row("van der Waals", &format!("between the mean planes, A = {constant}{retarded}: {owned}"));
-    }
-    if let Some(Electrostatic { voltage, dielectric }) = electrostatic {
-        let apart = match *dielectric > 0.0 {
-            true => format!("dielectrics and recess are worth a gap of {}", si(*dielectric, "m")),
-            false => "bare electrodes".to_owned(),
-        };
-        text += &row("voltage", &format!("{} between the mean planes: {apart}", si(*voltage, "V")));
-    }
-    text
+    let line = |(_, force): &NamedForce| row("mean planes", &force.about());
+    background.forces().iter().map(line).collect()
 }
 
 /// The numbers that characterise the scene, whatever its law.

@@ -6,6 +6,7 @@ use super::independence::independence;
 use super::instability::instability;
 use super::rows::row;
 use crate::asperity::{Quantity, Unloading};
+use crate::background::NamedForce;
 use crate::engine::{Limit, Replica, Summation, dissipated, scalars};
 use crate::experiment::capillary;
 use crate::experiment::results::{Results, Stopped};
@@ -338,16 +339,12 @@ fn at_pull_off(results: &Results) -> String {
 /// The share of the mean planes in the attraction at a separation h, m, where asperities have an adhesion force, N.
 fn background(scene: &Scene, separation: f64, adhesion: f64) -> String {
     let Some(background) = &scene.surface.background else { return String::new() };
-    let (area, terms) = (scene.surface.nominal_area, background.terms());
-    let parts = [
-        terms.dispersion.as_ref().map(|_| ("van der Waals", background.dispersion(separation))),
-        terms.electrostatic.map(|_| ("voltage", background.electrostatic(separation))),
-    ];
-    let parts: Vec<String> = parts
-        .into_iter()
-        .flatten()
-        .map(|(name, strength)| format!("{name} {}", si(area * strength.pressure, "N")))
-        .collect();
+    let area = scene.surface.nominal_area;
+    let part = |(name, _): &NamedForce| {
+        let force = area * background.strength_of(name, separation).pressure;
+        format!("{} {}", name.replace('_', " "), si(force, "N"))
+    };
+    let parts: Vec<String> = background.forces().iter().map(part).collect();
     let force = scene.surface.background_force(separation);
     let share = percent(force / (force + adhesion));
     row("", &format!("mean planes: {share} of the attraction ({})", parts.join(", ")))

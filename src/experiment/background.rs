@@ -1,19 +1,54 @@
-//! The attraction between the mean planes, under the names of the file layout.
+//! The forces between the mean planes, under the names of the file layout.
 
 use crate::background::Background;
 use crate::output::OutputError;
+use crate::output::schema::{Dimension, Variable, variable};
 use crate::output::writer::Writer;
+use crate::scene::FORCES;
 
-/// A quantity of a background per nominal area at a separation, by the name of its dataset.
-pub(super) type Column = (&'static str, fn(&Background, f64) -> f64);
+/// A number of a background per nominal area at a separation h, m.
+type OfBackground = dyn Fn(&Background, f64) -> f64 + Send + Sync;
 
-pub(super) const COLUMNS: [Column; 5] = [
-    ("force", Background::pressure),
-    ("van_der_waals_force", |own, h| own.dispersion(h).pressure),
-    ("electrostatic_force", |own, h| own.electrostatic(h).pressure),
-    ("stiffness", |own, h| -own.strength(h).slope),
-    ("energy", |own, h| own.strength(h).energy),
-];
+/// A quantity of a background by its dataset.
+pub(crate) struct Quantity {
+    name: String,
+    units: &'static str,
+    meaning: &'static str,
+    pub of: Box<OfBackground>,
+}
+
+/// All quantities of a background, in the order of files: the whole force, each force, and what follows from them.
+pub(crate) fn quantities() -> Vec<Quantity> {
+    let quantity = |name: &str, units, meaning, of: Box<OfBackground>| Quantity {
+        name: name.to_owned(),
+        units,
+        meaning,
+        of,
+    };
+    let mut all = vec![quantity(
+        "force",
+        "N",
+        "attraction between the mean planes, which the external force has in addition to that of the asperities",
+        Box::new(Background::pressure),
+    )];
+    all.extend(FORCES.iter().map(|table| {
+        let of = |own: &Background, h| own.strength_of(table.name, h).pressure;
+        quantity(&format!("{}_force", table.name), "N", table.meaning, Box::new(of))
+    }));
+    let meaning = "derivative of the external force by the separation, of the background alone";
+    all.push(quantity("stiffness", "N m-1", meaning, Box::new(|own, h| -own.strength(h).slope)));
+    let meaning = "energy to separate the mean planes from here to infinity";
+    all.push(quantity("energy", "J", meaning, Box::new(|own, h| own.strength(h).energy)));
+    all
+}
+
+impl Quantity {
+    /// Its dataset, over leading dimensions and the separations.
+    pub fn variable(&self, lead: &[Dimension]) -> Variable {
+        let dimensions = [lead, &[Dimension::Separation]].concat();
+        variable(format!("/background/{}", self.name), &dimensions, self.units, self.meaning)
+    }
+}
 
 /// Writes backgrounds of a nominal area, m², one behind the other, at separations h, m, if there are any.
 pub(crate) fn write_backgrounds<'a>(
@@ -25,8 +60,8 @@ pub(crate) fn write_backgrounds<'a>(
     if all.clone().next().is_none() {
         return Ok(());
     }
-    for (name, of) in COLUMNS {
-        let rows = all.clone().flat_map(|own| separations.iter().map(move |&h| area * of(own, h)));
+    for Quantity { name, of, .. } in quantities() {
+        let rows = all.clone().flat_map(|own| separations.iter().map(|h| area * of(own, *h)));
         writer.dataset(&format!("/background/{name}"), &rows.collect::<Vec<f64>>())?;
     }
     Ok(())

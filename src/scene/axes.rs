@@ -30,7 +30,7 @@ pub struct Sweepable {
 
 /// All keys that can be swept: the numbers of a scene, but for those that every point has to have alike.
 pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
-    let swept = KEYS.iter().filter(|key| key.is_swept);
+    let swept = KEYS.iter().copied().filter(|key| key.is_swept);
     let sweepable = |key: &Key| {
         let dimension = match key.value {
             Value::Quantity(dimension, _) | Value::OneOrMore(dimension, ..) => Some(dimension),
@@ -213,16 +213,9 @@ impl<'a> Options<'a> {
 /// The keys that can be swept, in messages.
 fn known() -> String {
     let mut text = "known are the numbers of".to_owned();
-    let sections = [
-        "material",
-        "surface",
-        "capillary",
-        "substrate",
-        "van_der_waals",
-        "electrostatic",
-        "model",
-        "solver",
-    ];
+    let mut sections: Vec<&str> =
+        SWEEPABLE.iter().filter_map(|key| Some(key.name.split_once('.')?.0)).collect();
+    sections.dedup();
     for (i, section) in sections.iter().enumerate() {
         text += &format!("{} [{section}]", if i == 0 { "" } else { "," });
     }

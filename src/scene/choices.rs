@@ -66,11 +66,6 @@ pub(super) const TOLERANCES_OF_LOADS: RangeInclusive<f64> = 1e-12..=1e-4;
 /// Coefficients of variation that laws of radii have.
 pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
 
-/// Shares of the nominal area that caps of asperities may have.
-pub(super) const CAP_SHARES: (Bound<f64>, Bound<f64>) = (Bound::Excluded(0.0), Bound::Included(1.0));
-/// Relative permittivities of dielectrics.
-pub(super) const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0), Bound::Unbounded);
-
 /// Most separations of a scene; far more than a curve needs.
 pub(super) const MOST_SEPARATIONS: u64 = 10_000;
 /// Cycles of a loop at most: so many are as good as any number.

@@ -1,6 +1,6 @@
 //! A validated scene, and what follows from it.
 
-use super::background::BackgroundTables;
+use super::background::{GivenForces, Setting};
 use super::choices::LOOP;
 use super::files::{Files, Input};
 use super::films::Films;
@@ -60,7 +60,8 @@ pub struct Scene {
     /// The half-space that couples the asperities; they are independent without one.
     pub substrate: Option<Substrate>,
     /// Forces between the mean planes; none unless the scene has their tables.
-    pub background: Option<BackgroundTables>,
+    #[doc(hidden)]
+    pub forces: GivenForces,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
@@ -198,8 +199,8 @@ impl Scene {
     #[doc(hidden)]
     pub fn with_background_of(mut self, model: &Model) -> Self {
         let range = (self.separations[0], self.separations[self.separations.len() - 1]);
-        let of = |tables: BackgroundTables| tables.of(model, &self.asperity, &self.surface, range);
-        self.surface.background = self.background.map(of);
+        let setting = Setting { model, asperity: &self.asperity, surface: &self.surface, range };
+        self.surface.background = setting.background(&self.forces);
         if !model.is_wet() {
             self.surface.spread = Default::default();
         }

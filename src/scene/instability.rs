@@ -66,11 +66,7 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
         one_or_more(preload, |entry| entry.measured())
     });
     let (stiffness, smallest_snap, preload) = (stiffness, smallest_snap, preload).together()?;
-    Ok(InstabilityTable {
-        stiffness,
-        preload: preload.unwrap_or_default(),
-        smallest_snap,
-    })
+    Ok(InstabilityTable { stiffness, preload: preload.unwrap_or_default(), smallest_snap })
 }
 
 /// A stiffness, N/m; none for that of the half-space under a patch.

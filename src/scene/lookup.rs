@@ -61,7 +61,7 @@ pub(super) fn default(name: &str) -> Option<(&'static str, &'static Spanned<DeVa
 /// The key that a table had under another name in earlier versions.
 pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {
     let is_in = |key: &Key| key.name.rsplit_once('.').map_or("", |(table, _)| table) == table;
-    KEYS.iter().find(|key| key.formerly == given && is_in(key))
+    KEYS.iter().copied().find(|key| key.formerly == given && is_in(key))
 }
 
 /// What became of a value of earlier versions.
@@ -91,7 +91,7 @@ fn tabled(name: &str) -> String {
 /// The key of a dotted name, or the list of which it is an element.
 pub fn find(name: &str) -> Option<&'static Key> {
     let name = tabled(name);
-    let find = |name: &str| KEYS.iter().find(|key| key.name == name);
+    let find = |name: &str| KEYS.iter().copied().find(|key| key.name == name);
     find(&name).or_else(|| find(name.trim_end_matches("[]")))
 }
 

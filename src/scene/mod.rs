@@ -42,7 +42,7 @@ mod warning;
 pub use axes::Axis;
 #[doc(hidden)]
 pub use axes::{MOST_KEYS, SWEEPABLE, Sweepable};
-pub use background::{BackgroundTables, VanDerWaalsTable};
+pub(crate) use background::FORCES;
 #[doc(hidden)]
 pub use canonical::difference;
 #[doc(hidden)]

@@ -1,6 +1,6 @@
 //! One scene from its document.
 
-use super::background::BackgroundSections;
+use super::background::{ForceSections, Setting};
 use super::capillary::{capillary, wet};
 use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
@@ -56,7 +56,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
         .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
     let readings =
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-    let (solver, output, background) = (sum_tolerance(root), curves(root), BackgroundSections::read(root));
+    let (solver, output, background) = (sum_tolerance(root), curves(root), ForceSections::read(root));
     let readings = (readings.together(), solver, output, substrate, background, capillary(root));
     let (readings, sum_tolerance, curves, substrate, background, liquid) = readings.together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
@@ -70,7 +70,9 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
             SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
         })?;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
-    let background = background.of(&law, &asperity, &surface, separations[0])?;
+    let range = (separations[0], separations[separations.len() - 1]);
+    let forces =
+        background.suited(&Setting { model: &law, asperity: &asperity, surface: &surface, range })?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let cycles = separation::cycles(&separation, cycle)?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
@@ -114,7 +116,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
         cycles,
         unloading,
         substrate,
-        background,
+        forces,
         critical_approach,
         separations,
         stiffness_span,
@@ -173,9 +175,7 @@ fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
     if !solver.value("summation").choice("summation", &SUMS)? {
         return match solver.get("tolerance") {
             None => Ok(None),
-            Some(entry) => {
-                Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one"))
-            }
+            Some(entry) => Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one")),
         };
     }
     let entry = solver.value("tolerance");

@@ -39,7 +39,7 @@ fn line_of(text: &str, offset: usize) -> usize {
 
 /// A table of the scene, with its dotted name.
 #[derive(Clone, Copy)]
-pub(super) struct Section<'a> {
+pub(crate) struct Section<'a> {
     text: &'a str,
     name: &'a str,
     table: &'a DeTable<'a>,
@@ -47,7 +47,7 @@ pub(super) struct Section<'a> {
 
 /// A value with its dotted name.
 #[derive(Clone)]
-pub(super) struct Entry<'a> {
+pub(crate) struct Entry<'a> {
     text: &'a str,
     pub name: String,
     pub value: &'a Spanned<DeValue<'a>>,

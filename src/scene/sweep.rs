@@ -224,6 +224,7 @@ fn put(scene: &mut DocumentMut, name: &str, value: Item) -> Result<(), SceneErro
 #[cfg(test)]
 mod tests {
     use super::super::axes::SWEEPABLE;
+    use super::super::background::FORCES;
     use super::super::units::Dimension;
     use super::*;
     use crate::scene::files::NoFiles;
@@ -261,14 +262,12 @@ mod tests {
                 _ => "",
             };
             let scene = scene.replace("[surface]\n", &format!("[surface]\n{of_law}"));
-            let table = match key.name.split_once('.').unwrap_or_default().0 {
-                "substrate" => "[substrate]\ncoupling = \"patch\"\n",
-                "van_der_waals" => "[van_der_waals]\nretarded = true\n",
-                "electrostatic" => {
-                    "[electrostatic]\nvoltage = \"3 V\"\ndielectric_thickness = \"2 nm\"\nrelative_permittivity = 4.0\n"
-                }
-                _ => "",
-            };
+            let own = key.name.split_once('.').unwrap_or_default().0;
+            let force = FORCES.iter().find(|table| table.name == own);
+            // A table of a force is as its example, which stands before all others.
+            let force = force.map_or(String::new(), |table| format!("{own} = {}\n", table.keys[0].example));
+            let scene = force + &scene;
+            let table = if own == "substrate" { "[substrate]\ncoupling = \"patch\"\n" } else { "" };
             let liquid = match key.name {
                 "capillary.surface_tension" | "capillary.molar_volume" => {
                     "surface_tension = \"30 mN/m\"\nmolar_volume = \"30 cm^3/mol\"\n"
@@ -310,9 +309,9 @@ mod tests {
                 None if !key.names.is_empty() => 1.0,
                 None if key.name == "surface.heights.shape" => 1.5,
                 None if !of_law.is_empty() => 0.25,
+                None if key.name.starts_with("solver") || key.name.starts_with("substrate") => 1e-5,
                 None if key.name == "electrostatic.relative_permittivity" => 7.0,
-                None if key.name == "van_der_waals.cap_share" => 0.5,
-                None => 1e-5,
+                None => 0.5,
                 Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
                 Some(Dimension::Length) => 0.7e-9,
                 Some(Dimension::Area) => 1.25e-10,

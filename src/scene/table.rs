@@ -1,11 +1,12 @@
 //! The table of the keys of scenes: the reader takes units, ranges, examples and exclusions from it, and
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
+use super::background::FORCES;
 use super::capillary::LIQUIDS;
 use super::choices::{
-    CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_CYCLES, MOST_POINTS,
-    MOST_SEPARATIONS, Mode, PATCH, PERMITTIVITIES, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE,
-    REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
+    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_CYCLES, MOST_POINTS,
+    MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES,
+    SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
@@ -17,6 +18,7 @@ use crate::surface::{CountLaw, SamplingScheme};
 use Sign::{Any, NotNegative, Positive};
 use Value::{Choice, Number, OneOrMore, Quantity, Switch, Table, Text, Various, Whole};
 use std::ops::Bound::{Excluded, Included, Unbounded};
+use std::sync::LazyLock;
 
 /// Names of a closed list.
 fn names<T>(list: &[(&'static str, T)]) -> Vec<&'static str> {
@@ -29,9 +31,13 @@ const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its numbe
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
 const FILE_UNIT: &str = "The values of the file are multiplied by it.";
 
-/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a
-/// list, `sweep.*` for a key that is swept.
-pub static KEYS: &[Key] = &[
+/// Every key of a scene by its dotted name, in the order of the reference. `[]` is an element of a list, `sweep.*` a key
+/// that is swept.
+pub static KEYS: LazyLock<Vec<&'static Key>> =
+    LazyLock::new(|| FIRST.iter().chain(FORCES.iter().flat_map(|table| table.keys)).chain(REST).collect());
+
+/// The keys before those of forces between the mean planes.
+static FIRST: &[Key] = &[
     key("format", "1", Whole(FORMAT, FORMAT)).what("version of the scene format"),
     key("title", "\"Case II\"", Text)
         .what("name of the scene, for people")
@@ -571,72 +577,10 @@ pub static KEYS: &[Key] = &[
              interference, forces and state of every asperity of the first replica.",
         )
         .follows("nowhere"),
-    key("van_der_waals", "{ hamaker_constant = \"1e-19 J\", retarded = true }", Table)
-        .what("van der Waals forces between the mean planes")
-        .about(
-            "Per nominal area, across the gaps of the rough surface that no asperity owns; an empty table takes \
-             the constant of the asperities.",
-        )
-        .follows("none; asperities attract alone"),
-    key("van_der_waals.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
-        .what("Hamaker constant")
-        .about("A of the two bodies across what is between them.")
-        .follows("16πΔγZ₀², that of the Lennard-Jones attraction of the asperities")
-        .swept(),
-    key("van_der_waals.retarded", "true", Switch)
-        .what("whether the forces are retarded")
-        .about("By Gregory (1981): from A/6πz³ close by to the retarded law, which falls as 1/z⁴.")
-        .defaults_to("false"),
-    key("van_der_waals.retardation_wavelength", "\"100 nm\"", Quantity(Of::Length, Positive))
-        .what("wavelength of the retardation")
-        .about("Needs `retarded = true`.")
-        .defaults_to("\"100 nm\"")
-        .swept(),
-    key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
-        .what("gap from which on the background acts")
-        .about("Smaller ones belong to the asperities.")
-        .follows("the range Z₀/1.03 of the Dugdale stress, beside `lubricant_thickness` under laws that know it")
-        .swept(),
-    key("van_der_waals.cap_share", "0.75", Number(CAP_SHARES.0, CAP_SHARES.1))
-        .what("share of the area that asperities own")
-        .about(
-            "Of laws whose attraction has no end, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
-             ηπρ² = `cap_share`, and the background on the rest.",
-        )
-        .defaults_to("0.75")
-        .swept(),
-    key("electrostatic", "{ voltage = \"30 V\", dielectric_thickness = \"100 nm\", relative_permittivity = 3.9 }", Table)
-        .what("a voltage between the surfaces")
-        .about("Its pressure per nominal area, over the gaps of the rough surface, is added to the attraction.")
-        .follows("none; no voltage"),
-    key("electrostatic.voltage", "\"30 V\"", Quantity(Of::Voltage, Any))
-        .what("applied voltage")
-        .about("Steady, or the root of the mean square.")
-        .swept(),
-    key("electrostatic.contact_potential", "\"0.2 V\"", Quantity(Of::Voltage, Any))
-        .what("contact potential")
-        .about("It is added to `voltage`.")
-        .defaults_to("\"0 V\"")
-        .swept(),
-    key("electrostatic.dielectric_thickness", "\"100 nm\"", OneOrMore(Of::Length, NotNegative, &[]))
-        .what("thickness of the dielectric between the electrodes")
-        .about(
-            "Of each, where there are several. Without a dielectric the electrodes are bare, and separations \
-             have to be so large that they nowhere touch. Needs `relative_permittivity`.",
-        )
-        .follows("none; bare electrodes")
-        .swept(),
-    key("electrostatic.relative_permittivity", "3.9", Various("a number of at least 1, or a list of them"))
-        .what("relative permittivity of the dielectric")
-        .about("Of each, where there are several. Needs `dielectric_thickness`.")
-        .follows("none; bare electrodes")
-        .swept(),
-    key("electrostatic.relative_permittivity[]", "3.9", Number(PERMITTIVITIES.0, PERMITTIVITIES.1)),
-    key("electrostatic.recess", "\"50 nm\"", Quantity(Of::Length, NotNegative))
-        .what("gap that is left between the electrodes where the surfaces touch")
-        .about("Of electrodes beside the contact, lower than it.")
-        .defaults_to("0")
-        .swept(),
+];
+
+/// The keys behind those of forces.
+static REST: &[Key] = &[
     key("instability", "{ stiffness = \"100 kN/m\" }", Table)
         .what("a spring that holds the surfaces, and where they snap")
         .follows("none; the separation is held"),

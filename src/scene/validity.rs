@@ -29,11 +29,6 @@ const RESOLVING: f64 = 0.15;
 const LARGEST_HELD: f64 = 0.01;
 /// Largest relative error of an integral that is one.
 const LARGEST_ERROR: f64 = 1e-6;
-/// Largest field across a gap, V/m, that air stands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
-/// Paschen's law at short gap distances", 2014).
-const LARGEST_FIELD: f64 = 3.5e8;
-/// Largest voltage, V, that air stands across any gap by Paschen's law.
-const LARGEST_VOLTAGE: f64 = 327.0;
 /// Largest shift, in σ, by which a patch gives way that is called none.
 const LARGEST_SHIFT: f64 = 0.05;
 /// Fewest contacts in the whole run at the closest separation.
@@ -390,40 +385,21 @@ fn twice(scene: &Scene) -> Option<Warning> {
     })
 }
 
-/// What the forces between the mean planes leave out: breakdown, other than normal heights, and a patch that
-/// they bend.
+/// What the forces between the mean planes leave out, each by itself and all of them: other than normal heights, and a
+/// patch that they bend.
 fn mean_planes(scene: &Scene) -> Vec<Warning> {
-    let (surface, mut warnings) = (&scene.surface, Vec::new());
-    let Some(background) = &surface.background else { return warnings };
-    if let Some(electrostatic) = background.terms().electrostatic {
-        let field = electrostatic.field(scene.separations[0]);
-        if field > LARGEST_FIELD {
-            warnings.push(Warning::new(
-                format!(
-                    "the field at the closest separation is {}, more than {}",
-                    si(field, "V/m"),
-                    si(LARGEST_FIELD, "V/m")
-                ),
-                "gaps of 0.1 to 1 um in air break down there, by field emission (Peschot et al. 2014); none of it is \
-                 in the model",
-                &["voltage", "dielectric_thickness", "separation"],
-            ));
-        }
-        let voltage = electrostatic.voltage.abs();
-        if voltage > LARGEST_VOLTAGE {
-            warnings.push(Warning::new(
-                format!("a voltage of {} is above {LARGEST_VOLTAGE} V", si(voltage, "V")),
-                "the least that breaks down air, across 7.5 um (Paschen); no discharge is in the model",
-                &["voltage"],
-            ));
-        }
+    let surface = &scene.surface;
+    let mut warnings: Vec<Warning> =
+        scene.forces.0.iter().flat_map(|(_, given)| given.warnings(scene)).collect();
+    if surface.background.is_none() {
+        return warnings;
     }
     let is_normal = surface.heights.law == HeightLaw::Gaussian || matches!(surface.radii, Radii::Nayak(_));
     if !is_normal {
         warnings.push(Warning::new(
             format!("the gaps between the mean planes are taken as normal, not {}", surface.heights.law.about()),
-            "[van_der_waals] and [electrostatic] know the standard deviation of all points of the surface, not \
-             their law; the heights of the scene are those of asperities",
+            "forces between them know the standard deviation of all points of the surface, not their law; the heights \
+             of the scene are heights of asperities",
             &[],
         ));
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius};
 use stiction::background::{
-    Background, Cap, Caps, Dispersion, Electrostatic, Strength, Terms, VACUUM_PERMITTIVITY, VanDerWaals,
+    Background, Cap, Caps, Dispersion, Electrostatic, NamedForce, Strength, VACUUM_PERMITTIVITY, VanDerWaals,
 };
 use stiction::engine::{Ensemble, Job, MomentMatrix, Protocol};
 use stiction::integral::{Expectations, Independence};
@@ -31,12 +31,12 @@ fn dispersion(hamaker_constant: f64, wavelength: Option<f64>, smallest_gap: f64)
     Dispersion { planes, smallest_gap, contact_distance: 0.2 * NM, caps: None }
 }
 
-fn of(dispersion: Dispersion) -> Terms {
-    Terms { dispersion: Some(dispersion), ..Terms::default() }
+fn of(dispersion: Dispersion) -> Vec<NamedForce> {
+    vec![("van_der_waals", Arc::new(dispersion))]
 }
 
-fn voltage(voltage: f64, dielectric: f64) -> Terms {
-    Terms { electrostatic: Some(Electrostatic { voltage, dielectric }), ..Terms::default() }
+fn voltage(voltage: f64, dielectric: f64) -> Vec<NamedForce> {
+    vec![("electrostatic", Arc::new(Electrostatic { voltage, dielectric }))]
 }
 
 /// The asperities of the caps of the reference.
@@ -123,7 +123,9 @@ fn planes_have_their_limits_and_derivatives() {
 fn roughness_adds_its_series() {
     let x: f64 = 1e-3;
     let std = x.sqrt() * 1000.0 * NM;
-    let rough = |terms: Terms| Background::new(terms, std, (990.0 * NM, 1010.0 * NM)).pressure(1000.0 * NM);
+    let rough = |forces: Vec<NamedForce>| {
+        Background::new(forces, std, (990.0 * NM, 1010.0 * NM)).pressure(1000.0 * NM)
+    };
     let of_planes =
         |wavelength| Dispersion { contact_distance: 0.0, ..dispersion(1e-19, wavelength, 1.0 * NM) };
     let close_by = rough(of(of_planes(None))) / (1e-19 / (6.0 * PI * 1e-18));
@@ -222,12 +224,9 @@ fn scene_of(name: &str) -> String {
 
 /// A background that is no small thing beside the asperities of case II.
 fn with_background(surface: &Surface) -> Surface {
-    let terms = Terms {
-        electrostatic: voltage(5.0, 2.0 * NM).electrostatic,
-        ..of(dispersion(1e-19, None, 0.2 * NM))
-    };
+    let forces = [of(dispersion(1e-19, None, 0.2 * NM)), voltage(5.0, 2.0 * NM)].concat();
     let std = surface.surface_height_std;
-    let background = Background::new(terms, std, (-2.0 * std, 9.0 * std));
+    let background = Background::new(forces, std, (-2.0 * std, 9.0 * std));
     Surface { background: Some(Arc::new(background)), ..surface.clone() }
 }
 

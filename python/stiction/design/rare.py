@@ -194,10 +194,14 @@ def _exceeded(drawn: tilting.Drawn, weights: Array, probabilities: Array) -> Arr
     return np.asarray(drawn.pull_off[order][at])
 
 
+# Tables of scenes that this knows.
+_TABLES = ("material", "surface", "model", "separation", "ensemble", "solver", "output")
+
+
 def _checked(tables: Mapping[str, Any]) -> None:
     """Refuses what neither tilts nor splitting know."""
-    for table in ("substrate", "capillary", "van_der_waals", "electrostatic", "instability", "sweep"):
-        if table in tables:
+    for table, content in tables.items():
+        if isinstance(content, Mapping) and table not in _TABLES:
             raise SceneError(f"{table}: probabilities of rare patches are of independent asperities alone; leave the table out")
     surface, ensemble = tables.get("surface", {}), tables.get("ensemble", {})
     for key in ("asperities", "spectrum", "summits", "radii"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -215,20 +216,17 @@ def attraction(run: Run, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     run : Run
-        A run with a background: the scene has a table ``[van_der_waals]`` or ``[electrostatic]``. Of a loop the asperities are
-        those of the retraction.
+        A run with forces between the mean planes. Of a loop the asperities are on retraction.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
     x = values(run, "background/h_star")
     prefix = ways(run)[-1][1]
     asperities = values(run, f"ensemble/{prefix}adhesion_force_mean")
-    curves = [
-        ("asperities", asperities, BLUE, "-"),
-        ("van der Waals", values(run, "background/van_der_waals_force"), VERMILION, DASH_DOT),
-        ("voltage", values(run, "background/electrostatic_force"), COLORS[2], DASHED),
-        ("together", asperities + values(run, "background/force"), "black", (0, (1.2, 1.2))),
-    ]
+    looks = itertools.cycle(zip((VERMILION, *COLORS[2:]), itertools.cycle((DASH_DOT, DASHED))))
+    planes = [(name, values(run, path), *next(looks)) for name, path in run.mean_plane_forces.items()]
+    together = ("together", asperities + values(run, "background/force"), "black", (0, (1.2, 1.2)))
+    curves: list[tuple[str, Any, Any, Any]] = [("asperities", asperities, BLUE, "-"), *planes, together]
     curves = [curve for curve in curves if np.any(curve[1] != 0.0)]
     if not curves:
         return empty(ax, "nothing attracts")

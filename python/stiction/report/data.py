@@ -11,7 +11,7 @@ import xarray
 
 from ..plot.run import WAYS
 from ..plot.sweep import QUANTITIES, of_points
-from ..results import Result, Sweep
+from ..results import Result, Run, Sweep
 
 __all__ = ["tables"]
 
@@ -24,7 +24,7 @@ _DATASETS: dict[str, list[str]] = {
     + ["replicas/snap_in_separation"],
     "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
     "attraction": [f"ensemble/{way}adhesion_force_mean" for way in _WAYS]
-    + [f"background/{name}" for name in ("force", "van_der_waals_force", "electrostatic_force")],
+    + ["background/force", "background/*_force"],
     "coupling": [f"coupling/{way}independent_external_force_mean" for way in _WAYS]
     + [f"ensemble/{way}external_force_mean" for way in _WAYS],
     "coupling_difference": [
@@ -69,14 +69,20 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
     if isinstance(result, Sweep):
         return [_of_sweep(result, figure)]
     by_dimension: dict[str, dict[str, Any]] = {}
-    for path in _DATASETS[figure]:
-        if path not in result:
-            continue
+    for path in _present(result, figure):
         array = result[path]
         main = _main(array)
         columns = by_dimension.setdefault(main, _coordinates(array, main))
         columns.update(_columns(array, path, main, "/" in path and _is_of_several_groups(figure)))
     return [pd.DataFrame(columns) for columns in by_dimension.values()]
+
+
+def _present(result: Result, figure: str) -> Iterator[str]:
+    for path in _DATASETS[figure]:
+        if path == "background/*_force" and isinstance(result, Run):
+            yield from result.mean_plane_forces.values()
+        elif path in result:
+            yield path
 
 
 def _is_of_several_groups(figure: str) -> bool:

@@ -318,14 +318,14 @@ def _mean_planes(run: Run) -> Number:
     attrs, prefix = run["integral"].attrs, "retraction_" if run.attrs["history"] == "loop" else ""
     h = run["background/separation"].values
     place = float(attrs["pull_off_separation"]) if float(attrs["pull_off_force"]) > 0.0 else float(h[0])
-    at = {name: float(np.interp(place, h, run[f"background/{name}"].values))
-          for name in ("force", "van_der_waals_force", "electrostatic_force")}  # fmt: skip
+    force, *others = (
+        float(np.interp(place, h, run[path].values)) for path in ("background/force", *run.mean_plane_forces.values())
+    )
     asperities = float(np.interp(place, h, run[f"integral/{prefix}adhesion_force"].values))
-    parts = [f"{words} {quantities.si(at[name], 'N')}" for words, name in
-             (("van der Waals", "van_der_waals_force"), ("voltage", "electrostatic_force")) if at[name] != 0.0]  # fmt: skip
-    share = at["force"] / (at["force"] + asperities) if at["force"] + asperities > 0.0 else math.nan
+    parts = [f"{name} {quantities.si(own, 'N')}" for name, own in zip(run.mean_plane_forces, others, strict=True) if own != 0.0]
+    share = force / (force + asperities) if force + asperities > 0.0 else math.nan
     note = f"{_percent(share)} of the attraction at pull-off of the integral; {', '.join(parts) or 'none'}"
-    return Number("attraction of the mean planes", quantities.si(at["force"], "N"), note, at["force"])
+    return Number("attraction of the mean planes", quantities.si(force, "N"), note, force)
 
 
 def _mean(label: str, values: Any, unit: str) -> Number:

@@ -145,17 +145,16 @@ impl Interaction for Attraction {
         area[..count].fill(0.0);
         // Where there is no load, its memory has the displacements.
         let displacements = &mut contact[..count];
+        lanes.displacements(&self.scale, self.thickness, interference, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
                 || {
-                    lanes.displacements(&self.scale, self.thickness, interference, displacements);
                     self.emd.noncontact_block(displacements, adhesion, stats);
                     adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 },
             ),
             Lanes::Each(each) => {
-                lanes.displacements(&self.scale, self.thickness, interference, displacements);
                 let per_spacing = 1.0 / self.scale.equilibrium_spacing();
                 let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
                 let displacements = (&*displacements, self.is_held());

@@ -97,17 +97,16 @@ impl Interaction for MaugisContact {
         let count = interference.len();
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
+        lanes.displacements(&self.scale, 0.0, interference, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
                 || {
-                    lanes.displacements(&self.scale, 0.0, interference, displacements);
                     self.emd.contact_block(displacements, &mut out.adhesion, radius, stats);
                     lanes.scale_contacts(&self.scale, radius, out);
                 },
             ),
             Lanes::Each(each) => {
-                lanes.displacements(&self.scale, 0.0, interference, displacements);
                 elastic::contact(|i| &each.at(i).elastic, displacements, &mut out.adhesion, radius, stats);
                 lanes.scale_contacts(&self.scale, radius, out);
             }

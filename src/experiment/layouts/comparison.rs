@@ -2,8 +2,8 @@
 
 use crate::engine::{SCALARS, Ways};
 use crate::output::schema::{
-    Dimension, Layout, NONE, OF_ENSEMBLE, OF_INTEGRAL, Row, Variable, background, features, forces, group,
-    independence, joint_test, quantile, quantities, regimes, scalars, scores, verdict, with_coordinates,
+    Dimension, Layout, NONE, OF_ENSEMBLE, OF_INTEGRAL, Row, Variable, features, forces, group, independence,
+    joint_test, quantile, quantities, regimes, scalars, scores, verdict, with_coordinates,
 };
 use std::sync::LazyLock;
 
@@ -34,7 +34,7 @@ fn variables() -> Vec<Variable> {
         regimes("/integral", L, approach, OF_INTEGRAL[0]),
         features("/integral", L, "the integral"),
         group("/integral", L, OF_INTEGRALS),
-        background(L),
+        crate::experiment::background::quantities().iter().map(|quantity| quantity.variable(L)).collect(),
         independence(L),
         verdict(L),
         quantities("/asperity", LI, approach, &[("", "{} of one asperity")]),

@@ -105,24 +105,6 @@ pub(crate) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>)
     scalars.map(one).collect()
 }
 
-/// The attraction between the mean planes.
-pub(crate) fn background(lead: &[Dimension]) -> Vec<Variable> {
-    let rows = [
-        (
-            "force",
-            "N",
-            "attraction between the mean planes, which the external force has beside that of the asperities",
-        ),
-        ("van_der_waals_force", "N", "van der Waals attraction between the mean planes"),
-        ("electrostatic_force", "N", "attraction between the mean planes by the voltage"),
-        ("stiffness", "N m-1", "derivative of the external force by the separation, of the background alone"),
-        ("energy", "J", "energy to separate the mean planes from here to infinity"),
-    ];
-    let dimensions = [lead, S].concat();
-    rows.map(|(name, units, meaning)| variable(format!("/background/{name}"), &dimensions, units, meaning))
-        .to_vec()
-}
-
 /// Pull-off and stiffest point of a curve of a group.
 pub(crate) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Variable> {
     let rows = [

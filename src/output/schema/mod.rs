@@ -13,8 +13,8 @@ mod independence;
 
 pub use asperities::ASPERITIES;
 pub(crate) use curves::{
-    OF_ENSEMBLE, OF_INTEGRAL, Statistic, background, features, forces, joint_test, quantile, quantities,
-    regimes, scalars, scores,
+    OF_ENSEMBLE, OF_INTEGRAL, Statistic, features, forces, joint_test, quantile, quantities, regimes,
+    scalars, scores,
 };
 pub(crate) use independence::{independence, verdict};
 

@@ -62,7 +62,7 @@ def test_the_attraction_is_that_of_asperities_and_mean_planes(result):
     asperities, force, voltage = (
         run[path].values for path in ("ensemble/adhesion_force_mean", "background/force", "background/electrostatic_force")
     )
-    np.testing.assert_allclose(drawn["voltage"].get_ydata() * unit, voltage)
+    np.testing.assert_allclose(drawn["electrostatic"].get_ydata() * unit, voltage)
     np.testing.assert_allclose(drawn["together"].get_ydata() * unit, asperities + force)
     dispersion = run["background/van_der_waals_force"].values
     parts = [drawn[name].get_ydata() * unit for name in ("van der Waals", "van der Waals, taken off")]

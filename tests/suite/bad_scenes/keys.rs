@@ -33,7 +33,7 @@ fn with(key: &Key) -> impl Iterator<Item = String> {
 fn defaults_are_what_holds_without_the_key() {
     let folder = files();
     let mut seen = 0;
-    for key in KEYS {
+    for key in KEYS.iter() {
         let Absent::Is(default) = key.absent else { continue };
         let text = with(key).next().unwrap_or_else(|| panic!("no scene has {}", key.name));
         // What needs the key is left out with it.
@@ -108,7 +108,7 @@ fn bodies_have_the_reduced_modulus_and_the_work_of_adhesion_worked_by_hand() {
 fn keys_that_exclude_each_other_are_refused() {
     let folder = files();
     let mut seen = 0;
-    for key in KEYS {
+    for key in KEYS.iter() {
         for excluded in key.excluded {
             let other = KEYS.iter().find(|key| key.name == *excluded).expect(excluded);
             let text = with(key).next().unwrap_or_else(|| panic!("no scene has {}", key.name));

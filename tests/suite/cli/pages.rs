@@ -140,8 +140,10 @@ fn the_scene_reference_is_what_the_table_of_keys_says() {
     let mut tables: Vec<String> = KEYS.iter().map(|key| table(key).to_owned()).collect();
     tables.dedup();
     held("scene.md", "keys", &tables, &|name| {
-        let keys =
-            KEYS.iter().filter(|key| table(key) == name && key.name != name && !key.name.contains('['));
+        let keys = KEYS
+            .iter()
+            .copied()
+            .filter(|key| table(key) == name && key.name != name && !key.name.contains('['));
         keys.map(entry).collect::<Vec<String>>().join("\n")
     });
 }

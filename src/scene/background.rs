@@ -16,7 +16,7 @@ use toml::de::DeValue;
 /// Most dielectrics between two electrodes.
 const MOST_LAYERS: usize = 20;
 
-/// What a scene says of the forces between its mean planes.
+/// The tables of a scene on the forces between its mean planes.
 ///
 /// # Examples
 /// ```

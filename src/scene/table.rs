@@ -29,8 +29,8 @@ const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its numbe
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
 const FILE_UNIT: &str = "The values of the file are multiplied by it.";
 
-/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a
-/// list, `sweep.*` for a key that is swept.
+/// Every key of a scene by its dotted name, in the order of the reference. `[]` is an element of a
+/// list, `sweep.*` a key that is swept.
 pub static KEYS: &[Key] = &[
     key("format", "1", Whole(FORMAT, FORMAT)).what("version of the scene format"),
     key("title", "\"Case II\"", Text)
@@ -71,7 +71,7 @@ pub static KEYS: &[Key] = &[
     key("material.poisson_ratio", "0.27", Number(POISSON_RATIOS.0, POISSON_RATIOS.1))
         .what("Poisson ratio of the softer body")
         .about(
-            "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. Beside `poissons_ratio` it \
+            "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. With `poissons_ratio` it \
              has to be one of the two.",
         )
         .swept(),
@@ -134,7 +134,7 @@ pub static KEYS: &[Key] = &[
         .what("nominal area")
         .about(
             "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to \
-             patch falls as 1/√A_n. Beside `asperities` it may be left out and is then that of the map.",
+             patch falls as 1/√A_n. With `asperities` it may be left out and is then the area of the map.",
         )
         .swept(),
     key("surface.lubricant_thickness", "\"0.5 nm\"", Quantity(Of::Length, NotNegative))
@@ -565,9 +565,9 @@ pub static KEYS: &[Key] = &[
     .what("largest error of a load, relative to the largest load")
     .defaults_to("1e-9"),
     key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
-        .what("separations at which the asperities are told one by one")
+        .what("separations at which the asperities are recorded one by one")
         .about(
-            "h* as numbers, or h as lengths; each stands for the nearest separation. There the file has place, height, \
+            "h* as numbers, or h as lengths; each means the nearest separation. There the file has place, height, \
              interference, forces and state of every asperity of the first replica.",
         )
         .follows("nowhere"),
@@ -595,7 +595,7 @@ pub static KEYS: &[Key] = &[
     key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
         .what("gap from which on the background acts")
         .about("Smaller ones belong to the asperities.")
-        .follows("the range Z₀/1.03 of the Dugdale stress, beside `lubricant_thickness` under laws that know it")
+        .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
         .swept(),
     key("van_der_waals.cap_share", "0.75", Number(CAP_SHARES.0, CAP_SHARES.1))
         .what("share of the area that asperities own")
@@ -634,7 +634,7 @@ pub static KEYS: &[Key] = &[
     key("electrostatic.relative_permittivity[]", "3.9", Number(PERMITTIVITIES.0, PERMITTIVITIES.1)),
     key("electrostatic.recess", "\"50 nm\"", Quantity(Of::Length, NotNegative))
         .what("gap that is left between the electrodes where the surfaces touch")
-        .about("Of electrodes beside the contact, lower than it.")
+        .about("Of electrodes next to the contact, lower than it.")
         .defaults_to("0")
         .swept(),
     key("instability", "{ stiffness = \"100 kN/m\" }", Table)
@@ -643,8 +643,8 @@ pub static KEYS: &[Key] = &[
     key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative, &[PATCH]))
         .what("stiffness of the spring")
         .about(
-            "0: load control. `patch`: E*L/0.946402, what a square of side L alone on its half-space stands \
-             on, with L² the nominal area.",
+            "0: load control. `patch`: E*L/0.946402, of the half-space under a single square of \
+             side L, with L² the nominal area.",
         ),
     key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive, &[]))
         .what("external force at which the approach ends")

@@ -29,10 +29,10 @@ const RESOLVING: f64 = 0.15;
 const LARGEST_HELD: f64 = 0.01;
 /// Largest relative error of an integral that is one.
 const LARGEST_ERROR: f64 = 1e-6;
-/// Largest field across a gap, V/m, that air stands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
-/// Paschen's law at short gap distances", 2014).
+/// Largest field across a gap, V/m, that air withstands: 350 V/um across 0.1 to 1 um (Peschot et al.,
+/// "Deviations from the Paschen's law at short gap distances", 2014).
 const LARGEST_FIELD: f64 = 3.5e8;
-/// Largest voltage, V, that air stands across any gap by Paschen's law.
+/// Largest voltage, V, that air withstands across any gap by Paschen's law.
 const LARGEST_VOLTAGE: f64 = 327.0;
 /// Largest shift, in σ, by which a patch gives way that is called none.
 const LARGEST_SHIFT: f64 = 0.05;
@@ -56,7 +56,7 @@ pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected
     warnings
 }
 
-/// The warnings of a scene but for those of the law's own limits.
+/// The warnings of a scene apart from the law's own limits.
 pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
@@ -81,8 +81,8 @@ fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
     exceeded.map(|(finding, reason)| Warning::new(finding, reason, &[])).collect()
 }
 
-/// Lengths that are too large or too small beside others, under a law that may take the asperities as dry,
-/// and too few asperities.
+/// Lengths that are too large or too small relative to others, under a law that may take the asperities as
+/// dry, and too few asperities.
 fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     let (asperity, surface) = (&scene.asperity, &scene.surface);
     let sigma = surface.surface_height_std;
@@ -390,8 +390,8 @@ fn twice(scene: &Scene) -> Option<Warning> {
     })
 }
 
-/// What the forces between the mean planes leave out: breakdown, other than normal heights, and a patch that
-/// they bend.
+/// Effects that the forces between the mean planes leave out: breakdown, other than normal heights, and a
+/// patch that they bend.
 fn mean_planes(scene: &Scene) -> Vec<Warning> {
     let (surface, mut warnings) = (&scene.surface, Vec::new());
     let Some(background) = &surface.background else { return warnings };
@@ -423,7 +423,7 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
         warnings.push(Warning::new(
             format!("the gaps between the mean planes are taken as normal, not {}", surface.heights.law.about()),
             "[van_der_waals] and [electrostatic] know the standard deviation of all points of the surface, not \
-             their law; the heights of the scene are those of asperities",
+             their law; the heights of the scene are heights of asperities",
             &[],
         ));
     }

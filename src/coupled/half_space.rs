@@ -121,8 +121,7 @@ impl HalfSpace {
         Self { sums, compliance, places, coupling, nearest, known, tolerance, contacts: None }
     }
 
-    /// The half-space under contacts of finite size, of asperities of `radii`, m; `side` is of the
-    /// square, m.
+    /// The half-space under contacts of finite size, of asperities of `radii`, m, in a square of `side`, m.
     pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
         let Self { coupling, places, compliance, tolerance, .. } = &self;
         self.contacts = Some(Contacts::new((*coupling, places), (side, radii), *compliance, *tolerance));

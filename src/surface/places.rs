@@ -78,7 +78,7 @@ pub enum PlacesError {
     /// No lattice of this number fits a square.
     #[error("{count} asperities form no such lattice in a square; {fits} would")]
     Lattice {
-        /// How many there are.
+        /// The number of asperities.
         count: usize,
         /// The nearest number that fits.
         fits: usize,
@@ -89,7 +89,7 @@ pub enum PlacesError {
          {fits:.4e} m would do"
     )]
     Crowded {
-        /// How many there are.
+        /// The number of asperities.
         count: usize,
         /// The share that is covered.
         cover: f64,

@@ -53,7 +53,7 @@ pub enum Radii {
     Measured(Arc<[[f64; 2]]>),
 }
 
-/// Asperities of one radius among those of a surface.
+/// The asperities of one radius on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiusClass {
     /// Probability that an asperity belongs to the class.

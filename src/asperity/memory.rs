@@ -1,7 +1,7 @@
 //! One asperity that remembers: the paths its force can follow when its interference need not be monotone.
 //!
 //! # Formula
-//! What acts is a chain of segments in the interference δ, each one smooth function, with the segment that
+//! The force is a chain of segments in the interference δ, each one smooth function, with the segment that
 //! follows beyond either end:
 //!
 //! | state | segments | left upwards | left downwards |

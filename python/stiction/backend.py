@@ -53,7 +53,7 @@ class StictionBackend(BackendEntrypoint):
         )
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
-        """Whether it is the path of a result of stiction, by the attribute `format` of its root."""
+        """Whether an object is the path of a result of stiction, by the attribute `format` of its root."""
         if not isinstance(filename_or_obj, str | Path) or not Path(filename_or_obj).is_file():
             return False
         try:
@@ -63,7 +63,7 @@ class StictionBackend(BackendEntrypoint):
 
 
 def _checked(filename_or_obj: Any) -> Any:
-    """What is to be opened; of a file only if all that it has is in the file itself."""
+    """The object to be opened; a file only if all that it has is in the file itself."""
     if isinstance(filename_or_obj, str | Path) and Path(filename_or_obj).is_file():
         stored.check(Path(filename_or_obj))
     return filename_or_obj

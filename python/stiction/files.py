@@ -34,7 +34,7 @@ def check(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Pa
     Raises
     ------
     FileError
-        The message says what stands in the way.
+        The message says what is in the way.
     """
     path = Path(path)
     if "\0" in str(path):
@@ -92,7 +92,7 @@ def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> 
 
 @contextmanager
 def writing_hdf5(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Iterator[Path]:
-    """As `writing`, for libhdf5, which may crash on a full disk: what it fills is in a temporary folder."""
+    """A new file as by `writing`, for libhdf5, which may crash on a full disk: it fills a file in a temporary folder."""
     with Folder() as folder:
         yield folder / "whole.h5"
         with writing(path, force=force, inputs=inputs) as part:

@@ -68,7 +68,7 @@ def find_asperities(
     Returns
     -------
     Asperities
-        Heights, radii and places of the asperities, the levelled map, and the surface that stands for it.
+        Heights, radii and places of the asperities, the levelled map, and the surface that represents it.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def _pair(pixel: Any) -> list[Any]:
 
 
 def _heights(map: Any) -> tuple[Any, Any, str | None]:
-    """Heights over y and x, the pixel and the unit of the heights, as far as they are told."""
+    """Heights over y and x, the pixel and the unit of the heights, as far as they are given."""
     if hasattr(map, "physical_sizes") and callable(getattr(map, "heights", None)):
         return _of_topography(map)
     if isinstance(map, xarray.DataArray):

@@ -38,7 +38,7 @@ __all__ = ["MOST", "Prior", "Priors", "opened", "read"]
 
 Array = NDArray[np.float64]
 
-#: How many keys may have priors: so many a sweep may have.
+#: Most keys with priors: a sweep may have this number.
 MOST = 6
 
 _NEEDED = {
@@ -83,7 +83,7 @@ class Prior:
 
     @property
     def name(self) -> str:
-        """Its name as a variable of files: the key with underlines, as sweeps have it."""
+        """The key's name as a variable of files: the key with underlines, as sweeps have it."""
         return self.key.replace(".", "_")
 
     @property

@@ -73,7 +73,7 @@ def factor_and_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits, with a true minus sign.
+    """A number with `digits` significant digits, with a true minus sign.
 
     Examples
     --------

@@ -26,9 +26,9 @@ Scene = str | Path | Mapping[str, Any]
 
 
 class Source:
-    """A scene as the program takes it: what stands for it on the command line, and standard input.
+    """A scene as the program takes it: its arguments on the command line, and standard input.
 
-    Arrays of heights or radii go into an HDF5 file that the scene names: beside the output of that name, or in a folder that is
+    Arrays of heights or radii go into an HDF5 file that the scene names: next to the output of that name, or in a folder that is
     deleted with the source where the result has no name either.
     """
 
@@ -71,7 +71,7 @@ class Source:
             self._folder.delete()
 
     def _named(self, scene: Mapping[str, Any]) -> dict[str, Any]:
-        """With files in the place of arrays."""
+        """The tables with files in the place of arrays."""
         tables: dict[str, Any] = {"format": 1, **scene}
         surface = tables.get("surface")
         if isinstance(surface, Mapping):

@@ -127,7 +127,7 @@ def asperity(
 
 
 def _table(arrays: dict[str, xarray.DataArray], broadcast: tuple[xarray.DataArray, ...]) -> str:
-    """Arguments as the program reads them; what is one number is written once, as writing takes longer than solving."""
+    """Arguments as the program reads them; one number for all is written once, as writing takes longer than solving."""
     columns: list[Iterable[str]] = []
     for array, whole in zip(arrays.values(), broadcast, strict=True):
         if array.size == 1:

@@ -24,7 +24,7 @@ _SHOWN = 200
 
 @contextmanager
 def reading(path: Path) -> Iterator[None]:
-    """Whatever fails in the block is a fault of the file, which is all that the block depends on.
+    """Blames failures in the block on the file, which is all that the block depends on.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def try_first(path: Path) -> None:
-    """Has the program read a file first, in a process with limits: libhdf5 may never return from damage.
+    """Lets the program read a file first, in a process with limits: libhdf5 may never return from damage.
 
     Raises
     ------

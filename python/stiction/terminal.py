@@ -1,4 +1,4 @@
-"""What the commands of the package say on a terminal, and how they end."""
+"""Messages and exit codes of the commands of the package."""
 
 from __future__ import annotations
 

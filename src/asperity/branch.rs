@@ -45,7 +45,7 @@ impl<C: Curve> Branch<C> {
         Self { curve, anchor, sign: 1.0, near: Piecewise::default(), far: Piecewise::default() }
     }
 
-    /// The same branch with starting tables from the anchor to the displacement `furthest`.
+    /// The branch with starting tables from the anchor to the displacement `furthest`.
     pub fn with_table(mut self, furthest: f64) -> Self {
         let Anchor { displacement, parameter, fold } = self.anchor;
         self.sign = if furthest > displacement { 1.0 } else { -1.0 };
@@ -66,7 +66,7 @@ impl<C: Curve> Branch<C> {
         &self.curve
     }
 
-    /// Where the branch is anchored.
+    /// The anchor of the branch.
     pub fn anchor(&self) -> Anchor {
         self.anchor
     }
@@ -79,8 +79,8 @@ impl<C: Curve> Branch<C> {
     }
 
     /// The states at the displacements Δ, at most [`BLOCK`](super::law::BLOCK) of them, in any order; neighbours that rise share
-    /// table cells, which is fast. The bits do not depend on the instruction set, nor on which lanes stand
-    /// beside each other.
+    /// table cells, which is fast. The bits do not depend on the instruction set, nor on which lanes are next
+    /// to each other.
     pub fn solve_block(
         &self,
         displacements: &[f64],

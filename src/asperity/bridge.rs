@@ -94,7 +94,7 @@ const LAST_STEP: f64 = 1e-8;
 const POINT: f64 = 0.607_927_101_854_026_7;
 
 impl Bridge {
-    /// The same around a sphere of `ratio` times the radius.
+    /// The bridge around a sphere of `ratio` times the radius.
     #[inline(always)]
     pub fn of_ratio(self, ratio: f64) -> Self {
         Self { radius: self.radius * ratio, ..self }

@@ -39,7 +39,7 @@ impl Contact {
         contact
     }
 
-    /// The same where θ at the end of the stable branch is known.
+    /// The curve for `lambda` where θ at the end of the stable branch is known.
     #[inline(always)]
     pub fn with_end(lambda: f64, end: f64) -> Self {
         Self { lambda, k: 4.0 / 3.0 * lambda, end }

@@ -58,7 +58,7 @@ pub struct Solution {
     pub radius: f64,
 }
 
-/// Where a branch begins: its tables are over the distance from there.
+/// The beginning of a branch: its tables are over the distance from there.
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor {
     /// Δ_ref.

@@ -575,7 +575,7 @@ impl Lanes {
         chosen.lanes().enumerate().for_each(|(lane, i)| adhesion[i] = self.adhesion[lane]);
     }
 
-    /// The same on the inner part, beyond the fold.
+    /// Solves lanes on the inner part, beyond the fold.
     fn inner<'a>(
         &mut self,
         chosen: &Chosen,

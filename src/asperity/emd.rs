@@ -3,7 +3,7 @@
 //!
 //! # Validity
 //! Elastic spheres, every adhesion parameter λ in [`super::scale::LAMBDA_RANGE`]. Source: Maugis (1992) in
-//! contact, Shi and Polycarpou (2005) before it; the branch rules are those of displacement control.
+//! contact, Shi and Polycarpou (2005) before it; the branch rules belong to displacement control.
 
 use super::branch::Branch;
 use super::contact::Contact;
@@ -16,7 +16,7 @@ use super::scale::Scale;
 use super::stats::SolverStats;
 use crate::math::piecewise::{Piecewise, leading};
 
-/// On which branch an asperity is.
+/// The branch that an asperity is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactState {
     /// Before contact.
@@ -63,8 +63,8 @@ impl Emd {
         Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), split, end })
     }
 
-    /// The same law of an asperity that comes out of contact: before it, it is on the inner of two states for as long as that
-    /// exists.
+    /// The law of an asperity that comes out of contact: before it, it is on the inner of two states for as
+    /// long as that exists.
     pub fn holding(mut self) -> Self {
         let lambda = self.outer.curve().lambda();
         if let (Some(fold), Some(_)) = (inner_fold(lambda), &self.inner) {
@@ -95,13 +95,13 @@ impl Emd {
         }
     }
 
-    /// The same law with starting tables for displacements in `lowest..=highest`, which make solves in that
+    /// The law with starting tables for displacements in `lowest..=highest`, which make solves in that
     /// range fast.
     pub fn with_tables(self, lowest: f64, highest: f64) -> Self {
         self.with_contact_table(highest).with_noncontact_tables(lowest).with_far_series(lowest)
     }
 
-    /// The same law with a starting table for the contact branch up to the displacement `highest`.
+    /// The law with a starting table for the contact branch up to the displacement `highest`.
     pub fn with_contact_table(mut self, highest: f64) -> Self {
         if highest > self.contact.anchor().displacement {
             self.contact = self.contact.with_table(highest);
@@ -109,7 +109,7 @@ impl Emd {
         self
     }
 
-    /// The same law with starting tables for the noncontact branches down to the displacement `lowest`.
+    /// The law with starting tables for the noncontact branches down to the displacement `lowest`.
     pub fn with_noncontact_tables(mut self, lowest: f64) -> Self {
         if lowest < self.outer.anchor().displacement {
             self.outer = self.outer.with_table(lowest);
@@ -124,7 +124,7 @@ impl Emd {
         self
     }
 
-    /// The same law with a series in the place of solves far from contact, down to the displacement `lowest`.
+    /// The law with a series in the place of solves far from contact, down to the displacement `lowest`.
     /// It is made by solves, which are fast with tables.
     pub fn with_far_series(mut self, lowest: f64) -> Self {
         let innermost = self.outer.anchor().displacement;

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a law cannot be made.
+/// Reasons why a law cannot be made.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum LawError {
     /// λ outside the range that is solved.
@@ -19,7 +19,7 @@ pub enum LawError {
         /// The value, SI.
         value: f64,
     },
-    /// A length that is too small or too large beside the unit of the approach.
+    /// A length that is too small or too large relative to the unit of the approach.
     #[error("{name} is {value:.4e}, outside 1e-60..1e60 times the unit of the approach")]
     Length {
         /// Name of the quantity, as in scenes.
@@ -50,7 +50,7 @@ pub enum LawError {
         "it is a fit to one radius, so tops that have flowed have to keep it: unloading = \"ekk\", unloaded_radius = \"kept\""
     )]
     NotFlattened,
-    /// The unloading is of other contacts than those of the law.
+    /// The unloading is of other contacts than the law's.
     #[error(
         "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic and capillary alone, \"ekk\" \
          (Etsion, Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but md_plastic and capillary"

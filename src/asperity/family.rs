@@ -85,7 +85,7 @@ impl Family {
         Lane::new(radius / self.radius, self.lambda)
     }
 
-    /// How many regimes the law has.
+    /// The number of regimes of the law.
     #[doc(hidden)]
     pub fn regimes(&self) -> usize {
         self.law.regimes().len()

@@ -81,7 +81,7 @@ impl Flattened {
     }
 }
 
-/// What acts around flattened tops.
+/// Adhesion and liquid around flattened tops.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Around {
     /// λ and the units; λ = 0 without adhesion of the solids.

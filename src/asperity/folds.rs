@@ -1,4 +1,4 @@
-//! Where the branches of the Maugis-Dugdale equations fold, by the adhesion parameter λ, from tables: finding a
+//! Folds of the branches of the Maugis-Dugdale equations, by the adhesion parameter λ, from tables: finding a
 //! fold takes hundreds of evaluations, and every radius has folds of its own.
 
 use super::contact::Contact;

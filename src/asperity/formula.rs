@@ -34,13 +34,13 @@ pub trait Formula: Clone + Send + Sync + 'static {
     /// Fills `out` with the values at interferences δ, m.
     fn fill(&self, interference: &[f64], out: &mut [f64]);
 
-    /// How the values follow the radius of the asperity, if that is known.
+    /// The similarity by which the values follow the radius of the asperity, if it is known.
     #[doc(hidden)]
     fn similarity(&self) -> Option<Similarity> {
         None
     }
 
-    /// The same, told how its values follow the radius.
+    /// The formula with the similarity by which its values follow the radius.
     #[doc(hidden)]
     fn following(self, similarity: Similarity) -> Following<Self> {
         Following { formula: self, similarity }
@@ -122,7 +122,7 @@ impl<F: Fn(f64) -> f64> Tabulated<F> {
         Self { formula, per_length, unit, over_root: false, table }
     }
 
-    /// The same with a table that meets the formula to an absolute `tolerance` of x.
+    /// The formula with a table that meets it to an absolute `tolerance` of x.
     pub(super) fn within(
         unit: f64,
         per_length: f64,
@@ -134,7 +134,7 @@ impl<F: Fn(f64) -> f64> Tabulated<F> {
         Self { formula, per_length, unit, over_root: false, table }
     }
 
-    /// The same for a formula that is smooth in √x.
+    /// The formula with a table over √x, in which it is smooth.
     pub fn over_root(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
         let of_root = |root: f64| formula(root * root);
         let table = Piecewise::new(of_root, |_, value| tolerance * value, reach.0.sqrt(), reach.1.sqrt());
@@ -229,23 +229,23 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
         Self { adhesion, contact, area, roots: Vec::new(), capture: None, unstable_work: 0.0 }
     }
 
-    /// The same, but from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
+    /// The formulas with a root: from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
     pub fn with_root(self, place: f64, order: i32) -> Self {
         self.with_root_from(place, place, order)
     }
 
-    /// The same with the root at a `place` before the interference `from` which it acts.
+    /// The formulas with a root at a `place` before the interference `from` which it acts.
     pub fn with_root_from(mut self, from: f64, place: f64, order: i32) -> Self {
         self.roots.push(Root { from, place, order });
         self
     }
 
-    /// The same with the interference, m, from which an asperity that turns back takes another way.
+    /// The formulas with the interference, m, from which an asperity that turns back takes another way.
     pub fn with_capture(self, interference: f64) -> Self {
         Self { capture: Some(interference), ..self }
     }
 
-    /// The same with ∫(P − F_s) dδ, J, along its unstable part.
+    /// The formulas with ∫(P − F_s) dδ, J, along the unstable part.
     pub fn with_unstable_work(self, unstable_work: f64) -> Self {
         Self { unstable_work, ..self }
     }

@@ -20,7 +20,7 @@ impl Path {
     }
 }
 
-/// What an asperity has gone through since the surfaces were far apart.
+/// The history of an asperity since the surfaces were far apart.
 ///
 /// # Examples
 /// ```
@@ -35,11 +35,11 @@ impl Path {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum ContactHistory {
-    /// It has never touched.
+    /// An asperity that has never touched.
     Untouched,
-    /// It has touched and is elastic.
+    /// An asperity that has touched and is elastic.
     Touched,
-    /// It has flowed.
+    /// An asperity that has flowed.
     Flowed,
 }
 

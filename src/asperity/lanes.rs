@@ -16,7 +16,7 @@ const ROOM: usize = BLOCK + VECTOR;
 pub(super) struct Lanes {
     /// Displacements wanted.
     pub displacements: [f64; ROOM],
-    /// Where they are in a table.
+    /// Places in a table.
     pub places: [f64; ROOM],
     /// Parameters to start from; NaN where there is none.
     pub parameters: [f64; ROOM],

@@ -93,7 +93,7 @@ pub enum End {
     Upper,
 }
 
-/// How a law varies at the ends of a piece.
+/// The smoothness of a law at the ends of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothness {
     /// Smooth up to both ends.
@@ -119,7 +119,7 @@ pub struct Piece {
     pub lower: f64,
     /// Upper end δ, m; may be +∞.
     pub upper: f64,
-    /// How the law varies on it.
+    /// Smoothness of the law on it.
     pub smoothness: Smoothness,
 }
 
@@ -168,16 +168,16 @@ pub struct FitReport {
     pub rms_residual: [f64; 3],
 }
 
-/// How the forces of a regime follow from the interference.
+/// The method by which the forces of a regime follow from the interference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// A constant adhesion force, N, is all that acts: nothing is evaluated.
     Constant(f64),
-    /// By formulas.
+    /// Formulas.
     ClosedForm,
-    /// By solving the equations of a contact.
+    /// Solves of the equations of a contact.
     Contact,
-    /// By solving the equations before contact.
+    /// Solves of the equations before contact.
     Noncontact {
         /// Interference, m, below which a series takes the place of solves, if there is one.
         far: Option<f64>,
@@ -240,7 +240,7 @@ pub trait Law: Send + Sync {
     #[doc(hidden)]
     fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece>;
 
-    /// How the forces of a regime are evaluated.
+    /// The method by which the forces of a regime are evaluated.
     #[doc(hidden)]
     fn method(&self, _regime: usize) -> Method {
         Method::ClosedForm
@@ -260,7 +260,7 @@ pub trait Law: Send + Sync {
         0.0
     }
 
-    /// How well its curve fits are, when it has any.
+    /// The report on its curve fits, when it has any.
     #[doc(hidden)]
     fn fit(&self) -> Option<&FitReport> {
         None

@@ -1,7 +1,7 @@
 //! One asperity that remembers: the paths its force can follow when its interference need not be monotone.
 //!
 //! # Formula
-//! What acts is a chain of segments in the interference δ, each one smooth function, with the segment that
+//! The force is a chain of segments in the interference δ, each one smooth function, with the segment that
 //! follows beyond either end:
 //!
 //! | state | segments | left upwards | left downwards |
@@ -42,15 +42,15 @@ pub(crate) enum Source {
 /// A segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Segment {
-    /// What acts.
+    /// Source of the force.
     pub source: Source,
-    /// δ, m, from which.
+    /// Lower end δ, m.
     pub lower: f64,
-    /// δ, m, up to which.
+    /// Upper end δ, m.
     pub upper: f64,
     /// The segment that follows below, and above.
     pub next: [Option<u8>; 2],
-    /// How it varies.
+    /// Smoothness of the force.
     pub smoothness: Smoothness,
 }
 
@@ -75,7 +75,7 @@ impl<T: ?Sized> Deref for Held<'_, T> {
 
 /// The laws of an asperity of one radius.
 pub(crate) enum Memory<'a> {
-    /// It retraces its approach.
+    /// A law of which asperities retrace their approach.
     None(Held<'a, dyn Law + 'a>),
     /// A loop.
     Loop(Held<'a, Loop>),
@@ -94,9 +94,9 @@ pub(crate) struct Flowed {
     at_largest: [f64; 3],
     /// The regime of the law on approach at ω_max.
     pub regime: usize,
-    /// Its segments.
+    /// Segments of its force.
     pub segments: Vec<Segment>,
-    /// How many of them are of one out of contact.
+    /// The number of them, the first ones, out of contact.
     pub untouched: usize,
 }
 
@@ -126,8 +126,8 @@ impl Memory<'_> {
         }
     }
 
-    /// The segments of an asperity that has not flowed, with the number of those of one that has not touched,
-    /// which come first.
+    /// The segments of an asperity that has not flowed, with the number of the first ones, before it has
+    /// touched.
     pub fn segments(&self) -> (Vec<Segment>, usize) {
         let approach = pieces(self.law(Path::Approach), Path::Approach, 0..usize::MAX);
         let Self::Loop(cycle) = self else {

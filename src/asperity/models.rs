@@ -1,5 +1,5 @@
-//! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is
-//! its file and a line here.
+//! The registry of laws: their names, descriptions, limits and constructors. A new law is its file and a
+//! line here.
 
 use super::error::LawError;
 use super::flattened::Around;
@@ -50,7 +50,7 @@ pub struct Model {
     pub name: &'static str,
     /// A line about it.
     pub about: &'static str,
-    /// Where it is valid.
+    /// Limits of its validity.
     pub validity: Validity,
     /// The liquid that condenses around asperities, of a law that knows one.
     meniscus: Option<Meniscus>,
@@ -105,7 +105,7 @@ impl Model {
         Self { build: Build::Immersed, ..self }
     }
 
-    /// Whether it is for asperities around which a liquid condenses, and has to be told which.
+    /// Whether it is for asperities around which a liquid condenses, and needs the liquid.
     pub fn is_wet(&self) -> bool {
         !matches!(self.build, Build::Plain(_) | Build::Flowing(_))
     }
@@ -137,7 +137,7 @@ impl Model {
         })
     }
 
-    /// What acts around the flattened tops of asperities.
+    /// Adhesion and liquid around the flattened tops of asperities.
     pub(super) fn around(&self, parameters: &LawParameters) -> Result<Around, LawError> {
         let dry = Around { scale: parameters.scale, bridge: None };
         Ok(self.parts(parameters)?.map_or(dry, |parts| parts.around(&parameters.scale)))
@@ -168,7 +168,7 @@ impl Model {
         })
     }
 
-    /// Whether its forces are curve fits to those of one asperity.
+    /// Whether its forces are curve fits to the forces of one asperity.
     pub fn is_fit(&self) -> bool {
         self.name.starts_with("fit:")
     }
@@ -199,7 +199,7 @@ pub struct Validity {
 /// Elastic-plastic contact of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plasticity {
-    /// It has none, and is elastic only.
+    /// None: the law is elastic only.
     Without,
     /// Kogut and Etsion's, of which an unloading is published.
     KogutEtsion,
@@ -212,7 +212,7 @@ pub enum Plasticity {
 /// Range of adhesion parameters λ that a law is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Adhesion {
-    /// It has no adhesion.
+    /// None: the law has no adhesion.
     Without,
     /// λ up to [`LARGEST_DMT_LAMBDA`]: the profile of the sphere does not feel the adhesion.
     Low,

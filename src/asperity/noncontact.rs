@@ -58,7 +58,7 @@ impl Noncontact {
         Self::branches_at(lambda, Self::whole(lambda).outer_fold())
     }
 
-    /// The same where ε at the outer fold is known.
+    /// The branches of the curve where ε at the outer fold is known.
     pub fn branches_at(lambda: f64, outer_fold: Option<f64>) -> Branches {
         let whole = Self::whole(lambda);
         match outer_fold {

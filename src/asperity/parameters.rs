@@ -5,17 +5,17 @@ use super::error::LawError;
 use super::history::Path;
 use super::scale::{Asperity, Scale, UNIT_RANGE};
 
-/// What becomes of an asperity before contact where the attraction has two states, and contact leads to the inner one: for λ
-/// from 0.888 to 0.938.
+/// The state of an asperity before contact where the attraction has two states, and contact leads to the
+/// inner one: for λ from 0.888 to 0.938.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[doc(hidden)]
 pub enum InnerState {
-    /// It comes to the inner one where the outer one ends, and is on the outer one before that.
+    /// The inner one from where the outer one ends, and the outer one before that.
     #[default]
     Entered,
-    /// It has come out of contact, and stays on the inner one for as long as that exists.
+    /// The inner one after contact, for as long as it exists.
     Held,
-    /// It is on the outermost one that there is, whatever it has touched.
+    /// The outermost one that there is, whatever the asperity has touched.
     Ignored,
 }
 
@@ -36,7 +36,7 @@ pub struct LawParameters {
     pub critical_approach: Option<f64>,
     /// The history.
     pub path: Path,
-    /// What becomes of it before contact where there are two states.
+    /// The state before contact where there are two.
     #[doc(hidden)]
     pub inner_state: InnerState,
     /// Range of interferences, m, that starting tables are made for; other interferences are solved too,

@@ -51,7 +51,7 @@ impl PlasticUnloading {
         Self { critical, tables: Arc::new(tables) }
     }
 
-    /// The unloading of contacts that are so many times as large: ω_c is proportional to the radius.
+    /// The unloading of contacts of `ratio` times the radius, to which ω_c is proportional.
     pub fn of_radius(&self, ratio: f64) -> Self {
         Self { critical: ratio * self.critical, tables: Arc::clone(&self.tables) }
     }

@@ -19,7 +19,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Lane {
-    /// Its elastic branches, of a law that solves them.
+    /// Elastic branches of the asperity, of a law that solves them.
     pub elastic: Elastic,
     /// ρ.
     pub ratio: f64,
@@ -112,7 +112,7 @@ impl<'a> Lanes<'a> {
 }
 
 impl<'a> Numbered<'a> {
-    /// As many asperities as there may be in a block, which are alike.
+    /// A full block of asperities that are alike.
     pub fn alike(lane: &'a [Lane; 1]) -> Self {
         Self { all: lane, which: &[0; BLOCK] }
     }
@@ -160,7 +160,7 @@ impl<'a> Numbered<'a> {
     }
 }
 
-/// How a quantity follows the radius: ρ^value times itself at o + (δ − o)ρ^(−place).
+/// The similarity by which a quantity follows the radius: ρ^value times itself at o + (δ − o)ρ^(−place).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
     /// o, m.
@@ -177,7 +177,7 @@ impl Similarity {
         Self { origin: 0.0, place, value }
     }
 
-    /// Where an interference of the law is, m, for an asperity.
+    /// Interference, m, of an asperity that corresponds to one of the law.
     pub fn interference(&self, interference: f64, lane: &Lane) -> f64 {
         if self.place == 0.0 || interference.is_infinite() {
             return interference;
@@ -187,7 +187,7 @@ impl Similarity {
     }
 }
 
-/// An interference at which a regime ends, and how it follows the radius.
+/// An interference at which a regime ends, and its dependence on the radius.
 #[derive(Clone)]
 pub struct Place {
     pub(super) interference: f64,
@@ -205,7 +205,7 @@ enum Follows {
 }
 
 impl From<f64> for Place {
-    /// The same for every radius.
+    /// One place for every radius.
     fn from(interference: f64) -> Self {
         Self { interference, follows: Follows::Similar(Similarity::new(0.0, 0.0)) }
     }
@@ -217,8 +217,8 @@ impl Place {
         Self { interference, follows: Follows::Similar(Similarity::new(exponent, 0.0)) }
     }
 
-    /// Where elastic contact begins or ends by the history, with s_δ = `length` at ρ = 1: the larger of that and `least`,
-    /// plus `offset`, m. It is at `interference` for ρ = 1.
+    /// The beginning or end of elastic contact by the history, with s_δ = `length` at ρ = 1: the larger of
+    /// that and `least`, plus `offset`, m. It is at `interference` for ρ = 1.
     pub fn elastic(interference: f64, path: Path, length: f64, (least, offset): (f64, f64)) -> Self {
         Self { interference, follows: Follows::Elastic { path, length, least, offset } }
     }

@@ -94,13 +94,13 @@ impl Loop {
 /// The contact history of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Condition {
-    /// It has never touched.
+    /// An asperity that has never touched.
     Untouched(usize),
-    /// It is elastic and has touched.
+    /// An elastic asperity that has touched.
     Elastic(usize),
-    /// It has flowed and is out of contact.
+    /// An asperity that has flowed and is out of contact.
     Lowered(usize),
-    /// It has flowed and is in contact; the regime is that of ω_max.
+    /// An asperity that has flowed and is in contact; the regime is that of ω_max.
     Unloading(usize),
 }
 
@@ -114,8 +114,8 @@ impl Condition {
     }
 }
 
-/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. Its regimes
-/// are those of the law, some more than once: [`Retraction::base`].
+/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. It has the
+/// regimes of the law, some more than once: [`Retraction::base`].
 pub struct Retraction<'a> {
     cycle: &'a Loop,
     distance: f64,
@@ -194,7 +194,7 @@ impl<'a> Retraction<'a> {
         self.boundaries.extend(end);
     }
 
-    /// For each of its regimes, which one it is of the law on approach.
+    /// Index of each of its regimes in the law on approach.
     pub fn base(&self) -> &[usize] {
         &self.base
     }

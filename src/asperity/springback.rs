@@ -1,4 +1,4 @@
-//! How contacts that have flowed spring back: what is left of their tops, and what acts while there is contact.
+//! Springback of contacts that have flowed: the shape of their tops, and the forces while there is contact.
 //!
 //! # Formula
 //! The contact radius a and the load P at ω_max make the top, of the radius R′ and the recovery ω_max − ω_res:
@@ -15,9 +15,9 @@
 //! load P_H in the law's elastic contact, at the δ′ that is as far on its way from ω_c: the excess over the elastic law
 //! vanishes with what has flowed.
 //!
-//! The first of R′ and of the recovery are those of the sphere whose Hertz contact has the radius a at the load P, the last
-//! those of the middle of what a uniform pressure P/(πa²) has pressed flat, when it is taken off (Johnson 1985, section
-//! 3.4).
+//! The first R′ and recovery belong to the sphere whose Hertz contact has the radius a at the load P, the
+//! last ones to the middle of the area that a uniform pressure P/(πa²) has pressed flat, when it is taken off
+//! (Johnson 1985, section 3.4).
 
 use super::decohesion::Decohesion;
 use super::flattened::Around;
@@ -41,20 +41,20 @@ const EACH: [u32; BLOCK] = {
 /// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
 pub(super) const POWERS: i32 = 10;
 
-/// How contacts spring back that have flowed.
+/// The springback of contacts that have flowed.
 pub(super) enum Springback {
-    /// Along powers of what is left of the way, with an adhesion between that at ω_max and that of the elastic law.
+    /// Powers of the rest of the way, with an adhesion between that at ω_max and that of the elastic law.
     Powers(PlasticUnloading),
-    /// As elastic contacts: of the law on retraction, or of a law of their own.
+    /// Elastic contacts: of the law on retraction, or of a law of their own.
     Elastic(Option<Arc<dyn Law>>),
-    /// As the elastic contact of the law on retraction, from the state that it had, with what acts around it in units of
-    /// the radius that others are multiples of.
+    /// The elastic contact of the law on retraction, from the state that it had, with its surroundings in
+    /// units of the radius that others are multiples of.
     Flattened(Around),
-    /// As punches whose edges open; the law is that of elastic contacts which end alike.
+    /// Punches whose edges open; the law is of elastic contacts which end alike.
     Punch(Arc<dyn Law>),
 }
 
-/// What is left of a top that has flowed.
+/// The top of an asperity that has flowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Top {
     /// ω_max − ω_res, m.
@@ -66,7 +66,7 @@ pub(super) struct Top {
 }
 
 impl Springback {
-    /// The same of asperities of another radius.
+    /// The springback of asperities of another radius.
     pub fn of(&self, lane: Lane) -> Self {
         let own = |law: &Arc<dyn Law>| -> Arc<dyn Law> { Arc::new(RadiusLaw::new(law, lane)) };
         match self {
@@ -122,7 +122,7 @@ impl Springback {
         }
     }
 
-    /// How a contact varies next to where it ends.
+    /// Order of the root by which a contact varies at its end.
     pub fn order(&self, law: &dyn Law) -> i32 {
         let contact = self.contact(law);
         let first = first_contact(contact);
@@ -133,8 +133,8 @@ impl Springback {
         }
     }
 
-    /// Makes of the responses at interferences ω_max, m, those of contacts at a distance, m, from there; `lane` makes the
-    /// lane of R′/R.
+    /// Turns the responses at interferences ω_max, m, into responses of contacts at a distance, m, from
+    /// there; `lane` makes the lane of R′/R.
     pub fn unload(
         &self,
         (law, scale, lane): (&dyn Law, &Scale, impl Fn(f64) -> Lane),
@@ -152,7 +152,7 @@ impl Springback {
         self.unload_tops((law, &tops, &lanes), distance, out, stats);
     }
 
-    /// The same of tops in lanes, which `out` has the responses of at ω_max. Those that follow powers have no tops.
+    /// Unloads tops in lanes, whose responses at ω_max `out` has. Contacts that follow powers have no tops.
     pub fn unload_tops(
         &self,
         (law, tops, lanes): (&dyn Law, &[Top], &[Lane]),
@@ -205,7 +205,8 @@ fn fade(
     }
 }
 
-/// What adhesion takes from the load of Hertz's contact at an interference δ, m, N: F_s − P + P_H, of responses at a place.
+/// The part that adhesion takes from the load of Hertz's contact at an interference δ, m, N: F_s − P + P_H,
+/// of responses at a place.
 pub(super) fn pull(scale: &Scale, interference: f64, responses: &Responses, place: usize) -> f64 {
     let depth = (interference / scale.length).max(0.0);
     responses.adhesion[place] - responses.contact[place] + scale.force * depth * depth.sqrt()
@@ -221,8 +222,8 @@ fn lower_limit(law: &dyn Law, regime: usize, lane: &Lane) -> f64 {
     regime.checked_sub(1).and_then(|below| law.end(below, lane)).unwrap_or(f64::NEG_INFINITY)
 }
 
-/// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
-/// ends earlier than the law's own may lead out of it.
+/// Puts interferences, m, of asperities into a regime, or above it up to `beyond`, m: neither rounding nor a
+/// contact that ends earlier than the law's own may lead out of it.
 pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
     for (delta, lane) in interference.iter_mut().zip(lanes) {
         let upper = || law.end(regime, lane).unwrap_or(f64::INFINITY);

@@ -49,7 +49,7 @@ pub(super) fn cell_of(place: f64) -> (u32, f64) {
 }
 
 impl Starts {
-    /// A table of so many `columns` of `sample`(x, place).
+    /// A table of `columns` columns of `sample`(x, place).
     pub fn new(columns: usize, sample: impl Fn(f64, f64) -> f64 + Send + Sync + 'static) -> Self {
         Self { columns: (0..columns).map(|_| OnceLock::new()).collect(), sample: Box::new(sample) }
     }

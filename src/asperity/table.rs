@@ -11,7 +11,7 @@ use std::ops::Range;
 /// The interaction of an asperity in one regime: a [`ClosedForm`](super::ClosedForm), or a
 /// [`Constant`](super::Constant) force.
 ///
-/// What an interaction tells a law is not on this page, and may change.
+/// The methods by which a law uses an interaction are not on this page, and may change.
 ///
 /// # Examples
 /// ```
@@ -38,14 +38,14 @@ pub trait Interaction: Send + Sync {
         None
     }
 
-    /// Ends, m, inside an interval where the part of an asperity is not smooth, rising, and how it varies on each of the
-    /// intervals that they leave: one more than ends.
+    /// Ends, m, inside an interval where the part of an asperity is not smooth, rising, and its smoothness on
+    /// each of the intervals that they leave: one more than ends.
     #[doc(hidden)]
     fn smoothness(&self, _lane: Option<&Lane>, _within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Smooth])
     }
 
-    /// How it is evaluated.
+    /// The method by which it is evaluated.
     #[doc(hidden)]
     fn method(&self) -> Method;
 
@@ -119,7 +119,7 @@ impl Table {
         table
     }
 
-    /// The same law with a report of its curve fits.
+    /// The law with a report of its curve fits.
     #[doc(hidden)]
     pub fn with_fit(mut self, report: FitReport) -> Self {
         self.fit = Some(report);

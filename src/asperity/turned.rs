@@ -1,9 +1,9 @@
 //! Asperities of a loop that differ in their radii, from the moment on when the surfaces turn.
 //!
-//! What an asperity does at a distance s from the closest approach follows from its ω_max, its radius and s
-//! ([`super::unloading`]). Of each it is computed once how far it springs back, what it bears at ω_max if it has flowed,
-//! and at which distances it passes from one condition to the next; asperities in one condition are then evaluated
-//! together, each as a lane.
+//! The response of an asperity at a distance s from the closest approach follows from its ω_max, its radius
+//! and s ([`super::unloading`]). Of each are computed once its springback, its forces at ω_max if it has
+//! flowed, and the distances at which it passes from one condition to the next; asperities in one condition
+//! are then evaluated together, each as a lane.
 
 use super::history::{ContactHistory, Path};
 use super::law::{BLOCK, Responses};

@@ -2,7 +2,7 @@
 //!
 //! # Formula
 //! When the surfaces turn, an asperity has the interference ω_max; at a distance s ≥ 0 from there it has δ =
-//! ω_max − s, and what it does is a function of ω_max and s alone. So all asperities of a surface at one
+//! ω_max − s, and its response is a function of ω_max and s alone. So all asperities of a surface at one
 //! distance obey one law in the variable ω_max, [`Loop::at`]:
 //!
 //! | ω_max | what acts |
@@ -27,9 +27,10 @@
 //!
 //! # Radius
 //! A top that flowed is flatter. How much is not published with the unloading of Etsion, Kligerman and Kadin, and it
-//! decides what attracts from then on, so it is a choice there, [`UnloadedRadius`]: the top keeps R, or it has that of the
-//! secant, the R′ = 4E_r a³/(3P) of the elastic contact whose radius and load are those at ω_max. With R′ the attraction
-//! before contact, the lubricant's force and δ_A are those of R′: λ′ = λ(R′/R)^(1/3), as in `radius`.
+//! decides what attracts from then on, so it is a choice there, [`UnloadedRadius`]: the top keeps R, or it
+//! has that of the secant, the R′ = 4E_r a³/(3P) of the elastic contact whose radius and load are those at
+//! ω_max. With R′ the attraction before contact, the lubricant's force and δ_A follow from R′: λ′ =
+//! λ(R′/R)^(1/3), as in `radius`.
 //!
 //! # Validity
 //! Cycles from a fresh surface to one depth. On the second approach ([`Loop::repeated`]) what has flowed is a lowered top that
@@ -62,7 +63,7 @@ use std::sync::Arc;
 /// Recoveries of continuous laws are ω_max where they begin to flow, but for so much of it.
 const ROUNDING: f64 = 1e-12;
 
-/// How contacts that have flowed are unloaded.
+/// The unloading of contacts that have flowed.
 ///
 /// # Examples
 /// ```
@@ -74,16 +75,17 @@ const ROUNDING: f64 = 1e-12;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unloading {
-    /// By Etsion, Kligerman and Kadin's fits, which are of Kogut and Etsion's contact alone; tops have one or the other
-    /// radius.
+    /// Etsion, Kligerman and Kadin's fits, which are of Kogut and Etsion's contact alone; tops have one or
+    /// the other radius.
     EtsionKligermanKadin(UnloadedRadius),
-    /// As the elastic contact of the law of a sphere whose Hertz contact has the largest load and its radius.
+    /// The elastic contact of the law of a sphere whose Hertz contact has the largest load and its radius.
     Secant,
-    /// As the decohesion of what a uniform pressure has flattened.
+    /// The decohesion of a top that a uniform pressure has flattened.
     MesarovicJohnson,
-    /// As the JKR contact of the sphere of the secant.
+    /// The JKR contact of the sphere of the secant.
     ThorntonNing,
-    /// As the elastic contact that the laws `md_plastic` and `capillary` have at the largest load, which nothing leaves abruptly.
+    /// The elastic contact that the laws `md_plastic` and `capillary` have at the largest load, which nothing
+    /// leaves abruptly.
     FlattenedTop,
 }
 
@@ -134,7 +136,7 @@ impl Unloading {
         }
     }
 
-    /// The same with the other radius of tops that have flowed, where that is a choice.
+    /// The unloading with the other radius of tops that have flowed, where that is a choice.
     pub fn other_radius(self) -> Option<Self> {
         match self {
             Self::EtsionKligermanKadin(radius) => Some(radius.other().into()),
@@ -161,10 +163,11 @@ impl From<UnloadedRadius> for Unloading {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UnloadedRadius {
-    /// As it was.
+    /// The radius before flow.
     #[default]
     Kept,
-    /// That which elastic unloading from the largest load leaves: 4E_r a³/(3P), or πE_r a³/P by Mesarovic and Johnson.
+    /// The radius that elastic unloading from the largest load leaves: 4E_r a³/(3P), or πE_r a³/P by
+    /// Mesarovic and Johnson.
     Elastic,
 }
 
@@ -211,7 +214,7 @@ pub struct Loop {
     /// Interference, m, above which an asperity does not go back as it came: ω_c, or more where the unloading would have
     /// tops spring back by more than ω_max.
     pub(super) onset: f64,
-    /// How what has flowed springs back.
+    /// Springback of contacts that have flowed.
     pub(super) springback: Springback,
     /// Whether tops that have flowed have radii of their own.
     pub(super) own_radii: bool,
@@ -324,7 +327,8 @@ impl Loop {
         (last + 1, last)
     }
 
-    /// The loop of asperities that differ from those of this one in their radius alone: the lane is one of this loop.
+    /// The loop of asperities that differ from this loop's in their radius alone: the lane is one of this
+    /// loop.
     ///
     /// # Panics
     /// When it is not known how the laws follow the radius.
@@ -433,9 +437,9 @@ impl Loop {
         [untouched.collect(), elastic, flowed]
     }
 
-    /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where
-    /// its attraction jumps, where the film breaks, where contact ends, and where the contact is not smooth; NaN where it
-    /// has none. None where R is kept.
+    /// Kinks of a top that has a radius of its own since it flowed, at the interference ω_max, m: where its
+    /// attraction jumps, where the film breaks, where contact ends, and where the contact is not smooth; NaN
+    /// where it has none. None where R is kept.
     pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 4]> {
         if !self.own_radii {
             return None;
@@ -571,7 +575,8 @@ impl Loop {
         }
     }
 
-    /// Makes of the responses at interferences ω_max, m, above ω_c those of contacts at a distance, m, from there.
+    /// Turns the responses at interferences ω_max, m, above ω_c into responses of contacts at a distance, m,
+    /// from there.
     pub(super) fn unload(
         &self,
         largest: &[f64],

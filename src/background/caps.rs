@@ -45,9 +45,9 @@ pub trait CapHeights: Debug + Send + Sync {
 pub struct Cap {
     /// Radius, m.
     pub radius: f64,
-    /// The share of the asperities that have it.
+    /// The share of the asperities with this radius.
     pub weight: f64,
-    /// Their heights above the mean plane of the asperities.
+    /// Heights of these asperities above the mean plane of all.
     pub heights: Arc<dyn CapHeights>,
 }
 
@@ -93,11 +93,11 @@ pub struct Caps {
     pub equilibrium_spacing: f64,
     /// The distance of faces whose gap is 0, Z₀ less the film, m.
     pub contact_distance: f64,
-    /// Height of the mean plane of the asperities above that of the surface, m.
+    /// Height of the mean plane of the asperities above the mean plane of the surface, m.
     pub mean_plane_offset: f64,
     /// The asperities by their radii; their weights add up to 1.
     pub classes: Vec<Cap>,
-    /// How what they keep is retarded, if it is.
+    /// Retardation of the attraction that they keep, if it is retarded.
     pub retardation: Option<CapRetardation>,
 }
 

@@ -87,7 +87,7 @@ impl VanDerWaals {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispersion {
-    /// The same between planes.
+    /// Dispersion forces between planes.
     pub planes: VanDerWaals,
     /// The gap from which on the background acts, m.
     pub smallest_gap: f64,

@@ -29,7 +29,7 @@ pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 pub struct Electrostatic {
     /// Voltage, contact potential included, V.
     pub voltage: f64,
-    /// Σt/ε_r: the gap that the dielectrics are worth, and what the electrodes are apart beside, m.
+    /// Σt/ε_r: the gap that the dielectrics are worth, and the further distance of the electrodes, m.
     pub dielectric: f64,
 }
 
@@ -37,7 +37,8 @@ impl Electrostatic {
     /// The smallest separation in σ at which bare electrodes are computed: nearer ones may touch.
     pub const NEAREST_BARE: f64 = REACH;
 
-    /// The strength at a gap between planes, m; of closed gaps that of a gap of 0, which bare electrodes do not have.
+    /// The strength at a gap between planes, m; of closed gaps the strength at a gap of 0, which bare
+    /// electrodes do not have.
     pub fn at(&self, gap: f64) -> Strength {
         let distance = gap.max(0.0) + self.dielectric;
         let energy = 0.5 * VACUUM_PERMITTIVITY * self.voltage * self.voltage / distance;

@@ -1,4 +1,4 @@
-//! The attraction of the mean planes of two rough surfaces, beside the forces of their asperities.
+//! The attraction of the mean planes of two rough surfaces, apart from the forces of their asperities.
 //!
 //! # Formula
 //! Two surfaces whose mean planes are h apart have the gap g = h + σx at a point, with a normal deviate x and
@@ -50,13 +50,13 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// So many times as strong.
+    /// The strength times `factor`.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { energy: factor * self.energy, pressure: factor * self.pressure, slope: factor * self.slope }
     }
 
-    /// Both together.
+    /// The sum of both.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {

@@ -14,11 +14,11 @@ pub(super) const SLOPE_STEP: f64 = 1e-6;
 pub struct RadiusLaws<'a> {
     memory: Memory<'a>,
     segments: Vec<Segment>,
-    /// How many of them are of asperities that have not touched.
+    /// The number of segments of asperities that have not touched.
     untouched: usize,
-    /// J, where it was needed.
+    /// The work along the unstable part, J, where it was needed.
     unstable_work: OnceCell<f64>,
-    /// The length over which they vary, m.
+    /// The length over which the laws vary, m.
     pub length: f64,
 }
 
@@ -30,7 +30,7 @@ impl<'a> RadiusLaws<'a> {
     }
 }
 
-/// Where an asperity is at rest at a jump of its law.
+/// The state of an asperity that is at rest at a jump of its law.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
     /// δ of its law, m.
@@ -45,16 +45,16 @@ pub struct Rest {
     pub stiffness: f64,
 }
 
-/// What has become of all asperities: it is all that a surface remembers.
+/// The states of all asperities: all that a surface remembers.
 #[derive(Clone, Debug, Default)]
 pub struct States {
     /// The segment of each.
     pub segments: Vec<u8>,
     /// ω_max of each, m; −∞ where it has not flowed.
     largest: Vec<f64>,
-    /// Those that have flowed and come back from ω_max.
+    /// Asperities that have flowed and come back from ω_max.
     pub(super) unloaded: Vec<Option<Arc<Flowed>>>,
-    /// Those at rest at a jump.
+    /// Asperities at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
 }
 
@@ -72,7 +72,7 @@ pub struct Forces {
 /// The asperities of a surface, each with the laws of its radius.
 pub struct Asperities<'a> {
     laws: Vec<RadiusLaws<'a>>,
-    /// Where the segments of each of the laws begin among all, and at last their number.
+    /// Index among all of the first segment of each of the laws, and at last the number of segments.
     first: Vec<usize>,
     /// The number of the laws of each.
     of_each: Vec<u32>,
@@ -153,7 +153,7 @@ impl<'a> Asperities<'a> {
         }
     }
 
-    /// How many of the segments of an asperity, which come first, are of one that has not touched.
+    /// The number of segments, the first ones, that an asperity has before it has touched.
     pub(super) fn untouched(&self, states: &States, i: usize) -> usize {
         match &states.unloaded[i] {
             Some(flowed) => flowed.untouched,
@@ -186,7 +186,8 @@ impl<'a> Asperities<'a> {
         Segment { lower: own.lower * stretch, upper: own.upper * stretch, ..own }
     }
 
-    /// The same between interferences of its law; one that has flowed leaves the law on approach at ω_max.
+    /// The segment that an asperity is in, between interferences of its law; one that has flowed leaves the
+    /// law on approach at ω_max.
     pub(crate) fn segment_of_law(&self, states: &States, i: usize) -> Segment {
         let segment = self.segments(states, i)[states.segments[i] as usize];
         match states.unloaded[i] {
@@ -227,7 +228,7 @@ impl<'a> Asperities<'a> {
         low.zip(high).is_some_and(|(low, high)| low.upper == rest.place || high.lower == rest.place)
     }
 
-    /// How far, m, an asperity goes back from where contact begins to where it ends.
+    /// The distance, m, by which an asperity goes back from where contact begins to where it ends.
     pub(super) fn width_of_hysteresis(&self, states: &States, i: usize) -> f64 {
         let (segments, untouched) = (self.segments(states, i), self.untouched(states, i));
         self.place(i, segments[untouched - 1].upper - segments[untouched].lower)
@@ -262,7 +263,7 @@ impl<'a> Asperities<'a> {
         states.unloaded[i].is_some() || states.segments[i] as usize >= untouched
     }
 
-    /// Has asperities at interferences, m, remember how deep they were, if they flow.
+    /// Makes asperities at interferences, m, remember their depth, if they flow.
     pub fn remember(&self, states: &mut States, interference: &[f64]) {
         for (i, &delta) in interference.iter().enumerate() {
             let (laws, delta) = (&self.laws[self.number(i)], self.of_law(i, delta));
@@ -282,8 +283,8 @@ impl<'a> Asperities<'a> {
         }
     }
 
-    /// The forces at interferences, m, of the asperities `which`; beyond the ends of its segment each has those
-    /// at the end.
+    /// The forces at interferences, m, of the asperities `which`; beyond the ends of its segment each has the
+    /// forces at the end.
     pub fn respond(&mut self, states: &States, which: &[u32], interference: &[f64], forces: &mut Forces) {
         for part in [&mut forces.adhesion, &mut forces.contact, &mut forces.area] {
             part.resize(self.of_each.len(), 0.0);

@@ -1,7 +1,8 @@
-//! Avalanches: which passage over a jump set off which.
+//! Avalanches: passages over jumps that set off each other.
 //!
-//! An asperity that passes because the surfaces were moved sets off an avalanche. One that passes only because
-//! others have is part of that of the nearest of these: the displacement by a force falls with the distance.
+//! An asperity that passes because the surfaces were moved sets off an avalanche. One that passes only
+//! because others have is part of the avalanche of the nearest of these: the displacement by a force falls
+//! with the distance.
 
 use std::collections::BTreeMap;
 
@@ -14,22 +15,22 @@ pub struct Event {
     pub is_trigger: bool,
 }
 
-/// Classes of avalanches by their size: the class k has those of 2^k to 2^(k+1) − 1 asperities.
+/// Classes of avalanches by their size: the class k has avalanches of 2^k to 2^(k+1) − 1 asperities.
 pub const CLASSES: usize = 21;
 
 /// Avalanches of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Avalanches {
-    /// How many there are.
+    /// The number of avalanches.
     pub count: usize,
     /// Asperities in the largest of them.
     pub largest: usize,
-    /// How many there are in each class.
+    /// The number in each class.
     pub of_class: [u32; CLASSES],
 }
 
-/// The avalanches of events in their order. `is_lasting` tells whether
-/// an asperity has not gone back; `distance` is that of two asperities, in any unit.
+/// The avalanches of events in their order. `is_lasting` says whether an asperity has not gone back;
+/// `distance` is between two asperities, in any unit.
 pub fn avalanches(
     events: &[Event],
     is_lasting: impl Fn(u32) -> bool,

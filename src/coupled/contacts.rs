@@ -15,12 +15,12 @@ use super::half_space::{Known, Sums};
 use crate::substrate::{Coupling, Influence};
 use std::f64::consts::PI;
 
-/// Least and largest 1 + R Σ f/(2πE*r³) that is told apart: beyond it circles overlap.
+/// Least and largest 1 + R Σ f/(2πE*r³) that is taken: beyond it circles overlap.
 const BENT: (f64, f64) = (0.125, 1e3);
 
 /// Contacts that act by their force and its second moment.
 pub struct Contacts {
-    /// Of 1/r³, over πE*, 1/(N m).
+    /// Sums of 1/r³, over πE*, 1/(N m).
     pub(super) sums: Sums,
     forces: Known,
     moments: Known,
@@ -52,14 +52,14 @@ impl Contacts {
         }
     }
 
-    /// Takes what `loads`, N, and the moments of the last forces do to full accuracy.
+    /// Takes the effects of `loads`, N, and of the moments of the last forces to full accuracy.
     pub fn know(&mut self, loads: &[f64]) {
         self.forces.know(&mut self.sums, loads);
         self.moments.know(&mut self.sums, &self.of_each);
     }
 
-    /// Adds what the moments displace to displacements, m, fills `stretches` with ∛(R_eff/R), and bounds the errors of
-    /// displacements, m, and of shares of R_eff.
+    /// Adds the effects of the moments to displacements, m, fills `stretches` with ∛(R_eff/R), and bounds the
+    /// errors of displacements, m, and of shares of R_eff.
     pub fn act(
         &mut self,
         (loads, forces): (&[f64], &Forces),

@@ -3,9 +3,10 @@
 //! # Formula
 //! At a separation d a surface has the energy E = ½ fᵀGf + Σ φ_i(δ_i), φ_i = ∫f dδ along the path of the asperity
 //! up to here: dE/dd = −Σ f_i. Over a jump from which there is no way back at the same place the path leads along
-//! the unstable part of the force curve; at other jumps φ is continuous. That of a top that has flowed is known no
-//! further than where it begins and ends: it is that of the elastic law with forces in proportion to the one at which
-//! contact ends. The work of plastic flow is part of φ: what is lost is what avalanches release.
+//! the unstable part of the force curve; at other jumps φ is continuous. The unstable part of a top that has
+//! flowed is known only at its beginning and end: it is taken from the elastic law with forces in proportion
+//! to the one at which contact ends. The work of plastic flow is part of φ: the energy lost is released by
+//! avalanches.
 //!
 //! An avalanche leads from the state δ, f of the branch on which the surface came to the state δ′, f′ after it,
 //! both at d. As G is symmetric, it loses
@@ -13,10 +14,11 @@
 //! E − E′ = Σ \[½(f_i + f′_i)(δ′_i − δ_i) − ∫f dδ from δ_i to δ′_i + ½(f′_i − f_i)(r_i + r′_i)\], r = δ + Gf − (z − d):
 //!
 //! for each asperity the area between its force and the chord. With r this varies with the square of errors of the
-//! states: that on the branch need not be exact. It is found from the one after the avalanche by putting back those that
-//! passed, with the force at the end of their segment beyond it, and Newton's method for the others; where the
-//! branch itself has ended, and the surface fell, from the last stable state. An asperity that is beyond the end of
-//! its segment there has passed at that end: what it lost hardly depends on the step.
+//! states: the state on the branch need not be exact. It is found from the one after the avalanche by putting
+//! back asperities that passed, with the force at the end of their segment beyond it, and Newton's method for
+//! the others; where the branch itself has ended, and the surface fell, from the last stable state. An
+//! asperity that is beyond the end of its segment there has passed at that end: what it lost hardly depends
+//! on the step.
 
 use super::asperities::{Asperities, Forces, States};
 use super::solver::{Snapshot, Solver, multiply};
@@ -24,7 +26,7 @@ use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::sums::Compensated;
 
-/// Residual of the state on the branch over that of where its search begins.
+/// Residual of the state on the branch over the residual where its search begins.
 const ON_BRANCH: f64 = 3e-3;
 /// Relative residual of systems for it, and most products for one.
 const SYSTEM: (f64, usize) = (1e-2, 40);
@@ -32,7 +34,8 @@ const SYSTEM: (f64, usize) = (1e-2, 40);
 const STEPS: usize = 6;
 /// Newton step over the step of the surfaces beyond which the end of a branch may have been passed.
 const LEAP: f64 = 5.0;
-/// The same over the length over which a law varies; a surface has left a branch if an asperity is so far from it.
+/// Newton step over the length over which a law varies; a surface has left a branch if an asperity is this
+/// far off.
 const APART: f64 = 0.05;
 /// Share of the length over which a force varies, up to which Simpson's rule has its integral.
 const SHORT: f64 = 0.02;
@@ -158,7 +161,7 @@ impl Solver<'_> {
         self.add_places(interference, residual);
     }
 
-    /// Makes residuals of displacements.
+    /// Makes residuals from displacements.
     fn add_places(&self, interference: &[f64], residual: &mut [f64]) {
         let d = self.separation();
         for (r, (delta, z)) in residual.iter_mut().zip(interference.iter().zip(self.heights)) {
@@ -166,7 +169,7 @@ impl Solver<'_> {
         }
     }
 
-    /// A step of Newton's method from a state, with no passages but those with a way back.
+    /// A step of Newton's method from a state, with no passages but reversible ones.
     fn towards(&mut self, from: &Branch, is_moved: &[bool]) -> Branch {
         let count = from.loads.len();
         let beside = |i| self.asperities.beside(&from.states, i, from.interference[i]);
@@ -230,7 +233,7 @@ impl Solver<'_> {
 enum Part {
     /// Before it has touched.
     Untouched,
-    /// Since.
+    /// Since it has touched.
     Touched,
 }
 
@@ -243,7 +246,7 @@ impl Asperities<'_> {
         }
     }
 
-    /// The states `now`, but for those that moved as they were `before`, on the paths of both.
+    /// The states `now`, with asperities that moved as they were `before`, on the paths of both.
     fn put_back(&self, now: &States, before: &States, is_moved: &[bool]) -> States {
         let mut states = before.clone();
         states.resting.clear();
@@ -330,14 +333,14 @@ impl Asperities<'_> {
         own + jump + self.work_on(from, i, other, [if is_beyond { a } else { end }, b])
     }
 
-    /// Which part of its path an asperity is in.
+    /// The part of its path that an asperity is in.
     fn part(&self, states: &States, i: usize) -> Part {
         let is_touched = states.segments[i] as usize >= self.untouched(states, i);
         if is_touched { Part::Touched } else { Part::Untouched }
     }
 
-    /// ∫f dδ, J, along a part of the path of an asperity between interferences, m; beyond its end the force is that
-    /// at the end.
+    /// ∫f dδ, J, along a part of the path of an asperity between interferences, m; beyond its end it takes
+    /// the force at the end.
     fn work_on(&mut self, states: &States, i: usize, part: Part, [a, b]: [f64; 2]) -> f64 {
         if a > b {
             return -self.work_on(states, i, part, [b, a]);
@@ -360,7 +363,7 @@ impl Asperities<'_> {
         work
     }
 
-    /// The same in a segment.
+    /// ∫f dδ, J, in one segment.
     fn work_in(&mut self, states: &States, i: usize, number: u8, [low, high]: [f64; 2]) -> f64 {
         let own = self.segments(states, i)[number as usize];
         let (begin, end) = (low.clamp(own.lower, own.upper), high.clamp(own.lower, own.upper));

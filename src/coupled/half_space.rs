@@ -1,11 +1,11 @@
-//! The half-space under a surface: what loads displace.
+//! The half-space under a surface: displacements by loads.
 
 use super::contacts::Contacts;
 use crate::substrate::{Coupling, DisplacementSums, Influence};
 use std::f64::consts::PI;
 
-/// What a force does to its own foot by its repetition in a square of 1, and the factor of the square of the distance by
-/// which that changes there, less than a third of a side away.
+/// Displacement of the foot of a force by its repetition in a square of 1, and the factor of the square of
+/// the distance by which it changes there, less than a third of a side away.
 const REPEATED: (f64, f64) = (-3.900_264_92, 1.74);
 /// Accuracy of the sums over changes of loads.
 const ROUGH: f64 = 1e-3;
@@ -16,9 +16,9 @@ const BOUND: f64 = 10.0;
 pub struct Sums {
     fine: DisplacementSums,
     rough: DisplacementSums,
-    /// The unit of what they give.
+    /// The unit of the sums.
     scale: f64,
-    /// The same at the mean distance of neighbours, in units of `scale`.
+    /// The influence at the mean distance of neighbours, in units of `scale`.
     nearby: f64,
 }
 
@@ -40,7 +40,7 @@ impl Sums {
         }
     }
 
-    /// Has another thread of the pool take a part of them, or not.
+    /// Lets another thread of the pool take a part of the sums, or not.
     pub fn share(&mut self, is_shared: bool) {
         self.fine.share(is_shared);
         self.rough.share(is_shared);
@@ -65,20 +65,20 @@ pub struct Known {
 }
 
 impl Known {
-    /// Nothing is known of so many.
+    /// `count` loads of which nothing is known.
     pub fn new(count: usize) -> Self {
         let [loads, sums, change] = std::array::from_fn(|_| vec![0.0; count]);
         Self { loads, sums, change }
     }
 
-    /// Takes the sums over `loads` to full accuracy: later ones are told from them.
+    /// Takes the sums over `loads` to full accuracy: later ones follow from them.
     pub fn know(&mut self, sums: &mut Sums, loads: &[f64]) {
         sums.finely(loads, &mut self.sums);
         self.loads.copy_from_slice(loads);
     }
 
-    /// Fills `out` with the sums over `loads`, and bounds their error: those of the change from loads whose sums are
-    /// known are rough.
+    /// Fills `out` with the sums over `loads`, and bounds their error: sums of the change from loads with
+    /// known sums are rough.
     pub fn tell(&mut self, sums: &mut Sums, loads: &[f64], out: &mut [f64]) -> f64 {
         let mut largest = 0.0_f64;
         for (change, (load, known)) in self.change.iter_mut().zip(loads.iter().zip(&self.loads)) {
@@ -107,7 +107,7 @@ pub struct HalfSpace {
     nearest: Vec<f64>,
     known: Known,
     tolerance: f64,
-    /// What they do that are not points.
+    /// The contacts, where they are not points.
     pub(super) contacts: Option<Contacts>,
 }
 
@@ -121,14 +121,14 @@ impl HalfSpace {
         Self { sums, compliance, places, coupling, nearest, known, tolerance, contacts: None }
     }
 
-    /// The same under contacts of finite size, of asperities of `radii`, m; `side` is that of the square, m.
+    /// The half-space under contacts of finite size, of asperities of `radii`, m, in a square of `side`, m.
     pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
         let Self { coupling, places, compliance, tolerance, .. } = &self;
         self.contacts = Some(Contacts::new((*coupling, places), (side, radii), *compliance, *tolerance));
         self
     }
 
-    /// The same whose sums are taken by two threads of the pool, or by one.
+    /// The half-space whose sums are taken by two threads of the pool, or by one.
     pub fn shared(mut self, is_shared: bool) -> Self {
         self.sums.share(is_shared);
         if let Some(contacts) = &mut self.contacts {
@@ -137,7 +137,7 @@ impl HalfSpace {
         self
     }
 
-    /// Takes the displacements by `loads`, N, to full accuracy: later ones are told from them.
+    /// Takes the displacements by `loads`, N, to full accuracy: later ones follow from them.
     pub fn know(&mut self, loads: &[f64]) {
         self.known.know(&mut self.sums, loads);
         if let Some(contacts) = &mut self.contacts {
@@ -190,11 +190,11 @@ impl HalfSpace {
         largest
     }
 
-    /// How far the foot of an asperity is lowered, m/N, when it pushes with 1 N and all others give way as
-    /// their slopes, N/m, say, to the first order: g_ii − Σ_j K_j g_ij². Near neighbours are summed; further
-    /// ones have `mean`, the mean slope.
+    /// The distance by which the foot of an asperity is lowered, m/N, when it pushes with 1 N and all others
+    /// give way by their slopes, N/m, to the first order: g_ii − Σ_j K_j g_ij². Near neighbours are summed;
+    /// further ones have `mean`, the mean slope.
     pub fn yielding(&self, i: usize, slopes: &[f64], mean: f64) -> f64 {
-        // With the distance beyond which the influence is nothing.
+        // Own influence, and the distance beyond which there is none.
         let (own, furthest) = match self.coupling {
             Coupling::Periodic => (REPEATED.0, 0.26),
             Coupling::Patch => (0.0, 1.0 / PI.sqrt()),
@@ -216,7 +216,8 @@ impl HalfSpace {
         self.sums.rough.around(self.places[i]).0.map(|j| j as usize)
     }
 
-    /// How far the foot of one asperity is lowered, m/N, by a near other, or what repeats it, that pushes with 1 N.
+    /// The distance by which the foot of one asperity is lowered, m/N, by a near other, or its repetitions,
+    /// with 1 N.
     pub fn influence(&self, i: usize, j: usize) -> f64 {
         let square = self.square(i, j);
         let by_others = match self.coupling {

@@ -4,15 +4,15 @@
 //! While all others give way as their slopes say, the members of a knot have δ_k = c_k − Σ_l Y_kl f_l. Each is in one of
 //! the segments of its law that the jumps part, where f_k = f(δ_k), or at rest at one of the jumps: then δ_k is known,
 //! and f_k is between the forces of the two sides. Each choice for all is a system of n equations; the state is a choice
-//! whose solution is where it says: of several one with the fewest at rest, and least of all where one could remember to be
-//! to a side.
+//! whose solution is where it is chosen to be: of several the one with the fewest at rest, first of all where
+//! one could remember to be to a side.
 
 use super::asperities::{Rest, SLOPE_STEP};
 use super::solver::Solver;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
-/// Most choices that are tried: those that drive least are left out.
+/// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;
 /// Most neighbours of a knot that give way.
 const NEIGHBOURS: usize = 150;
@@ -20,25 +20,25 @@ const NEIGHBOURS: usize = 150;
 const AGAIN: (u8, u8) = (2, 5);
 /// Relative residual of systems of all.
 const SYSTEM: f64 = 1e-2;
-/// Least of what one at rest yields, over what others have it yield: it is the unit of its force in systems.
+/// Least yielding of one at rest, over its yielding to others: it is the unit of its force in systems.
 const LEAST: f64 = 1e-3;
-/// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
+/// Steps of Newton's method for a choice, and the last of them at most, over the distance that forces drive.
 const STEPS: usize = 12;
 const STILL: f64 = 1e-6;
 
-/// Where a member of a knot can be.
+/// A state that a member of a knot can be in.
 #[derive(Clone, Copy, Debug)]
 pub enum Choice {
-    /// In a segment.
+    /// A place in a segment.
     In {
-        /// Its number.
+        /// Number of the segment.
         segment: u8,
         /// δ, m, between which it can be there.
         ends: [f64; 2],
         /// δ, m, between which it must be, unless it remembers.
         jumps: [f64; 2],
     },
-    /// At rest.
+    /// Rest at a jump.
     At {
         /// δ, m.
         place: f64,
@@ -58,12 +58,12 @@ pub struct Untied {
     pub places: Vec<f64>,
     /// f, N.
     pub forces: Vec<f64>,
-    /// How far each is lowered, m/N, when it pushes and the other ones give way.
+    /// The distance by which each is lowered, m/N, when it pushes and the other ones give way.
     pub yielding: Vec<f64>,
 }
 
-/// A state of the members of a knot, if there is one, by the choices of each, c, m, and Y, m/N (row by row); `law` tells f,
-/// N, and df/dδ, N/m, of a member in a segment at δ, m.
+/// A state of the members of a knot, if there is one, by the choices of each, c, m, and Y, m/N (row by row);
+/// `law` gives f, N, and df/dδ, N/m, of a member in a segment at δ, m.
 pub fn untied(
     choices: &[Vec<Choice>],
     (still, yielding): (&[f64], &[f64]),
@@ -91,8 +91,8 @@ pub fn untied(
     }
 }
 
-/// The state in which members are where they are told to, or beyond their ends, by Newton's method from one side of
-/// segments.
+/// The state in which members are where they are chosen to be, or beyond their ends, by Newton's method from
+/// one side of segments.
 fn stand(
     chosen: &[Choice],
     side: usize,
@@ -146,8 +146,8 @@ fn stand(
     None
 }
 
-/// How many members are at rest where they remember, how many are where they can be only if they remember, and how many
-/// are at rest elsewhere; none where one cannot be.
+/// The numbers of members that are at rest where they remember, that are where they can be only if they
+/// remember, and that are at rest elsewhere; none where one cannot be.
 fn cost(chosen: &[Choice], untied: &Untied) -> Option<[usize; 3]> {
     let mut cost = [0; 3];
     for (choice, (place, force)) in chosen.iter().zip(untied.places.iter().zip(&untied.forces)) {
@@ -173,9 +173,9 @@ fn share(forces: &[f64; 2], force: f64) -> f64 {
 type Member = (u32, Vec<Rest>);
 
 impl Solver<'_> {
-    /// Has asperities that drive each other over jumps take places from which none of them would pass, if there are
-    /// any: forces, slopes and residuals are those of the present state. Near neighbours give way, and the next step has the
-    /// others follow, unless that has not helped. Says whether more steps are worth it.
+    /// Moves asperities that drive each other over jumps to places from which none of them would pass, if
+    /// there are any: forces, slopes and residuals belong to the present state. Near neighbours give way, and
+    /// the others follow in the next step, unless that has not helped. Says whether more steps are worth it.
     pub(super) fn untie(&mut self) -> bool {
         let (driven, mut is_worth) = (self.driven(), false);
         let mut moved = vec![false; self.heights.len()];
@@ -196,7 +196,7 @@ impl Solver<'_> {
         is_worth
     }
 
-    /// The same for one knot, by those that give way.
+    /// Unties one knot, with the asperities that give way.
     fn untie_one(
         &mut self,
         (first, near, is_local): (usize, Vec<usize>, bool),
@@ -251,7 +251,7 @@ impl Solver<'_> {
         }
     }
 
-    /// The members of a knot, and those near them that give way most to their forces, or all others.
+    /// The members of a knot, and the asperities near them that give way most to their forces, or all others.
     pub(super) fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
         let Self { half_space, states, slopes, .. } = self;
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
@@ -273,8 +273,8 @@ impl Solver<'_> {
         of.into_iter().chain(others.into_iter().take(NEIGHBOURS).map(|(j, _)| j)).collect()
     }
 
-    /// Steps of Newton's method, m, of asperities among which all is as it is elsewhere, and what each of some of them
-    /// does to them, m/N.
+    /// Steps of Newton's method, m, of the asperities `near` while all others stay, and their responses to
+    /// each of some of them, m/N.
     pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let Self { half_space, slopes, states, residual, .. } = self;
         let influence = |k: usize, l: usize| half_space.influence(near[k], l);
@@ -288,7 +288,7 @@ impl Solver<'_> {
         Some((steps, responses))
     }
 
-    /// The same by a system of all.
+    /// Steps and responses by a system of all.
     pub(super) fn global(&mut self, near: &[usize], of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
         let column = |step: &[f64]| DVector::from_iterator(near.len(), near.iter().map(|i| step[*i]));
         self.system(0.0, SYSTEM);
@@ -351,7 +351,7 @@ impl Solver<'_> {
         (members, choices)
     }
 
-    /// Where an asperity can be that goes over some jumps.
+    /// The choices of an asperity that goes over some jumps.
     fn choices(&self, i: usize, rests: &[Rest]) -> Vec<Choice> {
         let Self { asperities, states, .. } = self;
         let mut numbers: Vec<u8> = rests.iter().flat_map(|rest| rest.segments).collect();

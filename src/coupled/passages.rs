@@ -30,22 +30,22 @@ struct Passage {
 /// The passages at a separation.
 #[derive(Debug, Default)]
 pub struct Passages {
-    /// How many each asperity made.
+    /// The number of passages of each asperity.
     counts: Vec<u8>,
-    /// How many may pass no more.
+    /// The number of asperities that may pass no more.
     pub frozen: usize,
     /// The jumps that asperities passed, by the asperity and the segment below.
     jumps: BTreeMap<(u32, u8), Rest>,
     /// Whether one has gone to and fro too often.
     pub is_knot: bool,
-    /// Of how many knots asperities were members.
+    /// The number of knots that asperities were members of.
     knots: BTreeMap<u32, u8>,
-    /// Those without way back.
+    /// Passages without way back.
     made: Vec<Passage>,
-    /// Those that are part of avalanches.
+    /// Passages that are part of avalanches.
     pub events: Vec<Event>,
-    /// Asperities that made some which lose energy: without way back, or over a jump to more attraction where the others
-    /// yield to it. Over other jumps an asperity would have gone little by little.
+    /// Asperities that made passages which lose energy: without way back, or over a jump to more attraction
+    /// where the others yield to it. Over other jumps an asperity would have gone little by little.
     pub losing: Vec<u32>,
     /// The longest Newton step, m.
     pub longest: f64,
@@ -56,7 +56,7 @@ pub struct Passages {
 }
 
 impl Passages {
-    /// Forgets those of the step before: the surfaces have been moved.
+    /// Forgets the passages of the step before: the surfaces have been moved.
     pub fn step(&mut self) {
         self.events.clear();
         self.losing.clear();
@@ -64,7 +64,7 @@ impl Passages {
         self.is_moved = true;
     }
 
-    /// Counts anew the passages of so many asperities.
+    /// Counts anew the passages of `count` asperities.
     pub fn begin(&mut self, count: usize, is_close: bool) {
         self.counts.clear();
         self.counts.resize(count, 0);
@@ -101,7 +101,7 @@ impl Passages {
         self.is_knot |= self.is_close && self.goes_to_and_fro(i as usize);
     }
 
-    /// Of how many knots an asperity was a member.
+    /// The number of knots that an asperity was a member of.
     pub fn knots_of(&self, i: usize) -> u8 {
         self.knots.get(&(i as u32)).copied().unwrap_or_default()
     }
@@ -116,7 +116,8 @@ impl Passages {
         self.counts[i] >= RETURNS
     }
 
-    /// The asperities that went to and fro, or were members of knots, with their jumps, those first that went most often.
+    /// The asperities that went to and fro, or were members of knots, with their jumps, the most frequent
+    /// ones first.
     pub fn driven(&self) -> Vec<(u32, Vec<Rest>)> {
         let mut driven: Vec<(u32, Vec<Rest>)> = Vec::new();
         let all = self.jumps.iter().filter(|((i, _), _)| self.is_driven(*i) || self.knots.contains_key(i));
@@ -130,7 +131,7 @@ impl Passages {
         driven
     }
 
-    /// Counts anew how often a member of a knot passes.
+    /// Counts anew the passages of a member of a knot.
     pub fn untied(&mut self, i: usize) {
         self.counts[i] = 0;
         let knots = self.knots.entry(i as u32).or_default();
@@ -140,8 +141,8 @@ impl Passages {
 }
 
 impl Solver<'_> {
-    /// Has asperities that are more than `room`, m, beyond the ends of their segments pass, and says how many
-    /// did.
+    /// Lets asperities that are more than `room`, m, beyond the ends of their segments pass, and returns the
+    /// number that did.
     pub(super) fn pass(&mut self, room: f64) -> usize {
         let mut count = 0;
         self.passages.frozen = 0;
@@ -158,7 +159,7 @@ impl Solver<'_> {
         count
     }
 
-    /// Has an asperity at δ, m, beyond an end of its segment pass, if it may; whether it did.
+    /// Lets an asperity at δ, m, beyond an end of its segment pass, if it may; whether it did.
     fn pass_one(&mut self, i: usize, delta: f64, is_trigger: bool) -> bool {
         let Self { asperities, half_space, states, slopes, passages, mean_slope, .. } = self;
         let upwards = delta >= asperities.segment(states, i).upper;

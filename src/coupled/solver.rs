@@ -3,14 +3,14 @@
 //! # Formula
 //! Asperity i at the height z_i has δ_i = z_i − d − u_i with u = G f, f_j = f(δ_j; its state). Newton's method
 //! on r = δ + G f − (z − d) with (I + G K)Δδ = −r, K the secants of f between the last two steps, by GMRES; an
-//! asperity at rest at a jump has 0 in the place of 1, and its force as the unknown. Sums of full accuracy are
-//! taken once or twice at a separation; those of changes since, and of systems, have a few digits.
+//! asperity at rest at a jump has 0 in the place of 1, and its force as the unknown. Sums of full accuracy
+//! are taken once or twice at a separation; sums of changes since, and of systems, have a few digits.
 //!
 //! With the states fixed, asperities beyond the ends of their segments have the force at the end. They then pass
 //! into the next segment, and the rest follows ([`super::passages`]).
 //!
-//! What contacts of finite size add ([`super::contacts`]) is in the residual, and R_eff is that of the step before: both
-//! are of the third order in a/r, and systems leave them out.
+//! The part of contacts of finite size ([`super::contacts`]) is in the residual, and R_eff is from the step
+//! before: both are of the third order in a/r, and systems leave them out.
 //!
 //! A state is stable where I + G K has no eigenvalue ≤ 0 (the outermost follow from GMRES). Where Newton's
 //! method finds none, the surface as a whole has become unstable, and falls ([`fall`]).
@@ -46,8 +46,8 @@ const HOPELESS: usize = 50;
 const STUBBORN: usize = 30;
 /// Error of loads, and Newton steps, from which on passages without way back are made and knots are untied.
 const CLOSE: (f64, usize) = (1e-3, 3);
-/// Newton steps that count as made after a knot has been untied, and most knots of which that is so: what is left to do does
-/// not grow with their number.
+/// Newton steps that count as made after a knot has been untied, and most knots of which that is so: the rest
+/// of the work does not grow with their number.
 const UNTIED: (usize, usize) = (8, 100);
 /// Weight of an error of an interference, over the length of the law, against one of a load.
 const PLACES: f64 = 1e-3;
@@ -59,7 +59,7 @@ const SECANT: f64 = 1e-8;
 const NEAR: f64 = 4.0;
 /// Share of a jump beyond which an asperity at rest has left it before a step is taken.
 const FAR: f64 = 1.0;
-/// How a separation was reached.
+/// The outcome at a separation that was reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settled {
     /// Whether the state is stable, to the tolerance.
@@ -87,7 +87,7 @@ pub struct Solver<'a> {
     /// d, m, of the state, and whether it is a stable one.
     separation: f64,
     is_stable: bool,
-    /// What is remembered.
+    /// Memory of the asperities.
     pub states: States,
     /// δ of each, m.
     pub interference: Vec<f64>,
@@ -98,14 +98,14 @@ pub struct Solver<'a> {
     pub(super) slopes: Vec<f64>,
     /// Mean slope, N/m.
     pub(super) mean_slope: f64,
-    /// Where they were taken: δ of the law, m, NaN of none, f of the law, N, and the segment.
+    /// State at which slopes were taken: δ of the law, m, NaN of none, f of the law, N, and the segment.
     pub(super) taken: (Vec<f64>, Vec<f64>, Vec<u8>),
     /// ∛(R_eff/R) of each by the last forces; none where contacts are points.
     stretches: Vec<f64>,
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
     pub(super) residual: Vec<f64>,
-    /// The stable state before the present one: δ, m, and those at rest, at d, m.
+    /// The stable state before the present one: δ, m, and asperities at rest, at d, m.
     path: Option<(f64, Vec<f64>, BTreeMap<u32, Rest>)>,
     pub(super) passages: Passages,
     /// The last step, if it was one between stable states.
@@ -168,8 +168,8 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Has all asperities at the separation d, m, of their mean plane, as if independent, with all that can be
-    /// in contact touching or not.
+    /// Puts all asperities at the separation d, m, of their mean plane, as if independent, with all that can
+    /// be in contact touching or not.
     pub fn begin(&mut self, d: f64, has_touched: bool) {
         for (delta, z) in self.interference.iter_mut().zip(self.heights) {
             *delta = z - d;
@@ -347,7 +347,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Has asperities at rest where their jumps are.
+    /// Puts asperities at rest where their jumps are.
     pub(super) fn place_rests(&mut self) {
         let Self { asperities, states, interference, .. } = self;
         states.resting.iter().for_each(|(&i, rest)| {
@@ -355,15 +355,16 @@ impl<'a> Solver<'a> {
         });
     }
 
-    /// Adds what contacts of finite size displace, and takes how they bend the substrate under each other. Bounds the
-    /// error of displacements, m, and those of loads, N, by the rough sums and by what has bent since they were taken.
+    /// Adds displacements by contacts of finite size, and takes the bending of the substrate under each
+    /// other. Bounds the error of displacements, m, and errors of loads, N, by the rough sums and by the
+    /// bending since they were taken.
     fn bend(&mut self) -> [f64; 3] {
         let Self {
             asperities, half_space, interference, forces, external, slopes, stretches, memory, ..
         } = self;
         let Some(contacts) = &mut half_space.contacts else { return [0.0; 3] };
         let [unsure, uncertain] = contacts.act((external, forces), &mut memory.displacements, stretches);
-        // Of s F(δ s^(−1/3)) by s.
+        // The derivative of s F(δ s^(−1/3)) by s.
         let (mut most, mut late) = (0.0_f64, 0.0);
         for (i, stretch) in stretches.iter().enumerate() {
             let of_slope = (interference[i] * slopes[i] / 3.0).abs();
@@ -403,7 +404,7 @@ impl Solver<'_> {
         self.system_by(HalfSpace::displace_roughly, shift, tolerance)
     }
 
-    /// The same with other sums.
+    /// Solves the system with other sums.
     fn system_by(
         &mut self,
         displace: impl Fn(&mut HalfSpace, &[f64], &mut [f64]),
@@ -420,8 +421,8 @@ impl Solver<'_> {
         smallest_real_part(&solved.hessenberg) - shift
     }
 
-    /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: those that hold each other at
-    /// jumps may have others.
+    /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: asperities that hold
+    /// each other at jumps may have others.
     fn stability_without_rests(&mut self) -> f64 {
         let resting = std::mem::take(&mut self.states.resting);
         resting.keys().for_each(|&i| self.slopes[i as usize] = 0.0);
@@ -443,8 +444,8 @@ impl Solver<'_> {
         self.leave_rests(0.0, 0.0);
     }
 
-    /// Has asperities leave their rests whose share, with that of a step, is beyond 0 and 1 by more than `room`;
-    /// whether some do.
+    /// Moves asperities off their rests whose share, with the change of a step, is beyond 0 and 1 by more
+    /// than `room`; whether there are any.
     fn leave_rests(&mut self, of_step: f64, room: f64) -> bool {
         let Self { asperities, states, interference, passages, memory, .. } = self;
         let mut resting = std::mem::take(&mut states.resting);
@@ -473,7 +474,7 @@ impl Solver<'_> {
         states.resting.len() < count
     }
 
-    /// Newton's method with at most so many steps; whether it came to a stable state.
+    /// Newton's method with at most `most` steps; whether it came to a stable state.
     fn search(&mut self, d: f64, most: usize) -> bool {
         self.passages.begin(self.heights.len(), false);
         self.pass_all(0.0);
@@ -506,7 +507,7 @@ impl Solver<'_> {
                 }
                 continue;
             }
-            // What passed before was not yet the surface's own way.
+            // Passages before were not yet the surface's own.
             if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
                 self.passages.come_close();
             }
@@ -532,7 +533,7 @@ impl Solver<'_> {
         false
     }
 
-    /// Has asperities pass until none does.
+    /// Lets asperities pass until none does.
     fn pass_all(&mut self, room: f64) {
         while self.pass(room) > 0 {}
     }

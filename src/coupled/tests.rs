@@ -304,8 +304,8 @@ fn loads_keep_their_tolerance() {
     }
 }
 
-/// With steps half as long the curve between avalanches is the same, to the tolerance of the loads; where it is not, an
-/// asperity has passed on the way there, with one of the two.
+/// The curve between avalanches is the same with steps half as long, to the tolerance of the loads; where it
+/// is not, an asperity has passed on the way there, with one of the two.
 #[test]
 fn steps_do_not_matter() {
     let case = Case::new(2, 200, "hybrid");

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct AsperityStates {
     /// x and y of each, m.
     pub places: Vec<[f64; 2]>,
-    /// Their heights above their mean plane, m.
+    /// Heights of the asperities above their mean plane, m.
     pub heights: Vec<f64>,
-    /// Their radii, m.
+    /// Radii of the asperities, m.
     pub radii: Vec<f64>,
     /// The states that are asked for.
     pub states: Vec<AsperityState>,

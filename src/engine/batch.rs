@@ -28,17 +28,17 @@ pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Fewest curves that have quantiles: of fewer, none lies beyond the outermost ones.
 const FEWEST_CURVES: usize = 20;
 
-/// How many of a range of replicas are among those whose curves are kept.
+/// The number of replicas of a range whose curves are kept.
 pub fn curves_of(replicas: &Range<u64>) -> u64 {
     replicas.end.min(FIRST_CURVES).saturating_sub(replicas.start)
 }
 
-/// Batches of so many replicas.
+/// The number of batches of `replicas` replicas.
 pub fn batches_of(replicas: u64) -> u64 {
     replicas.div_ceil(BATCH)
 }
 
-/// The indices of the replicas, of so many in all, that are in a range of batches.
+/// The indices of the replicas, of `replicas` in all, that are in a range of batches.
 pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
     let first = |batch: u64| batch.saturating_mul(BATCH).min(replicas);
     first(batches.start)..first(batches.end)
@@ -86,7 +86,7 @@ pub struct Ensemble {
     #[serde(skip)]
     #[doc(hidden)]
     pub first_curves: Vec<f64>,
-    /// Moments of what there is of coupled asperities beside.
+    /// Further moments, of coupled asperities.
     #[doc(hidden)]
     pub coupled: Option<Box<CoupledMoments>>,
     /// Counts of what solving took.
@@ -192,7 +192,7 @@ impl Ensemble {
         self.coupled.as_ref().map_or(&self.curves, |coupled| &coupled.independent)
     }
 
-    /// The same of the means of groups.
+    /// Moments of the means of groups of these curves.
     #[doc(hidden)]
     pub fn independent_groups(&self) -> &[Moments; 4] {
         self.coupled.as_ref().map_or(&self.groups.curves, |coupled| &coupled.groups.independent)
@@ -254,8 +254,8 @@ impl Batch {
         Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
     }
 
-    /// The same, until `ends` is true, which is looked at before surfaces are drawn, and for coupled ones before each
-    /// separation: then there is none.
+    /// Computes the batch until `ends` is true, which is looked at before surfaces are drawn, and for coupled
+    /// ones before each separation: then there is none.
     pub fn compute_until(
         job: &Job<'_>,
         workspace: &mut Workspace,
@@ -276,7 +276,7 @@ impl Batch {
         is_whole.then_some(batch)
     }
 
-    /// All that is kept of its replicas beside their sums.
+    /// All that is kept of its replicas apart from their sums.
     pub fn records(&self) -> Records<'_> {
         Records {
             replicas: Cow::from(&self.ensemble.replicas),

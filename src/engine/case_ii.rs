@@ -2,7 +2,7 @@
 
 use crate::asperity::scale::Asperity;
 
-/// With the inferred ν and t.
+/// The asperity with the inferred ν and t.
 pub const CASE_II: Asperity = Asperity {
     radius: 3.33e-6,
     reduced_modulus: 85.29e9,

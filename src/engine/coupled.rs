@@ -23,21 +23,21 @@ const ZOOM: (usize, usize) = (16, 2);
 /// The half-space under the asperities of the surfaces of a job.
 #[derive(Clone, Copy)]
 pub struct Substrate<'a> {
-    /// What surrounds a surface.
+    /// Surroundings of a surface.
     pub coupling: Coupling,
-    /// How contacts act on each other.
+    /// Action of contacts on each other.
     pub kernel: Kernel,
     /// The places of asperities.
     pub places: &'a Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
-    /// Indices of the separations at which the asperities of the first replica are told one by one.
+    /// Indices of the separations at which the asperities of the first replica are recorded one by one.
     pub loads_at: &'a [usize],
     /// E*, Pa.
     pub reduced_modulus: f64,
     /// The history of the surfaces.
     pub history: Path,
-    /// What asperities remember; nothing where the unloading of their law is not known.
+    /// Memory of asperities; none where the unloading of their law is not known.
     pub memory: Option<&'a SurfaceLoops>,
     /// The length over which the law of the typical asperity varies, m.
     pub length: f64,

@@ -1,4 +1,5 @@
-//! Moments of what coupling makes of an ensemble: its curves against those of the same asperities without.
+//! Moments of the effects of coupling on an ensemble: its curves against the curves of the same asperities
+//! without.
 
 use super::Job;
 use super::curves::{CoupledCurves, Curves};

@@ -16,11 +16,11 @@ pub struct Curves {
     pub regime_external_force: Vec<f64>,
     /// The snaps, in the order of [`Loading::length`](super::Loading::length).
     pub snaps: Vec<f64>,
-    /// What there is of coupled asperities beside.
+    /// Further curves, of coupled asperities.
     pub coupled: Option<Box<CoupledCurves>>,
 }
 
-/// Curves of a surface with coupled asperities, over S states, beside its sums.
+/// Curves of a surface with coupled asperities, over S states, in addition to its sums.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledCurves {
     /// Sums over the same asperities without coupling, by [`Quantity::index`](crate::asperity::Quantity::index),
@@ -45,7 +45,7 @@ pub struct CoupledCurves {
 }
 
 impl CoupledCurves {
-    /// Nothing yet beside the curves of the same asperities without coupling.
+    /// Curves of which only the ones of the same asperities without coupling are known yet.
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
         let [avalanche_count, largest_avalanche, unsettled, overlapping, energy_lost] =

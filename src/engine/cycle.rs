@@ -37,7 +37,7 @@ pub struct Cycle {
     /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the
     /// separations; 0 where it is below its rounding.
     pub dissipated_energy: f64,
-    /// That of each further cycle to the same depth, J; none where there is one cycle.
+    /// Dissipated energy of each further cycle to the same depth, J; none where there is one cycle.
     pub repeated_dissipated_energy: Option<f64>,
     /// Separation h at which the first asperity touches on approach, m, wherever the separations are;
     /// NaN of no asperities.

@@ -21,7 +21,7 @@ pub(super) struct HeldSurface<'a> {
     pub heights: &'a [f64],
     /// The asperities where radii differ, and memory for their sums.
     pub asperities: Option<(&'a Asperities, &'a mut LaneSums)>,
-    /// The same as they were pulled back last.
+    /// These asperities as they were pulled back last.
     pub pulled: &'a mut Option<PulledBack>,
     /// The kinks of the law.
     pub kinks: &'a Kinks,
@@ -33,7 +33,7 @@ pub(super) struct HeldSurface<'a> {
     /// separation h, m.
     pub places: Option<Places>,
     pub places_back: Option<(f64, Places)>,
-    /// The same of tops that have flowed and have radii of their own, when they are pulled back from a
+    /// Kinks of tops that have flowed and have radii of their own, when they are pulled back from a
     /// separation h, m.
     pub flattened: Option<(f64, Vec<FlattenedTop>)>,
     /// The lane of the surface, if it was summed by moments.

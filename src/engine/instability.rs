@@ -56,11 +56,11 @@ pub struct Snap {
     pub occurred: f64,
     /// Separation h where it begins, m; NaN without one.
     pub separation: f64,
-    /// How far it goes, m; NaN without one, and where nothing within the separations stops the surface.
+    /// Its length, m; NaN without one, and where nothing within the separations stops the surface.
     pub distance: f64,
 }
 
-/// Where the surface turns back, and what pulls it off.
+/// The place where the surface turns back, and the force that pulls it off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Separation h, m; NaN where the preload is not reached.
@@ -128,16 +128,16 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Sn
     largest
 }
 
-/// The same on a way through all separations. A surface that snaps from the first of them cannot rest there,
-/// so it has snapped before, where the samples do not reach: the range has no say in where a snap begins, and
-/// if that one is the largest, none is known.
+/// The largest snap on a way through all separations. A surface that snaps from the first of them cannot rest
+/// there, so it has snapped before, where the samples do not reach: the range has no say in where a snap
+/// begins, and if that one is the largest, none is known.
 pub fn largest_snap_of_all(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
     let snap = largest_snap(samples, stiffness, smallest);
     if samples.first().is_some_and(|first| snap.separation == first.0) { Snap::UNKNOWN } else { snap }
 }
 
-/// Where a surface that is brought close first bears a preload, N: the index of the sample before, at rising
-/// separations, m, and the separation, m.
+/// The place where a surface that is brought close first bears a preload, N: the index of the sample before,
+/// at rising separations, m, and the separation, m.
 pub fn reached(separations: &[f64], external_force: &[f64], preload: f64) -> Option<(usize, f64)> {
     let nearer = external_force.iter().rposition(|force| *force >= preload)?;
     let Some(&further) = external_force.get(nearer + 1) else { return Some((nearer, separations[nearer])) };

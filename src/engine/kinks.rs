@@ -35,9 +35,9 @@ pub(super) struct Kink {
     pub interference: f64,
     /// Force above less force below, N.
     pub jump: f64,
-    /// How far the force falls below the line between the ends of an interval with the kink in it, N, about.
+    /// Fall of the force below the line between the ends of an interval with the kink in it, N, about.
     pub fall: f64,
-    /// How far the force without its jumps is off what is interpolated, N.
+    /// Error of the interpolation of the force without its jumps, N.
     pub stray: Stray,
 }
 
@@ -73,7 +73,7 @@ impl Kink {
         kinks
     }
 
-    /// Where the force of a law is not smooth, δ in m, rising.
+    /// Places where the force of a law is not smooth, δ in m, rising.
     pub fn interferences(law: &dyn Law) -> Vec<f64> {
         let pieces = law.pieces(None);
         // Where pieces meet, and where the law ends.
@@ -88,8 +88,8 @@ pub(super) fn beside(interference: f64) -> [f64; 2] {
     [interference - beside, interference + beside]
 }
 
-/// By how much rounding may move the separation at which an asperity of a surface passes a kink, m, the
-/// highest of which is at `highest`, m.
+/// The distance by which rounding may move the separation at which an asperity of a surface passes a kink, m,
+/// the highest of which is at `highest`, m.
 pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
     let furthest = job.separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
     ROUNDINGS * f64::EPSILON * (furthest + highest.abs() + job.surface.heights.std)
@@ -102,7 +102,7 @@ pub(super) struct Kinks {
     pub approach: Vec<Kink>,
     /// The errors of asperities there.
     pub strays: StrayTable,
-    /// On retraction of its loop, by what has become of an asperity.
+    /// The kinks on retraction of its loop, by the history of an asperity.
     pub retraction: [Vec<Kink>; 3],
 }
 
@@ -161,12 +161,12 @@ fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
     table
 }
 
-/// How far apart separations of a job may be at most to interpolate between, m.
+/// The largest distance of separations of a job to interpolate between, m.
 pub(super) fn widest_spacing(job: &Job<'_>) -> f64 {
     SPACING * job.surface.heights.std
 }
 
-/// How far apart the samples of the curves of a job are at most where they are searched, m.
+/// The largest distance of samples of the curves of a job where they are searched, m.
 pub(super) fn spacing(job: &Job<'_>) -> f64 {
     resolved(job.separations, widest_spacing(job))
 }

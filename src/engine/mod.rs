@@ -6,7 +6,7 @@
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
 //! with their batch.
 //!
-//! A [`Job`] says what is computed, an [`Ensemble`] is the result, and a [`Rule`] tells whether that is large
+//! A [`Job`] says what is computed, an [`Ensemble`] is the result, and a [`Rule`] says whether that is large
 //! enough. All of it may change with any version.
 
 mod asperity_states;
@@ -105,7 +105,7 @@ pub struct Job<'a> {
     pub separations: &'a [f64],
     /// Seed of the experiment.
     pub seed: u64,
-    /// How the replicas are drawn relative to each other.
+    /// Dependence of the replicas on each other.
     pub scheme: SamplingScheme,
     /// Number of replicas, at least 1, in whole groups of the scheme.
     pub replicas: u64,
@@ -113,13 +113,13 @@ pub struct Job<'a> {
     pub controls: &'a [usize],
     /// Whether batches carry the force curves of their replicas.
     pub keep_curves: bool,
-    /// How surfaces are summed by moments; directly without it.
+    /// Matrix by which surfaces are summed by moments; directly without it.
     pub moments: Option<&'a MomentMatrix>,
-    /// The protocol beside one way.
+    /// The protocol apart from one way.
     pub protocol: Protocol<'a>,
 }
 
-/// The treatment of a surface beside summing it on one way.
+/// The treatment of a surface apart from summing it on one way.
 ///
 /// # Examples
 /// ```

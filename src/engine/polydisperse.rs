@@ -26,7 +26,7 @@ pub(super) struct Asperities {
     all: Vec<u32>,
 }
 
-/// The same since they turned.
+/// Asperities since they turned.
 pub(super) struct PulledBack {
     /// The separation h there, and d, m.
     pub from: f64,
@@ -65,7 +65,7 @@ impl RegimeSums {
 }
 
 impl LaneSums {
-    /// Memory for a law of so many regimes.
+    /// Memory for a law of `regimes` regimes.
     pub fn new(regimes: usize) -> Self {
         Self {
             regimes: vec![RegimeSums::default(); regimes],

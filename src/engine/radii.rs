@@ -20,8 +20,7 @@ pub(super) enum Way<'a> {
     Retraction(&'a Loop, &'a PulledBack),
 }
 
-/// Separations h, m, of the kinks of asperities, those of one after those of the other, and where those of
-/// each end.
+/// Separations h, m, of the kinks of asperities, asperity after asperity, and the end of each asperity's.
 #[derive(Debug)]
 pub(super) struct Places {
     places: Vec<f64>,

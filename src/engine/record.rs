@@ -1,4 +1,4 @@
-//! Records: all that is kept of every replica beside the sums.
+//! Records: all that is kept of every replica apart from the sums.
 
 use super::replica::Replica;
 use serde::{Deserialize, Serialize};
@@ -7,9 +7,9 @@ use std::borrow::Cow;
 /// Everything that is kept of some replicas, in order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Records<'a> {
-    /// Their numbers.
+    /// Numbers of the replicas.
     pub replicas: Cow<'a, [Replica]>,
-    /// Their snaps, replicas × [`Loading::length`](super::Loading::length).
+    /// Snaps of the replicas, replicas × [`Loading::length`](super::Loading::length).
     pub snaps: Cow<'a, [f64]>,
     /// The external force of each that is among the first of the run, N, replicas × states.
     pub first_curves: Cow<'a, [f64]>,
@@ -18,7 +18,7 @@ pub struct Records<'a> {
 }
 
 impl Records<'_> {
-    /// The same, that borrows nothing.
+    /// The records, which then borrow nothing.
     pub fn into_owned(self) -> Records<'static> {
         let Self { replicas, snaps, first_curves, forces } = self;
         Records {
@@ -30,7 +30,7 @@ impl Records<'_> {
     }
 }
 
-/// How many numbers are kept of every replica of a job.
+/// The size of the record of every replica of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RecordShape {
     /// Whether a replica is a loop.

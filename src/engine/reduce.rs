@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 
-/// How a run ended.
+/// The end of a run.
 #[derive(Debug)]
 pub enum Outcome {
     /// All batches are in, or the targets are met.
@@ -46,8 +46,8 @@ pub fn run<E: Send>(
 
 /// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in
 /// order, with what it has been merged into; its error ends the run. When `stop` is set no batch is begun any
-/// more, and those of large surfaces are given up. With a rule the run is complete after the first batch that
-/// meets it: what other threads have begun by then is dropped. The result has the same bits wherever it
+/// more, and batches of large surfaces are given up. With a rule the run is complete after the first batch
+/// that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it
 /// began.
 ///
 /// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas

@@ -3,7 +3,7 @@
 //! The batches of a run are the leaves of a binary tree: a node of level k covers the 2ᵏ batches from a
 //! multiple of 2ᵏ on, and its ensemble is that of its first half merged with that of its second one. So the
 //! ensemble of a run depends on nothing but its batches, and any range of them can be merged by itself,
-//! elsewhere and at another time, into a few nodes that go into the same tree: those of the tree that the
+//! elsewhere and at another time, into a few nodes that go into the same tree: the nodes of the tree that the
 //! range covers as a whole. Rounding errors grow with the depth of the tree, the logarithm of the number of
 //! batches.
 
@@ -133,7 +133,7 @@ impl ReductionTree {
         self.clone().into_ensemble(job)
     }
 
-    /// The same, of which nothing else is needed any more.
+    /// The ensemble, where nothing else of the tree is needed any more.
     pub fn into_ensemble(mut self, job: &Job<'_>) -> Ensemble {
         while let [.., first, second] = &self.nodes[..] {
             let parent = common(&first.batches, &second.batches);
@@ -148,7 +148,7 @@ impl ReductionTree {
         Self { nodes: self.nodes.clone(), next: self.next, ..Self::new(self.batches()) }
     }
 
-    /// The replicas, of so many of a job, that are to come in, and how many of them are there.
+    /// The replicas, of `replicas` of a job, that are to come in, and the number of them that are there.
     pub fn extent(&self, replicas: u64) -> (Range<u64>, u64) {
         // What is read from a file may be in any order.
         let Range { start, end } = self.batches;

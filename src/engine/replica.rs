@@ -56,11 +56,11 @@ pub struct Replica {
     pub pull_off_at_edge: bool,
     /// The record of it as a loop, if it is one; all above is then of the retraction.
     pub cycle: Option<Box<Cycle>>,
-    /// What there is of coupled asperities beside.
+    /// Further numbers, of coupled asperities.
     pub coupled: Option<Box<CoupledReplica>>,
 }
 
-/// The record of a replica with coupled asperities, beside what every replica has.
+/// The record of a replica with coupled asperities, in addition to every replica's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CoupledReplica {
     /// The record of the same asperities without coupling.
@@ -142,8 +142,9 @@ impl Workspace {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// The same, until `ends` is true, which is looked at between large surfaces, and for coupled ones before each
-    /// separation: then the replica at hand is not visited, nor any further one. Whether all were visited.
+    /// Draws and visits replicas until `ends` is true, which is looked at between large surfaces, and for
+    /// coupled ones before each separation: then the replica at hand is not visited, nor any further one.
+    /// Whether all were visited.
     pub fn replicas_until(
         &mut self,
         job: &Job<'_>,

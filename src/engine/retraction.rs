@@ -60,7 +60,7 @@ pub(super) struct FlattenedTop {
 }
 
 impl FlattenedTop {
-    /// The tops of those of `heights`, m, rising, that have flowed when they are pulled back from a
+    /// The tops of the `heights`, m, rising, that have flowed when they are pulled back from a
     /// separation h, m; none where tops keep their radius.
     pub fn of(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<Self> {
         let closest = job.surface.asperity_separation(from);

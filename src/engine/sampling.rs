@@ -9,11 +9,11 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their
-/// heights, m, and where they differ the radius of each, m.
+/// Draws the asperities of the replica `index`, unsorted, into `heights`, m, and where radii differ into
+/// `radii`, m.
 ///
 /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that
-/// a surface on which one of them follows another law still has the same of the others.
+/// a surface on which one of them follows another law still has the same others.
 pub fn draw(
     surface: &Surface,
     seed: u64,

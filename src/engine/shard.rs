@@ -7,18 +7,18 @@ use std::str::FromStr;
 /// Most shards of a run.
 const MOST: u64 = 1_000_000;
 
-/// One of so many shards.
+/// One of a number of shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "[u64; 2]", into = "[u64; 2]")]
 pub struct Shard {
-    /// Which, from 1.
+    /// Number of the shard, from 1.
     pub index: u64,
-    /// How many there are.
+    /// The number of shards.
     pub count: u64,
 }
 
 impl Shard {
-    /// The range that it has of so many pieces of work, all shards of which have the same number, or one more.
+    /// The range that it has of `all` pieces of work, of which all shards have the same number, or one more.
     pub fn range(self, all: u64) -> Range<u64> {
         // In 128 bits nothing overflows, and what comes out is at most `all`.
         let begin = |index: u64| (u128::from(all) * u128::from(index) / u128::from(self.count)) as u64;

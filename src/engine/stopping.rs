@@ -1,5 +1,5 @@
-//! When an ensemble is large enough: the standard errors of the means that are asked for, looked at after
-//! fixed numbers of replicas.
+//! Stopping of ensembles that are large enough: the standard errors of the means that are asked for, looked
+//! at after fixed numbers of replicas.
 //!
 //! The rule looks at the merged state after numbers of replicas that depend on the scene alone, so where it
 //! stops, and with it every bit of the result, depends on the scene and the seed alone.
@@ -43,12 +43,12 @@ impl Estimator {
     }
 }
 
-/// How large a standard error may be.
+/// The largest standard error that a target allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// So much of the absolute value of the mean.
+    /// A share of the absolute value of the mean.
     Relative(f64),
-    /// So much, SI.
+    /// A value, SI.
     Absolute(f64),
 }
 
@@ -59,7 +59,7 @@ pub struct Target {
     pub quantity: usize,
     /// The mean.
     pub estimate: Estimator,
-    /// How well.
+    /// Limit of its standard error.
     pub limit: Limit,
 }
 
@@ -96,7 +96,7 @@ impl Target {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stopping {
-    /// At least one; all are to be met.
+    /// The targets, at least one; all are to be met.
     pub targets: Vec<Target>,
     /// Replicas before the targets are looked at for the first time, in whole groups of any sampling scheme
     /// unless it is all there may be.
@@ -105,7 +105,7 @@ pub struct Stopping {
     pub max_replicas: u64,
 }
 
-/// How well the mean of a target is known.
+/// The mean of a target and its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attained {
     /// The target.
@@ -132,13 +132,13 @@ impl Attained {
         self.standard_error <= self.largest || is_enough
     }
 
-    /// Where all groups of replicas agree the largest share of outcomes that may differ, otherwise NaN.
+    /// The largest share of outcomes that may differ, where all groups of replicas agree; otherwise NaN.
     pub fn most_differing(&self) -> f64 {
         agreeing(self.samples, self.standard_error)
     }
 }
 
-/// When a run ends before all its replicas are in.
+/// The rule by which a run ends before all its replicas are in.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule<'a> {
     /// The targets.
@@ -157,13 +157,13 @@ impl Rule<'_> {
         std::iter::successors(Some(whole(self.stopping.min_replicas)), next)
     }
 
-    /// Whether the targets are looked at after so many replicas.
+    /// Whether the targets are looked at after `replicas` replicas.
     #[doc(hidden)]
     pub fn is_look(&self, replicas: u64) -> bool {
         self.looks().find(|look| *look >= replicas) == Some(replicas)
     }
 
-    /// How well each target is known by an ensemble.
+    /// The mean of each target by an ensemble, and its errors.
     pub fn attained(&self, ensemble: &Ensemble) -> Vec<Attained> {
         let means = controlled_means(&ensemble.groups.scalars, self.expected);
         let samples = means.first().map_or(0, |mean| mean.samples);

@@ -1,5 +1,4 @@
-//! How far the force of one asperity is off what is interpolated between samples, where it has a kink among
-//! these.
+//! Errors of the force of one asperity by interpolation between samples, where it has a kink among these.
 //!
 //! # Formula
 //! Between samples at h and h + w of a curve, all w apart, the polynomial through the 6 samples around is off

@@ -12,29 +12,29 @@ use rayon::prelude::*;
 /// Replicas that are summed both ways before the run, spread over it.
 pub const PILOTS: u64 = 4;
 
-/// How the surfaces of a job are summed.
+/// The way in which the surfaces of a job are summed.
 #[derive(Debug, Default)]
 pub struct Summation {
-    /// By moments, unless directly.
+    /// Matrix of sums by moments; none where sums are direct.
     pub matrix: Option<MomentMatrix>,
     /// The tolerance that compressed sums were asked for with.
     pub tolerance: Option<f64>,
     /// The largest error of compressed sums on the pilot replicas; NaN when none were made.
     pub achieved_error: f64,
-    /// Why sums are direct although compressed ones were asked for.
+    /// Reason why sums are direct although compressed ones were asked for.
     pub refusal: Option<Unfit>,
 }
 
 impl Summation {
-    /// Asperity by asperity.
+    /// Sums asperity by asperity.
     pub fn direct() -> Self {
         Self { achieved_error: f64::NAN, ..Self::default() }
     }
 
-    /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in
-    /// parallel; else directly. The error is that of [`largest_error`] and of the pull-off force. Of large surfaces
-    /// the first asperities are tried: errors are relative to the sum of what all asperities do, so those of more are
-    /// no larger.
+    /// Sums by moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in
+    /// parallel; else direct ones. The error is by [`largest_error`] and of the pull-off force. Of large
+    /// surfaces the first asperities are tried: errors are relative to the sum over all asperities, so errors
+    /// of more are no larger.
     pub fn by_moments(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
         if job.protocol.cycle.is_some() {

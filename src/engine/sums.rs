@@ -12,9 +12,9 @@ use crate::surface::Surface;
 /// A state that a surface is summed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum State {
-    /// At a separation h, m, on the way of the job's law.
+    /// A separation h, m, on the way of the job's law.
     Approach(f64),
-    /// At the separation `to` on retraction from the separation `from`, m; where there is no other way, on
+    /// The separation `to` on retraction from the separation `from`, m; where there is no other way, on
     /// the one there is.
     Retraction {
         /// h, m.
@@ -22,7 +22,7 @@ pub(super) enum State {
         /// h, m.
         to: f64,
     },
-    /// Likewise, on the second approach.
+    /// The separation `to` on the second approach after a retraction from `from`, m.
     Again {
         /// h, m.
         from: f64,
@@ -132,7 +132,7 @@ impl RegimeSums {
 }
 
 impl Sums {
-    /// Memory for a law of so many regimes.
+    /// Memory for a law of `regimes` regimes.
     pub fn new(regimes: usize) -> Self {
         Self {
             regimes: vec![RegimeSums::default(); regimes],

@@ -15,7 +15,7 @@ use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 const NUMBER: f64 = 8.0;
 /// Bytes that the program takes for nothing.
 const PROGRAM: f64 = 11e6;
-/// Bytes that are kept of every replica, and those of what is written of it at once.
+/// Bytes that are kept of every replica, and bytes that are written of it at once.
 const REPLICA: f64 = 64.0 + 24.0;
 /// Bytes of an asperity that is binned for its moments: its height as drawn and in its bin, and the number of the bin.
 const BINNED: f64 = 20.0;
@@ -29,9 +29,9 @@ const SEARCHED: (f64, f64) = (14.0, 80.0);
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
 const COUPLED: (f64, f64) = (4e3, 9e3);
-/// Bytes of a coupled asperity beside, where each has its own laws.
+/// Further bytes of a coupled asperity where each has its own laws.
 const LAWS: f64 = 5e3;
-/// Bytes of an asperity that is told by itself, and of it in a state.
+/// Bytes of an asperity that is recorded by itself, and of it in a state.
 const TOLD: (f64, f64) = (4.0 * NUMBER, 4.0 * NUMBER + 3.0);
 
 /// The size of a run, from which follows what it takes.
@@ -45,7 +45,7 @@ pub struct Estimate {
     pub is_loop: bool,
     /// Bytes of an asperity that is coupled; 0 where they are independent.
     pub coupled: f64,
-    /// States in which the asperities of the first replica are told one by one.
+    /// States in which the asperities of the first replica are recorded one by one.
     pub told: f64,
     /// Regimes of the law.
     pub regimes: f64,
@@ -72,7 +72,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The estimate of a scene under its law, on so many threads.
+    /// The estimate of a scene under its law, on a number of threads.
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
         let (separations, ways) = (scene.separations.len(), scene.ways().count());
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
@@ -126,7 +126,8 @@ impl Estimate {
         let kept = NUMBER * BATCH as f64 * s * if self.curves { 3.0 } else { 1.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
-        // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a checkpoint holds.
+        // Sums of batches wait in a tree of log2(batches) levels, half of which have any, and again in a
+        // checkpoint.
         let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
         let of_replicas = (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas;
         let functionals = 2.0 * NUMBER * MAX_COMPONENTS as f64 * s;
@@ -175,13 +176,13 @@ impl Estimate {
         self.asperities * (self.workers() * self.coupled + 4.0 * self.told())
     }
 
-    /// Bytes of an asperity that is told in all its states.
+    /// Bytes of an asperity that is recorded in all its states.
     fn told(&self) -> f64 {
         if self.told == 0.0 { 0.0 } else { TOLD.0 + TOLD.1 * self.told }
     }
 
-    /// Disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and
-    /// as much in the result, as they may not become smaller there.
+    /// Disk, bytes: data of the replicas, and for curves the file next to the result that they are collected
+    /// in and as much in the result, as they may not become smaller there.
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * MAX_COMPONENTS as f64);
@@ -199,7 +200,7 @@ fn coupled(scene: &Scene) -> f64 {
         Coupling::Periodic => COUPLED.0,
         Coupling::Patch => COUPLED.1,
     };
-    // The sums of 1/r³ beside those of 1/r.
+    // The sums of 1/r³ in addition to the sums of 1/r.
     let own = if substrate.kernel == Kernel::Contact { 2.0 * own } else { own };
     if scene.surface.is_polydisperse() { own + LAWS } else { own }
 }

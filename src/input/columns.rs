@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Longest CSV file that is read, bytes.
 const LONGEST: u64 = 1 << 30;
 
-/// Files beside a scene, whose paths are relative to its folder. Each is read once: whatever becomes of it
-/// afterwards, its values stay those that the scene began with.
+/// Files of a scene, whose paths are relative to its folder. Each is read once: whatever becomes of it
+/// afterwards, its values stay as they were when the scene began.
 #[derive(Debug)]
 pub struct SceneFiles {
     folder: PathBuf,
@@ -22,7 +22,7 @@ pub struct SceneFiles {
     asperities: Known<PathBuf, Measured>,
 }
 
-/// What has been read.
+/// Values that have been read.
 #[derive(Debug)]
 struct Known<K, V>(Mutex<HashMap<K, V>>);
 
@@ -31,7 +31,7 @@ impl<K: Hash + Eq, V: Clone> Known<K, V> {
         Self(Mutex::default())
     }
 
-    /// What is known of a key; it is read where nothing is yet.
+    /// The value of a key; it is read unless it is known.
     fn get(&self, key: K, read: impl FnOnce(&K) -> Result<V, String>) -> Result<V, String> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(value) = known.get(&key) {
@@ -44,13 +44,13 @@ impl<K: Hash + Eq, V: Clone> Known<K, V> {
 }
 
 impl SceneFiles {
-    /// The files beside the scene of a path.
+    /// The files of the scene at a path.
     pub fn scene(path: &Path) -> Self {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Self { folder, tables: Known::new(), columns: Known::new(), asperities: Known::new() }
     }
 
-    /// Where a file is that the scene names.
+    /// The path of a file that the scene names.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }

@@ -1,4 +1,5 @@
-//! Where the external force of a replica is a control variate for what has no closed form.
+//! Separations at which the external force of a replica is a control variate for quantities without closed
+//! form.
 
 use super::expectations::Expectations;
 use crate::asperity::Quantity;
@@ -9,11 +10,11 @@ const GROUPS_PER_CONTROL: u64 = 10;
 /// The peak of the stiffness ends where the slope is this share of the largest.
 const FLANK: f64 = 0.5;
 
-/// Rising indices of at most 8 of the separations, m, at which the integral was taken, for an ensemble of so
-/// many `groups`; none for fewer than 10. Only those that are `eligible` are taken: where a few rare
+/// Rising indices of at most 8 of the separations, m, at which the integral was taken, for an ensemble of
+/// `groups`; none for fewer than 10. Only `eligible` ones are taken: where a few rare
 /// asperities decide a mean, no covariance describes it.
 ///
-/// They come from the integral, not from the sample, and are those that explain pull-off and stiffest point
+/// They come from the integral, not from the sample, and explain pull-off and stiffest point
 /// of a replica: the deepest point of the integral's curve; the ends and middles of the separations around it
 /// where one standard deviation of a replica reaches as deep, because there a replica has its own deepest
 /// point; the stiffest point, and the ends of its peak; each of them, or the nearest that is eligible. With

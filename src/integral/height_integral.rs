@@ -7,10 +7,10 @@ use crate::math::extrema::maximum;
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Heights;
 
-/// Heights beyond so many σ_s have a normal density that underflows.
+/// Height, in σ_s, beyond which the normal density underflows.
 const LARGEST_HEIGHT: f64 = 38.0;
 
-/// Where no more than this accuracy is asked for, heights are at first divided into panels that are so many times as wide.
+/// Accuracy from which on heights are at first divided into wider panels, and the factor of their width.
 const WIDE_PANELS: (f64, usize) = (1e-9, 4);
 
 /// Roundings by which a probability may be off.
@@ -95,7 +95,7 @@ impl AtSeparation {
             if lower < f64::INFINITY { heights.probability(lower + separation, f64::INFINITY) } else { 0.0 };
     }
 
-    /// Adds those of another law, which a share of the asperities has; its error stays its own.
+    /// Adds the expectations of another law, which a share of the asperities has; the error is not weighted.
     pub fn add(&mut self, share: f64, other: &Self) {
         for (mine, theirs) in self.regimes.iter_mut().zip(&other.regimes) {
             mine.probability += share * theirs.probability;
@@ -211,7 +211,7 @@ impl AtSeparation {
         let variable = Variable::of(piece, separation, heights.std);
         let every = if tolerance < WIDE_PANELS.0 { 1 } else { WIDE_PANELS.1 };
         let breaks = panel_breaks(piece, separation, heights, variable, every);
-        // Rounding a height far out in the distribution is rounding its density so many times over.
+        // Rounding a height far out in the distribution rounds its density by a multiple of that.
         let ends = [breaks.first(), breaks.last()].map(|end| variable.distance(*end.unwrap_or(&0.0)).abs());
         let rounding = f64::EPSILON * (ends[0].max(ends[1]) + variable.height.abs()) / heights.std;
         let tolerance = tolerance.max(4.0 * LARGEST_HEIGHT * rounding);
@@ -355,7 +355,7 @@ impl Variable {
     }
 }
 
-/// Rising panel ends for a piece, where there are heights: every so many of these.
+/// Rising panel ends for a piece, where there are heights: each `every`-th of their panels.
 fn panel_breaks(
     piece: &Piece,
     separation: f64,

@@ -1,11 +1,11 @@
 //! Whether the asperities of a patch may be taken as independent of each other, judged from its integral.
 //!
-//! A patch of side L stands on its own half-space. A uniform pressure p̄ on it makes the mean displacement
-//! c p̄ L/E*, so it stands on a spring k_s = E* L/c, and by mean field its force is F(d) = F_GW(d + F/k_s): a
+//! A patch of side L rests on its own half-space. A uniform pressure p̄ on it makes the mean displacement
+//! c p̄ L/E*, so it rests on a spring k_s = E* L/c, and by mean field its force is F(d) = F_GW(d + F/k_s): a
 //! shift of the separation, as long as no attraction is as stiff as the spring. What the mean leaves out, for
 //! asperities at places that are uniformly random, scatters their displacements by
 //! σ_u² = 2π η ⟨f²⟩ ln(L/b)/(πE*)², with b half of 1/√η. A modulation of wavelength Λ is held by πE*/Λ per
-//! area: an attraction of the stiffness s per area is stable against those below Λ_c = πE*/s.
+//! area: an attraction of the stiffness s per area is stable against wavelengths below Λ_c = πE*/s.
 //!
 //! Sources: Johnson, Contact Mechanics (1985), section 3.3 (c); Ciavarella, Greenwood and Paggi, Wear 265
 //! (2008) 729 (mean field).
@@ -54,7 +54,7 @@ pub struct Limit {
     pub invalid: f64,
 }
 
-/// What independence of the asperities is worth.
+/// The verdict on the independence of the asperities.
 ///
 /// # Examples
 /// ```
@@ -101,8 +101,8 @@ pub struct IntegralCurve<'a> {
     pub largest_slope: f64,
 }
 
-/// Figures by which the independence of the asperities of a patch is judged: those of the pull-off of its
-/// integral, or of the smallest separation where nothing pulls.
+/// Figures by which the independence of the asperities of a patch is judged: at the pull-off of its
+/// integral, or at the smallest separation where nothing pulls.
 ///
 /// # Examples
 /// ```
@@ -112,7 +112,7 @@ pub struct IntegralCurve<'a> {
 /// let independence: Independence = stiction::integrate(&scene)?.main.independence;
 /// assert_eq!(independence.verdict().name(), "invalid");
 /// let ratio = independence.relative_attractive_stiffness();
-/// assert!((21.5..22.5).contains(&ratio), "attraction is 22 times as stiff as what the patch stands on");
+/// assert!((21.5..22.5).contains(&ratio), "attraction is 22 times as stiff as the half-space");
 /// # Ok::<(), stiction::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,7 +219,7 @@ impl Independence {
         ]
     }
 
-    /// What independence is worth; of figures that are not numbers nothing.
+    /// The verdict on independence; invalid where a figure is not a number.
     pub fn verdict(&self) -> IndependenceVerdict {
         let all = |is_within: fn(f64, &Limit) -> bool| {
             self.figures().into_iter().zip(&Self::LIMITS).all(|(figure, limit)| is_within(figure, limit))
@@ -232,8 +232,8 @@ impl Independence {
     }
 }
 
-/// The separation from which on no force is larger than a limit, N, to an accuracy, m; NaN where that at the
-/// largest one is.
+/// The separation from which on no force is larger than a limit, N, to an accuracy, m; NaN where the force at
+/// the largest one is.
 fn from_where(
     IntegralCurve { separations, force, .. }: &IntegralCurve<'_>,
     limit: f64,

@@ -1,13 +1,14 @@
-//! The external force of a patch that stands on its own half-space, by mean field.
+//! The external force of a patch on its own half-space, by mean field.
 //!
 //! # Formula
 //! Under the force F a patch gives way by F/k_s. At the separation h of the surfaces far away its asperities see
 //! the other surface at x = h + F/k_s, and F = F_GW(x), so that x − F_GW(x)/k_s = h. Where the attraction of the
-//! integral is stiffer than k_s there are several such x: surfaces that are brought close follow the outermost, and
-//! those that are pulled back the innermost, as long as it is there. Where it ends they jump to the next.
+//! integral is stiffer than k_s there are several such x: surfaces that are brought close follow the
+//! outermost, and surfaces that are pulled back the innermost, as long as it is there. Where it ends they
+//! jump to the next.
 //!
 //! # Validity
-//! A uniform pressure: displacements are those of the mean alone.
+//! A uniform pressure: displacements are by the mean pressure alone.
 //!
 //! Source: Ciavarella, Greenwood and Paggi, Wear 265 (2008) 729.
 
@@ -81,7 +82,7 @@ impl MeanField {
         self.force.push(stiffness * (x - h));
     }
 
-    /// The same separations and forces in the other order.
+    /// The separations and forces in the opposite order.
     pub fn reversed(mut self) -> Self {
         let last = self.separations.len().saturating_sub(1);
         self.separations.reverse();
@@ -91,7 +92,8 @@ impl MeanField {
     }
 }
 
-/// Where a function reaches a level between two of its points, by false position (Illinois), and its value.
+/// The place where a function reaches a level between two of its points, by false position (Illinois), and
+/// its value.
 fn crossing(f: &impl Fn(f64) -> f64, [below, above]: [(f64, f64); 2], level: f64, step: f64) -> (f64, f64) {
     let mut ends = [(below.0, below.1 - level), (above.0, above.1 - level)];
     let mut found = above;
@@ -128,9 +130,9 @@ mod tests {
         linear(&[-9.0, 1.0, 3.0, 99.0], &[152.0, -8.0, 0.0, 0.0], x)
     }
 
-    /// On k = 2 the attraction, of slope 4, is too stiff: H is 3 at x = 3, rises to 5 at x = 1, and falls from there by
-    /// 9 for each 1. Surfaces that come close are at x = h to h = 3 and then at 1 − (5 − h)/9; those pulled back are
-    /// there to h = 5, and then at h.
+    /// The attraction, of slope 4, is too stiff on k = 2: H is 3 at x = 3, rises to 5 at x = 1, and falls
+    /// from there by 9 for each 1. Surfaces that come close are at x = h to h = 3 and then at 1 − (5 − h)/9;
+    /// surfaces that are pulled back are there to h = 5, and then at h.
     #[test]
     fn several_states_are_taken_from_where_the_surfaces_come() {
         let h: Vec<f64> = (0..28).map(|k| 0.25 * f64::from(k) + 0.1).collect();
@@ -152,7 +154,8 @@ mod tests {
         assert!((known.separations[3] - near(h[15])).abs() < 1e-12 && known.jumps == [8]);
     }
 
-    /// On a stiff half-space there is one state, x = h + F/k: on k = 8 from h = 3 down to 2, H(1), at x = 3 − 2(3 − h).
+    /// One state on a stiff half-space, x = h + F/k: on k = 8 from h = 3 down to 2, H(1), at x = 3 − 2(3 −
+    /// h).
     #[test]
     fn a_soft_attraction_shifts() {
         let falling: Vec<f64> = (0..40).map(|k| 4.05 - 0.1 * f64::from(k)).collect();

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// Relative accuracy asked of every piece of the law, unless another is given.
 pub const TOLERANCE: f64 = 1e-13;
 
-/// Relative accuracy asked of every piece of the law of one of several radii, and how many σ_s heights are then
-/// integrated to: what is beyond has a probability of 1e-23.
+/// Relative accuracy asked of every piece of the law of one of several radii, and the σ_s to which heights
+/// are then integrated: beyond is a probability of 1e-23.
 const OF_RADIUS_TOLERANCE: f64 = 1e-10;
 const OF_RADIUS_REACH: f64 = 10.0;
 /// Most radii whose forces are kept at nodes.
@@ -40,20 +40,20 @@ const HEIGHT_REACH: f64 = 11.0;
 pub struct Model<'a> {
     laws: Laws<'a>,
     surface: &'a Surface,
-    /// Asperities of each radius, and their law where it is not that of all.
+    /// Asperities of each radius, and their law where each radius has its own.
     parts: Vec<Part>,
 }
 
 /// Asperities of a radius.
 struct Part {
     of: RadiusClass,
-    /// Their law, where it is not that of all.
+    /// Law of these asperities, where each radius has its own.
     law: Option<Box<dyn Law>>,
-    /// Its forces at nodes, where heights are Gaussian.
+    /// Forces of the law at nodes, where heights are Gaussian.
     nodes: Option<(NodeTable, Normal)>,
 }
 
-/// Expectations at one separation, and those of a coarser division of the radii.
+/// Expectations at one separation, and expectations by a coarser division of the radii.
 pub(super) struct Mixture {
     fine: AtSeparation,
     coarse: AtSeparation,
@@ -85,7 +85,7 @@ impl<'a> Model<'a> {
             .beside(|h, force| self.surface.external_force(h, force), separations)
     }
 
-    /// The same of the asperities alone, without the attraction of the mean planes.
+    /// The answer for the asperities alone, without the attraction of the mean planes.
     pub(super) fn of_asperities(&self, separations: &[f64], tolerance: f64) -> Expectations {
         let mut answer = Mixture::expectations(&self.at(separations, tolerance), self.surface);
         let tables = self.parts.iter().filter_map(|part| part.nodes.as_ref());
@@ -98,7 +98,7 @@ impl<'a> Model<'a> {
         self.surface.external_force(separation, self.external_force_of_asperities(separation))
     }
 
-    /// The same of the asperities alone, without the attraction of the mean planes.
+    /// Expected external force of the asperities alone, N, without the attraction of the mean planes.
     pub(crate) fn external_force_of_asperities(&self, separation: f64) -> f64 {
         if let Some(force) = self.force_at_nodes(separation) {
             return force;
@@ -107,7 +107,7 @@ impl<'a> Model<'a> {
         self.surface.asperity_count as f64 * at[0].fine.means()[Quantity::ExternalForce.index()]
     }
 
-    /// The same of radii whose forces are all known at nodes.
+    /// The external force of asperities, N, where the forces of all radii are known at nodes.
     fn force_at_nodes(&self, separation: f64) -> Option<f64> {
         let d = self.surface.asperity_separation(separation);
         let of = |part: &Part| {
@@ -147,8 +147,8 @@ impl Part {
     }
 }
 
-/// The tolerance of the integral over heights, of which so many radii have such, and how far they reach, m: that over radii is
-/// no better than this, and its tails are in no regime alone.
+/// The tolerance of the integral over heights for one of `radii` radii, and the range of heights, m: the
+/// integral over radii is no better than this, and its tails are in no regime alone.
 pub(super) fn accuracy(tolerance: f64, heights: &Heights, radii: usize) -> (f64, (f64, f64)) {
     match radii {
         1 => (tolerance, (f64::NEG_INFINITY, f64::INFINITY)),
@@ -182,7 +182,7 @@ impl Mixture {
         Self { fine, coarse }
     }
 
-    /// What is expected of a surface at some separations.
+    /// Expectations of a surface at some separations.
     pub fn expectations(at: &[Self], surface: &Surface) -> Expectations {
         let count = surface.asperity_count as f64;
         let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
@@ -192,7 +192,7 @@ impl Mixture {
         let variances = |at: &AtSeparation| match surface.count_law {
             _ if surface.whole => [0.0; 4],
             CountLaw::Fixed => at.variances(),
-            // Of a Poisson-distributed number of terms (Campbell): N E\[q²\].
+            // Variance for a Poisson-distributed number of terms (Campbell): N E\[q²\].
             CountLaw::Poisson => {
                 let (means, variances) = (at.means(), at.variances());
                 std::array::from_fn(|q| variances[q] + means[q] * means[q])
@@ -218,8 +218,8 @@ impl Mixture {
         }
     }
 
-    /// The larger of the bounds of the relative error of the integrals over heights, and over radii: there of
-    /// the forces against F_s + P.
+    /// The larger of the bounds of the relative error of the integrals over heights, and over radii, of
+    /// forces there relative to F_s + P.
     fn error(&self) -> f64 {
         let [fine, coarse] = [self.fine.means(), self.coarse.means()];
         let forces = fine[0] + fine[1];
@@ -229,7 +229,8 @@ impl Mixture {
 }
 
 impl Expectations {
-    /// Expectations with the external force that a surface has at separations h, m, in the place of that of its asperities.
+    /// Expectations with the external force that a surface has at separations h, m, in the place of its
+    /// asperities' force.
     pub(super) fn beside(mut self, external_force: impl Fn(f64, f64) -> f64, separations: &[f64]) -> Self {
         for (force, &h) in self.expected[Quantity::ExternalForce.index()].iter_mut().zip(separations) {
             *force = external_force(h, *force);
@@ -242,8 +243,8 @@ impl Expectations {
         Self::with_tolerance(laws, surface, separations, TOLERANCE)
     }
 
-    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights
-    /// allows.
+    /// Integrates laws to a relative accuracy of every piece of the law; not to more than the rounding of
+    /// heights allows.
     pub fn with_tolerance<'a>(
         laws: impl Into<Laws<'a>>,
         surface: &'a Surface,

@@ -11,16 +11,17 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Panels of the radius are looked at in so many parts for places at which what is expected is not smooth in it, which are
-/// found to this share of their part.
+/// Parts of a panel of the radius in which places are looked for at which expectations are not smooth in it;
+/// `PLACE` is the share of a part to which they are found.
 const LOOKED_AT: usize = 16;
-/// Relative accuracy asked of every piece of the law of one of several radii: that over radii is no better.
+/// Relative accuracy asked of every piece of the law of one of several radii: the integral over radii is no
+/// better.
 const RETRACTION_TOLERANCE: f64 = 1e-6;
 const PLACE: f64 = 1e-9;
 /// Asperities of a radius at which the density of radii has less than this probability do not count.
 const NEGLIGIBLE: f64 = 1e-9;
-/// The external force over radii of a density is interpolated between separations that are so many σ_s apart, or half as
-/// far a few times where it is not smooth enough for this accuracy.
+/// Distance, in σ_s, of the separations between which the external force over radii of a density is
+/// interpolated; it is halved a few times where the force is not smooth enough for the accuracy.
 const INTERPOLATED: f64 = 0.25;
 const HALVINGS: u32 = 2;
 const LAST_TERM: f64 = 1e-6;
@@ -48,9 +49,9 @@ pub struct RetractionModel<'a> {
     /// d, m, where the surfaces turned.
     closest: f64,
     radii: Radii,
-    /// The external force, N, at a separation h, m, from that of the asperities, N.
+    /// The external force, N, at a separation h, m, from the force of the asperities, N.
     external_force: fn(&Surface, f64, f64) -> f64,
-    /// What is known of the external force.
+    /// Known interpolants of the external force.
     forces: Forces,
 }
 
@@ -60,13 +61,14 @@ pub(crate) struct Forces(Arc<Mutex<HashMap<(u32, u64), Cell>>>);
 
 /// The radii of the asperities.
 enum Radii {
-    /// Given, or one.
+    /// Given radii, or one.
     Parts(Vec<Part>),
-    /// By a density. At places of its variable, rising, the distances, m, at which ends of the law meet.
+    /// Radii by a density. At places of its variable, rising, the distances, m, at which ends of the law
+    /// meet.
     Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)> },
 }
 
-/// Asperities of a radius, and their loop where it is not that of all.
+/// Asperities of a radius, and their loop where each radius has its own.
 struct Part {
     of: RadiusClass,
     cycle: Option<Loop>,
@@ -102,12 +104,12 @@ impl<'a> RetractionModel<'a> {
         cycle.again().map(|again| Self { external_force, ..Self::new(again, surface, closest) })
     }
 
-    /// The same with what is known of its external force.
+    /// The model with known interpolants of its external force.
     pub(crate) fn knowing(self, forces: Forces) -> Self {
         Self { forces, ..self }
     }
 
-    /// What is known of its external force.
+    /// The known interpolants of its external force.
     pub(crate) fn forces(&self) -> Forces {
         self.forces.clone()
     }
@@ -125,7 +127,7 @@ impl<'a> RetractionModel<'a> {
         classes.into_par_iter().map(part).collect()
     }
 
-    /// Places of the variable of the radius at which what is expected at a distance, m, is not smooth in it.
+    /// Places of the variable of the radius at which expectations at a distance, m, are not smooth in it.
     fn kinks(&self, panels: &RadiusPanels, meetings: &[(f64, Vec<f64>)], distance: f64) -> Vec<f64> {
         let mut kinks = Vec::new();
         for pair in meetings.windows(2) {
@@ -147,7 +149,7 @@ impl<'a> RetractionModel<'a> {
         kinks
     }
 
-    /// The answer at separations h, m; regimes are those of the law on approach.
+    /// The answer at separations h, m, in the regimes of the law on approach.
     pub fn answer(&self, separations: &[f64]) -> Expectations {
         self.of_asperities(separations)
             .beside(|h, force| (self.external_force)(self.surface, h, force), separations)
@@ -158,7 +160,7 @@ impl<'a> RetractionModel<'a> {
         (self.external_force)(self.surface, separation, self.external_force_of_asperities(separation))
     }
 
-    /// The same of the asperities alone, without the attraction of the mean planes.
+    /// Expected external force of the asperities alone, N, without the attraction of the mean planes.
     pub(crate) fn external_force_of_asperities(&self, separation: f64) -> f64 {
         let direct = |h: f64| self.of_asperities(&[h]).expected[Quantity::ExternalForce.index()][0];
         let from = self.closest + self.surface.mean_plane_offset;
@@ -179,7 +181,7 @@ impl<'a> RetractionModel<'a> {
         direct(separation)
     }
 
-    /// The same of the asperities alone, without the attraction of the mean planes.
+    /// The answer for the asperities alone, without the attraction of the mean planes.
     pub(crate) fn of_asperities(&self, separations: &[f64]) -> Expectations {
         let at: Vec<Mixture> = separations.par_iter().map(|h| self.at(*h)).collect();
         let expectations = Mixture::expectations(&at, self.surface);
@@ -237,8 +239,8 @@ impl Forces {
 }
 
 impl Expectations {
-    /// Integrates the retraction of a loop from the smallest of the separations h, m, rising; regimes are
-    /// those of the law on approach.
+    /// Integrates the retraction of a loop from the smallest of the separations h, m, rising, in the regimes
+    /// of the law on approach.
     pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
         RetractionModel::new(cycle, surface, separations[0]).answer(separations)
     }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why there is no liquid, or no meniscus of it.
+/// Reasons why there is no liquid, or no meniscus of it.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum LiquidError {
     /// Liquid water is between the melting point and the critical point.

@@ -74,7 +74,7 @@ impl Filling {
         self.pressure * self.share(separation)
     }
 
-    /// What the contour pulls per area, Pa, attraction counted positive, at a separation h, m.
+    /// The pull of the contour per area, Pa, attraction counted positive, at a separation h, m.
     pub fn contour_pressure(&self, separation: f64) -> f64 {
         let deviate = self.deviate(separation);
         -self.edge * self.pressure * deviate * Self::density(deviate)

@@ -8,11 +8,12 @@
 //! circle is missing from h₀.
 //!
 //! A film of the thickness t on a face is in equilibrium with the meniscus where its disjoining pressure is p_c = A/(6πt³).
-//! Filling a gap then gains, beside its surface, the energy A/(12πt²) = p_c t/2 of each film and p_c t for the liquid that it
-//! holds, by which h₀ = s r_K + 3nt/2 with n films, 2r_K + 3t with two.
+//! Filling a gap then gains, besides its surface, the energy A/(12πt²) = p_c t/2 of each film and p_c t for
+//! the liquid that it holds, by which h₀ = s r_K + 3nt/2 with n films, 2r_K + 3t with two.
 //!
 //! # Validity
-//! Radii above a few molecules (0.5 nm of water; Fisher and Israelachvili 1981), and far below those of the asperities.
+//! Radii above a few molecules (0.5 nm of water; Fisher and Israelachvili 1981), and far below the radii of
+//! the asperities.
 
 use super::{Liquid, LiquidError};
 use std::f64::consts::PI;
@@ -23,20 +24,20 @@ pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 /// The amount of liquid in a bridge while the faces part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Volume {
-    /// That in equilibrium with the vapour: slow retraction.
+    /// The amount in equilibrium with the vapour: slow retraction.
     #[default]
     Equilibrium,
-    /// That at the end of contact: fast retraction.
+    /// The amount at the end of contact: fast retraction.
     Constant,
 }
 
-/// When bridges form and break.
+/// The rule by which bridges form and break.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bridges {
-    /// They form when the solids touch, and break where they become unstable.
+    /// Bridges form when the solids touch, and break where they become unstable.
     #[default]
     Metastable,
-    /// They form and break where their energy is that of none.
+    /// Bridges form and break where their energy equals the energy without a bridge.
     Reversible,
 }
 
@@ -110,7 +111,7 @@ pub struct Meniscus {
     pub contact_angles: [f64; 2],
     /// The amount of liquid on retraction.
     pub volume: Volume,
-    /// When bridges form and break.
+    /// The rule by which bridges form and break.
     pub bridges: Bridges,
     /// The films on the faces.
     pub film: Option<Film>,
@@ -177,13 +178,13 @@ impl Meniscus {
         Ok(meniscus)
     }
 
-    /// The same with so many films, 1 or 2, that are in equilibrium with it; A in J, positive.
+    /// The meniscus with films on `faces` faces, 1 or 2, in equilibrium with it; A in J, positive.
     pub fn with_films(self, faces: u8, hamaker_constant: f64) -> Self {
         let thickness = libm::cbrt(hamaker_constant / (6.0 * PI * self.pressure()));
         Self { film: Some(Film { thickness, faces, hamaker_constant }), ..self }
     }
 
-    /// The meniscus in equilibrium with its films when they are so thick, m; without films itself.
+    /// The meniscus in equilibrium with its films of a thickness, m; without films itself.
     pub fn at_thickness(self, thickness: f64) -> Self {
         let Some(film) = self.film else { return self };
         let film = Film { thickness, ..film };
@@ -221,8 +222,8 @@ impl Meniscus {
         self.surface_tension * self.wetting() + 1.5 * self.pressure() * self.film_height()
     }
 
-    /// (h₀ − nt)² − (D − nt)², m²: over πR, the liquid of a bridge around a rigid sphere of the distance D, m, beside that of
-    /// the films.
+    /// (h₀ − nt)² − (D − nt)², m²: over πR, the liquid of a bridge around a rigid sphere of the distance D,
+    /// m, in addition to the films.
     pub fn content(&self, distance: f64) -> f64 {
         let [open, gap] = [self.range(), distance].map(|gap| (gap - self.film_height()).max(0.0));
         (open * open - gap * gap).max(0.0)

@@ -1,7 +1,7 @@
 //! Liquids that condense between solids: what they are, and the meniscus that is in equilibrium with their vapour.
 //!
-//! A [`Liquid`] has a surface tension and a molar volume; those of water follow from the temperature. A [`Meniscus`]
-//! is its surface between two solids at a relative humidity.
+//! A [`Liquid`] has a surface tension and a molar volume; for water both follow from the temperature. A
+//! [`Meniscus`] is its surface between two solids at a relative humidity.
 
 mod error;
 mod filling;

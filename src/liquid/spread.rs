@@ -1,9 +1,10 @@
 //! Liquid that spreads between bridges which merge.
 //!
 //! # Formula
-//! A surface is summed bridge by bridge. Where liquid covers the share f of the nominal area, the expected sum of what bridges
-//! do gives way to [`super::Filling`] with a weight from 0 to 1 over ln f, 6x⁵ − 15x⁴ + 10x³ between the ends of [`COVERS`].
-//! What that adds is a pressure between the mean planes, of all replicas alike; how replicas differ is left to bridges.
+//! A surface is summed bridge by bridge. Where liquid covers the share f of the nominal area, the expected
+//! sum over the bridges gives way to [`super::Filling`] with a weight from 0 to 1 over ln f, 6x⁵ − 15x⁴ +
+//! 10x³ between the ends of [`COVERS`]. This adds a pressure between the mean planes, of all replicas
+//! alike; differences of replicas are left to bridges.
 
 use crate::math::interpolation::lagrange;
 use std::fmt;
@@ -23,9 +24,9 @@ pub fn weight(covered: f64) -> f64 {
 /// The pressure by which liquid that spreads pulls harder than its bridges, over separations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
-    /// h, m, rising.
+    /// Separations h, m, rising.
     pub separations: Vec<f64>,
-    /// At these, Pa, attraction counted positive; 0 beyond the last.
+    /// Pressures there, Pa, attraction counted positive; 0 beyond the last.
     pub pressures: Vec<f64>,
 }
 

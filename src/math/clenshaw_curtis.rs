@@ -1,5 +1,5 @@
-//! Clenshaw-Curtis quadrature: nodes that include the ends and, of every other one, those of half the degree,
-//! so that one set of values gives an integral and what it was with fewer of them.
+//! Clenshaw-Curtis quadrature: nodes that include the ends, and of which every other one is a node of half
+//! the degree, so that one set of values gives an integral and the integral by fewer nodes.
 //!
 //! # Formula
 //! Nodes cos(jπ/n) on −1..1, j = 0..=n, with the weights (4/n)(c_j/2) Σ' cos(2kjπ/n)/(1 − 4k²) over k =
@@ -11,9 +11,9 @@ use std::f64::consts::PI;
 /// A node of a panel, its weight, and its weight in the rule of half the degree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Place.
+    /// Place of the node.
     pub place: f64,
-    /// Weight.
+    /// Weight of the node.
     pub weight: f64,
     /// Weight among every other node; 0 for those between.
     pub coarse: f64,

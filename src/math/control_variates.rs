@@ -9,7 +9,7 @@
 //! Research Letters 14, 187).
 //!
 //! So the estimate is the mean of the values y − βᵀ(x − μ), each with the coefficients of the other parts,
-//! and its standard error and interval are those of a mean of these values. Their scatter holds what
+//! and its standard error and interval follow as for a mean of these values. Their scatter holds what
 //! estimating the coefficients costs, on average a factor (n − 2)/(n − 2 − k) of variance for k coefficients
 //! (Nelson 1990, Operations Research 38, 974), and is right where the scatter of y about the regression line
 //! changes along it.
@@ -56,8 +56,8 @@ pub struct ControlledMean {
 }
 
 impl ControlledMean {
-    /// Where all samples agree, at least two, the largest share of outcomes that may differ, with 95 %
-    /// confidence; otherwise NaN.
+    /// The largest share of outcomes that may differ, with 95 % confidence, where all samples agree, at least
+    /// two; otherwise NaN.
     pub fn most_differing(&self) -> f64 {
         agreeing(self.samples, self.standard_error)
     }
@@ -143,7 +143,7 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
 /// The regression of components of a sample on its first ones, through uncorrelated combinations of these of
 /// unit variance.
 struct Regression {
-    /// How many components come first.
+    /// The number of first components.
     expected: usize,
     covariance: Vec<f64>,
     length: usize,
@@ -216,8 +216,8 @@ mod tests {
         assert!(mean.variance_reduction().is_nan());
     }
 
-    /// By hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd x.
-    /// Even: x̄ = 3, ȳ = 15/4, P = 20, Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5,
+    /// A case by hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd
+    /// x. Even: x̄ = 3, ȳ = 15/4, P = 20, Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5,
     /// slope 1/4. So the even y become 7/4, 9/4, 15/4, 29/4, the odd ones 53/10, 5, 17/10, 2/5, in all with
     /// the mean 137/40 and Σ(r − 137/40)² = 37.045. Plain: 32/7/8 = 4/7.
     #[test]

@@ -1,7 +1,7 @@
 //! Sorting by a small number.
 
-/// Puts `items` into `order` by their group of so many, in a group as they come, and says where those of each begin, and
-/// at last their number.
+/// Puts `items` into `order` by their group, in a group as they come; returns the place where each of the
+/// `groups` begins, and at last the number of items.
 pub fn counting_sort(
     items: impl Iterator<Item = u32> + Clone,
     groups: usize,

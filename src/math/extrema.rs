@@ -17,9 +17,9 @@ use super::roots::golden_maximum;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum {
-    /// Where.
+    /// Place of the extremum.
     pub place: f64,
-    /// How large.
+    /// Value there.
     pub value: f64,
     /// Whether it is the first or the last sample, so that the curve may go further beyond the samples.
     pub at_edge: bool,
@@ -114,8 +114,8 @@ const SLOPE_LENGTH: f64 = 1e-2;
 
 impl Features {
     /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope
-    /// likewise. Where samples are further apart than `spacing`, which resolves the curve, it is sampled
-    /// between them too.
+    /// on the steepest piece and its neighbours. Where samples are further apart than `spacing`, which
+    /// resolves the curve, it is sampled between them too.
     ///
     /// `places` (rising) and `values` have the same length, at least 2, and sample `curve`.
     pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> Self {
@@ -275,7 +275,7 @@ mod tests {
         assert!(!minimum(&[0.0, 1.0, 2.0], &[3.0, 1.0, 1.0]).at_edge);
     }
 
-    /// By hand.
+    /// Values by hand.
     #[test]
     fn the_largest_secant_has_an_end_at_a_sample() {
         let (places, values) = ([0.0, 1.0, 2.0, 4.0], [-1.0, 0.0, 3.0, 2.0]);

@@ -25,7 +25,7 @@ pub struct Complex {
 }
 
 impl Complex {
-    /// So many zeros.
+    /// `count` zeros.
     pub fn zeros(count: usize) -> Self {
         Self { re: vec![0.0; count], im: vec![0.0; count] }
     }
@@ -98,7 +98,7 @@ impl Transform {
         }
     }
 
-    /// The same with the opposite sign in the exponent, not divided by the length.
+    /// Transforms columns with the opposite sign in the exponent, not divided by the length.
     pub fn backward(&self, columns: usize, data: &mut Complex, scratch: &mut Complex) {
         std::mem::swap(&mut data.re, &mut data.im);
         self.forward(columns, data, scratch);

@@ -135,7 +135,7 @@ impl fmt::Display for InstructionSet {
     }
 }
 
-/// Without AVX512VL, because with it the compiler prefers vectors of 256 bits.
+/// AVX-512 without AVX512VL, because with it the compiler prefers vectors of 256 bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq")]
 fn avx512<R>(task: impl FnOnce() -> R) -> R {

@@ -12,10 +12,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Probability with which the intervals hold the true mean.
 pub const LEVEL: f64 = 0.95;
-/// With fewer independent samples an interval of a skewed quantity holds visibly less than it says.
+/// Fewest independent samples: with fewer an interval of a skewed quantity holds visibly less than it says.
 pub const FEWEST: u64 = 16;
 
-/// The interval of a mean with its standard error, from the adjusted skewness of so many samples and the
+/// The interval of a mean with its standard error, from the adjusted skewness of the samples and the
 /// degrees of freedom of the standard error. Not a number where the standard error is not, or leaves no
 /// degree of freedom.
 pub fn interval(mean: f64, standard_error: f64, skewness: f64, samples: u64, freedom: f64) -> [f64; 2] {
@@ -69,7 +69,7 @@ pub fn skewness(samples: u64, squares: f64, cubes: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// scipy.stats.t.ppf(0.975, degrees of freedom), and the same of 1e12 degrees of freedom as of infinitely
+    /// scipy.stats.t.ppf(0.975, degrees of freedom), with 1e12 degrees of freedom in the place of infinitely
     /// many.
     #[test]
     fn without_skewness_it_is_that_of_student() {

@@ -8,8 +8,8 @@
 use super::instruction_set::InstructionSet;
 use faer::{Mat, Par, Side};
 
-/// Most rows of a matrix that is decomposed: no sum within has more terms, and up to so many the products of
-/// faer (`gemm`, the block of depth in `cache.rs`) are summed at once on every processor.
+/// Most rows of a matrix that is decomposed: no sum within has more terms, and up to this number the products
+/// of faer (`gemm`, the block of depth in `cache.rs`) are summed at once on every processor.
 pub const LARGEST: usize = 512;
 /// Columns of a panel of a matrix: its products with another panel stay in registers.
 const PANEL: usize = 8;
@@ -63,10 +63,10 @@ pub fn smallest_real_part(columns: &[Vec<f64>]) -> f64 {
     eigenvalues.map_or(f64::NAN, |all| all.iter().map(|value| value.re).fold(f64::INFINITY, f64::min))
 }
 
-/// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is that of
-/// what they act on: its eigenvectors over the roots of the eigenvalues, largest first, of all eigenvalues
-/// that are at least `smallest` of the largest. There are fewer than n of them where components are
-/// collinear, and none when the matrix is not finite.
+/// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is the
+/// covariance of the vectors that they act on: its eigenvectors over the roots of the eigenvalues, largest
+/// first, of all eigenvalues that are at least `smallest` of the largest. There are fewer than n of them
+/// where components are collinear, and none when the matrix is not finite.
 pub fn whitening(covariance: &[f64], n: usize, smallest: f64) -> Vec<Vec<f64>> {
     let Some(eigen) = symmetric_eigen(covariance, n) else { return Vec::new() };
     let limit = (smallest * eigen.values[0]).max(f64::MIN_POSITIVE);

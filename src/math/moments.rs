@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Samples agree whose scatter is at most so much of their mean: what rounding and the solvers leave is less.
+/// Largest scatter, relative to the mean, of samples that agree: rounding and the solvers leave less.
 const ALIKE: f64 = 1e-9;
 
 /// Whether samples agree, by their number, mean and sum of squared deviations. Of the error of their mean nothing
@@ -44,7 +44,7 @@ impl Moments {
         moments
     }
 
-    /// The moments of the means of groups of so many neighbours; an incomplete group does not count.
+    /// The moments of the means of groups of `group` neighbours; an incomplete group does not count.
     pub fn of_groups(numbers: &[f64], group: usize) -> Self {
         Self::of(numbers.chunks_exact(group).map(|group| group.iter().sum::<f64>() / group.len() as f64))
     }
@@ -76,7 +76,7 @@ impl Moments {
         self.count = total;
     }
 
-    /// How many samples.
+    /// The number of samples.
     pub fn count(&self) -> u64 {
         self.count
     }
@@ -158,7 +158,7 @@ impl Comoments {
         self.count = total;
     }
 
-    /// How many samples.
+    /// The number of samples.
     pub fn count(&self) -> u64 {
         self.count
     }
@@ -236,7 +236,7 @@ impl CentralMoments {
         }
     }
 
-    /// How many samples.
+    /// The number of samples.
     pub fn count(&self) -> u64 {
         self.second.count
     }

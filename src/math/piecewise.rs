@@ -67,7 +67,7 @@ impl Piecewise {
         table
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     pub fn len(&self) -> usize {
         self.cells.len()
     }
@@ -115,7 +115,7 @@ impl Piecewise {
     }
 }
 
-/// How many of the first values are above `low` and not above `high`.
+/// The number of leading values that are above `low` and not above `high`.
 #[inline(always)]
 pub fn leading(values: &[f64], low: f64, high: f64) -> usize {
     let inside = |value: &f64| (*value > low) & (*value <= high);

@@ -1,4 +1,4 @@
-//! A probability from how often something happened.
+//! A probability from the number of times that something happened.
 
 /// Standard deviations of a Gaussian between which 95 % lie.
 const QUANTILE: f64 = 1.959_963_984_540_054;
@@ -32,8 +32,8 @@ pub fn agreeing(samples: u64, standard_error: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// If a share more than the bound differs, less than one sample in 20 has none that does, by the binomial
-    /// distribution.
+    /// The binomial distribution: if a share more than the bound differs, less than one sample in 20 has none
+    /// that does.
     #[test]
     fn what_differs_more_than_the_bound_shows() {
         for of in [1, 2, 8, 64, 1000] {
@@ -74,7 +74,7 @@ mod tests {
         }
     }
 
-    /// From scipy.stats.binomtest(...).proportion_ci(method="wilson").
+    /// Values from scipy.stats.binomtest(...).proportion_ci(method="wilson").
     #[test]
     fn intervals_are_those_of_scipy() {
         let cases = [

@@ -9,12 +9,12 @@ pub struct Sample {
     pub slope: f64,
 }
 
-/// How a search ended.
+/// The end of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
     /// The last place evaluated.
     pub x: f64,
-    /// How often the function was evaluated.
+    /// Evaluations of the function.
     pub evaluations: u32,
 }
 

@@ -71,7 +71,7 @@ impl Sweepable {
         SWEEPABLE.iter().find(|key| key.name == name)
     }
 
-    /// A value, SI, as it stands in the scene of a point; it reads back as the same double.
+    /// A value, SI, as it is written in the scene of a point; it reads back as the same double.
     pub(super) fn item(&self, number: f64) -> Item {
         match self.dimension {
             _ if !self.names.is_empty() => value(self.names[number as usize]),
@@ -199,7 +199,7 @@ impl<'a> Options<'a> {
         let begins = format!("{name}.");
         let mut names = SWEEPABLE.iter().map(|key| key.name).chain(REFUSED.iter().map(|(name, _)| *name));
         if names.any(|known| known.starts_with(&begins)) {
-            return self.collect(&entry.any_table("its keys are those of the scene's table")?, name);
+            return self.collect(&entry.any_table("its keys are the keys of the scene's table")?, name);
         }
         if let Some((_, problem)) = REFUSED.iter().find(|(known, _)| name.starts_with(known)) {
             return Err(entry.wrong(problem));

@@ -16,7 +16,7 @@ pub(super) struct CapillaryTable {
     pub draining_film: Option<f64>,
 }
 
-/// What the liquid is in equilibrium with.
+/// The phase that the liquid is in equilibrium with.
 enum Equilibrium {
     Vapour(f64),
     Film(f64),
@@ -93,7 +93,7 @@ fn equilibrium(section: &Section<'_>) -> Result<Equilibrium, SceneError> {
     })
 }
 
-/// How many faces have films, and their Hamaker constant, J.
+/// The number of faces with films, and the films' Hamaker constant, J.
 fn films(section: &Section<'_>) -> Result<Option<(u8, f64)>, SceneError> {
     let hamaker = section.optional("hamaker_constant", |entry| entry.measured());
     let faces = section.optional("film_faces", |entry| entry.integer(1..=2));

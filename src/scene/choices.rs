@@ -42,19 +42,19 @@ pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
     [("common", "common"), ("lognormal", "lognormal"), ("gamma", "gamma"), ("file", "file")];
 /// Laws of summits.
 pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
-/// How replicas are made of measured asperities; whether of all of them.
+/// Samples of measured asperities in replicas; whether of all of them.
 pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
 
 /// Whether measured asperities have the geometric mean of their principal radii.
 pub(super) const MEASURED_RADII: [(&str, bool); 2] = [("mean_curvature", false), ("equivalent", true)];
 /// Name of the stiffness of the half-space under a patch.
 pub(super) const PATCH: &str = "patch";
-/// What surrounds a surface of coupled asperities; none where they are independent.
+/// Surroundings of a surface of coupled asperities; none where they are independent.
 pub(super) const COUPLINGS: [(&str, Option<Coupling>); 3] =
     [("none", None), ("periodic", Some(Coupling::Periodic)), ("patch", Some(Coupling::Patch))];
-/// How coupled contacts act on each other.
+/// Models of the action of coupled contacts on each other.
 pub(super) const KERNELS: [(&str, Kernel); 2] = Kernel::ALL;
-/// Positions of coupled asperities; the least distance of those at random follows from the surface.
+/// Positions of coupled asperities; the least distance of random ones follows from the surface.
 pub(super) const POSITIONS: [(&str, Places); 4] = [
     ("hard_core", Places::HardCore(f64::NAN)),
     ("uniform", Places::Uniform),
@@ -68,7 +68,7 @@ pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
 
 /// Most separations of a scene; far more than a curve needs.
 pub(super) const MOST_SEPARATIONS: u64 = 10_000;
-/// Cycles of a loop at most: so many are as good as any number.
+/// Most cycles of a loop: this number is as good as any.
 pub(super) const MOST_CYCLES: u64 = 1_000_000_000;
 
 /// Numbers of replicas that can be asked for.
@@ -79,10 +79,10 @@ pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most points of a sweep.
 pub const MOST_POINTS: usize = 10_000;
 
-/// How the values between two ends lie; whether by their logarithm.
+/// Spacings of the values between two ends; whether by their logarithm.
 pub(super) const SPACINGS: [(&str, bool); 2] = [("linear", false), ("log", true)];
 
-/// How several keys are combined.
+/// The combination of several keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Every value of each key with every value of the others.

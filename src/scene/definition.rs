@@ -51,9 +51,9 @@ pub struct Scene {
     pub history: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.
     pub cycle: bool,
-    /// How often a loop is passed, at least 1; every cycle after the first repeats the second.
+    /// Cycles of a loop, at least 1; every cycle after the first repeats the second.
     pub cycles: u64,
-    /// How contacts that have flowed are unloaded.
+    /// Unloading of contacts that have flowed.
     pub unloading: Unloading,
     /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
@@ -68,16 +68,16 @@ pub struct Scene {
     pub separations: Vec<f64>,
     /// Span of separation, m, of the peak secant stiffness of replicas.
     pub stiffness_span: f64,
-    /// The files that it has taken values from.
+    /// The files that the scene has taken values from.
     pub inputs: Vec<Input>,
-    /// Where it finds the files that it names.
+    /// Source of the files that the scene names.
     #[doc(hidden)]
     pub files: Arc<dyn Files>,
     /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
     pub replicas: u64,
     /// The targets that end the run before.
     pub stopping: Option<Stopping>,
-    /// How they are drawn relative to each other.
+    /// Dependence of the replicas on each other.
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
@@ -194,8 +194,8 @@ impl Scene {
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
     }
 
-    /// The same surfaces with asperities of a law beside the forces between the mean planes, of which these
-    /// leave to it what it owns, and with the liquid that spreads if it knows one; their own law stays.
+    /// The scene with its background and liquid for asperities of the law `model`: forces between the mean
+    /// planes leave to this law its own part, and liquid spreads if the law knows one. The scene's law stays.
     #[doc(hidden)]
     pub fn with_background_of(mut self, model: &Model) -> Self {
         let range = (self.separations[0], self.separations[self.separations.len() - 1]);

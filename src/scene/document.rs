@@ -49,8 +49,8 @@ impl Document {
     /// Reads a scene or a sweep, all of whose points have to be scenes, and what they take out of files.
     ///
     /// # Errors
-    /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one
-    /// of a sweep.
+    /// [`SceneError`] with the line, the key, what was given and what would do, and the point if it is a
+    /// point of a sweep.
     pub fn parse(text: &str, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref());

@@ -1,8 +1,8 @@
-//! Errors of a scene, those in several places told together.
+//! Errors of a scene; problems in several places are reported together.
 
 use thiserror::Error;
 
-/// Most problems of a scene that are told.
+/// Most problems of a scene that are reported.
 const MOST_PROBLEMS: usize = 20;
 
 /// One thing that is wrong with a scene.
@@ -54,7 +54,7 @@ impl SceneError {
         Self { problems: vec![Problem { line, text, key: Some(key) }] }
     }
 
-    /// Several problems, each told once.
+    /// Several problems, each reported once.
     fn several(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.line.unwrap_or(usize::MAX));
         let mut told = std::collections::BTreeSet::new();
@@ -62,8 +62,8 @@ impl SceneError {
         Self { problems }
     }
 
-    /// As many problems as are told; a key that is missing where a misspelt one stands is no problem of its
-    /// own.
+    /// The problems that are reported; a key that is missing where a misspelt one is given is no problem of
+    /// its own.
     pub(super) fn shortened(mut self) -> Self {
         let is_misspelt = |key: &Option<String>| {
             key.is_some() && self.problems.iter().any(|problem| problem.line.is_some() && problem.key == *key)

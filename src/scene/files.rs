@@ -36,18 +36,18 @@ pub struct Measured {
     pub surface_height_std: f64,
 }
 
-/// Where a scene finds the files that it names.
+/// The source of the files that a scene names.
 pub trait Files: std::fmt::Debug + Send + Sync {
     /// The values of a column.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// A text on what is wrong with the file.
     fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String>;
 
     /// Measured asperities.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// A text on what is wrong with the file.
     fn asperities(&self, path: &str) -> Result<Measured, String>;
 }
 
@@ -70,7 +70,7 @@ impl Files for NoFiles {
 pub struct Input {
     /// The path, as the scene names it.
     pub path: String,
-    /// How many numbers it gave.
+    /// The number of values that it gave.
     pub values: u64,
     /// CRC-32 of their bits.
     pub checksum: u32,

@@ -20,7 +20,7 @@ const HALVINGS: usize = 60;
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Films {
-    /// t, m.
+    /// Thickness t, m.
     pub thickness: Vec<f64>,
     /// The expected external force with films as thick, N.
     pub external_force: Vec<f64>,
@@ -29,11 +29,11 @@ pub struct Films {
 /// The share of a film that is as good as none.
 const ROUNDING: f64 = 1e-13;
 
-/// What is expected with one thickness on one way over the separations.
+/// Expectations with one thickness on one way over the separations.
 struct Expected {
-    /// ΣV, m³.
+    /// Volume ΣV, m³.
     volume: Vec<f64>,
-    /// N.
+    /// External force, N.
     external_force: Vec<f64>,
 }
 
@@ -88,7 +88,7 @@ impl Scene {
         Ok((0..nodes[0].len()).map(drained).collect())
     }
 
-    /// The same with its films, in the law drained as far as where the surfaces are pulled off, on average.
+    /// The scene with its films, in the law drained as far as where the surfaces are pulled off, on average.
     ///
     /// # Errors
     /// [`LawError`] where a law cannot be made.
@@ -101,14 +101,14 @@ impl Scene {
         Ok(Self { films, ..scene })
     }
 
-    /// The same with films of another thickness, m, and with the liquid that then spreads.
+    /// The scene with films of another thickness, m, and with the liquid that then spreads.
     fn with_film(&self, thickness: f64) -> Result<Self, LawError> {
         let meniscus = self.model.meniscus().expect("films are of a liquid").at_thickness(thickness);
         let model = self.model.with_liquid(meniscus);
         Self { model, ..self.clone() }.with_background_of(&model).with_spread()
     }
 
-    /// What is expected of the scene as it is on its ways.
+    /// Expectations of the scene as it is on its ways.
     fn expected(&self) -> Result<Vec<Expected>, LawError> {
         let contents = self.expectations_on_ways(self.model.content(), &self.separations)?;
         let forces = self.expectations_on_ways(self.model, &self.separations)?;

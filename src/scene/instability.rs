@@ -30,10 +30,10 @@ pub struct Instability {
     pub smallest_snap: f64,
 }
 
-/// The table `[instability]` as it stands.
+/// The table `[instability]` as it is written.
 #[derive(Default)]
 pub(super) struct InstabilityTable {
-    /// Stiffnesses, N/m; none for that of the half-space under a patch.
+    /// Stiffnesses, N/m; none for the stiffness of the half-space under a patch.
     stiffness: Vec<Option<f64>>,
     preload: Vec<f64>,
     smallest_snap: f64,

@@ -8,7 +8,7 @@ use std::ops::Bound;
 pub struct Key {
     /// The dotted name.
     pub name: &'static str,
-    /// An example as it stands behind the `=`.
+    /// An example as it is written behind the `=`.
     pub example: &'static str,
     /// The values that it takes.
     pub value: Value,
@@ -22,7 +22,7 @@ pub struct Key {
     pub is_swept: bool,
     /// The name that it had in earlier versions, in its table; empty for most.
     pub formerly: &'static str,
-    /// Keys that must not stand beside it.
+    /// Keys that must not be given with it.
     pub excluded: &'static [&'static str],
 }
 
@@ -65,7 +65,7 @@ pub enum Sign {
 pub enum Absent {
     /// The key has to be there, unless another that excludes it is.
     Required,
-    /// A value as it stands behind the `=`.
+    /// A value as it is written behind the `=`.
     Is(&'static str),
     /// A value that follows from other keys, in words.
     Follows(&'static str),
@@ -78,37 +78,37 @@ pub(super) const fn key(name: &'static str, example: &'static str, value: Value)
 }
 
 impl Key {
-    /// The same, with a few words on what it is.
+    /// Adds a few words on what the key is.
     pub(super) const fn what(self, what: &'static str) -> Self {
         Self { what, ..self }
     }
 
-    /// The same, with sentences on what to know of it.
+    /// Adds sentences on what to know of the key.
     pub(super) const fn about(self, about: &'static str) -> Self {
         Self { about, ..self }
     }
 
-    /// The same, with the value that holds where it is absent.
+    /// Adds the value that holds where the key is absent.
     pub(super) const fn defaults_to(self, value: &'static str) -> Self {
         Self { absent: Absent::Is(value), ..self }
     }
 
-    /// The same, with words on what holds where it is absent.
+    /// Adds words on what holds where the key is absent.
     pub(super) const fn follows(self, words: &'static str) -> Self {
         Self { absent: Absent::Follows(words), ..self }
     }
 
-    /// The same, with the name that it had in scenes of earlier versions.
+    /// Adds the name that the key had in scenes of earlier versions.
     pub(super) const fn formerly(self, formerly: &'static str) -> Self {
         Self { formerly, ..self }
     }
 
-    /// The same, for a key that can be swept.
+    /// Marks a key that can be swept.
     pub(super) const fn swept(self) -> Self {
         Self { is_swept: true, ..self }
     }
 
-    /// The same, with keys that must not stand beside it.
+    /// Adds keys that must not be given with this one.
     pub(super) const fn excludes(self, excluded: &'static [&'static str]) -> Self {
         Self { excluded, ..self }
     }

@@ -64,7 +64,7 @@ pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {
     KEYS.iter().copied().find(|key| key.formerly == given && is_in(key))
 }
 
-/// What became of a value of earlier versions.
+/// The fate of a value of earlier versions.
 pub(crate) fn former_value(given: &str) -> Option<&'static str> {
     FORMER_VALUES.iter().find(|(old, _)| *old == given).map(|(_, fate)| *fate)
 }

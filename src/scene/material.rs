@@ -74,7 +74,7 @@ impl Material {
 fn reduced_modulus(section: &Section<'_>) -> Result<(f64, Option<[f64; 2]>), SceneError> {
     let [moduli, ratios] = ["youngs_modulus", "poissons_ratio"].map(|key| section.get(key));
     if section.get("reduced_modulus").is_some() {
-        section.excluded("reduced_modulus", "says the same as reduced_modulus; give either")?;
+        section.excluded("reduced_modulus", "determines reduced_modulus too; give either")?;
     }
     if moduli.is_none() && ratios.is_none() {
         return section.measured("reduced_modulus").map(|modulus| (modulus, None));
@@ -89,7 +89,7 @@ fn reduced_modulus(section: &Section<'_>) -> Result<(f64, Option<[f64; 2]>), Sce
 /// The work of adhesion, J/m², as it is given or that of two surfaces and their interface.
 fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
     if section.get("work_of_adhesion").is_some() {
-        section.excluded("work_of_adhesion", "says the same as work_of_adhesion; give either")?;
+        section.excluded("work_of_adhesion", "determines work_of_adhesion too; give either")?;
     }
     if section.get("surface_energy").is_none() && section.get("interface_energy").is_none() {
         return section.measured("work_of_adhesion");

@@ -9,7 +9,7 @@ use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::{CountLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface};
 
-/// `asperities`: those of a file of measured ones.
+/// `asperities`: measured asperities of a file.
 pub(super) fn measured(
     section: &Section<'_>,
     entry: &Entry<'_>,

@@ -139,7 +139,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Re
     })
 }
 
-/// Refuses separations that cannot be told apart where the asperities are.
+/// Refuses separations that rounding makes equal where the asperities are.
 fn resolved(scene: &Scene) -> Result<(), String> {
     let surface = &scene.surface;
     let d = |h: f64| surface.asperity_separation(h);
@@ -147,7 +147,7 @@ fn resolved(scene: &Scene) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "beside a mean_plane_offset of {} these separations are lost in rounding: check their units",
+        "against a mean_plane_offset of {} these separations are lost in rounding: check their units",
         Dimension::Length.shown(surface.mean_plane_offset)
     ))
 }
@@ -197,7 +197,7 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
     entry.measured().map(Some)
 }
 
-/// How contacts that have flowed are unloaded; only a loop asks for it.
+/// The unloading of contacts that have flowed; only a loop asks for it.
 fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<Unloading, SceneError> {
     let given = [section.get("unloading"), section.get("unloaded_radius")];
     if let Some(entry) = given.iter().flatten().find(|_| !cycle) {

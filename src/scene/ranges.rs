@@ -135,7 +135,7 @@ fn number(value: f64) -> String {
     if (1e-3..1e5).contains(&value) { format!("{}", rounded(value)) } else { format!("{value:.2e}") }
 }
 
-/// To three significant digits.
+/// A number to three significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

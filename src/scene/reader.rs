@@ -172,7 +172,7 @@ impl<'a> Section<'a> {
         self.require(key)?.measured()
     }
 
-    /// Refuses what must not stand beside a key of this table, by the table of keys.
+    /// Refuses keys that must not be given with a key of this table, by the table of keys.
     pub fn excluded(&self, key: &str, problem: &str) -> Result<(), SceneError> {
         let excluded = find(&self.dotted(key)).map_or(&[][..], |key| key.excluded);
         let keys = excluded.iter().filter_map(|name| name.strip_prefix(self.name)?.strip_prefix('.'));
@@ -216,7 +216,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// This table as a section without a name, which may hold any keys; `about` tells which make sense.
+    /// This table as a section without a name, which may hold any keys; `about` says which make sense.
     pub fn any_table(&self, about: &str) -> Result<Section<'a>, SceneError> {
         match self.value.get_ref() {
             DeValue::Table(table) => Ok(Section { text: self.text, name: "", table }),

@@ -27,7 +27,7 @@ pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Res
 /// Reads the span of separation, m, of the secant stiffness. Without one it is the equilibrium spacing, the
 /// range over which the adhesion of one asperity falls, within what the separations allow: over less the
 /// largest secant is the jump of one asperity over the span, over much more it is no stiffness. It is a
-/// length of the material, so scenes that differ in roughness or separations have the same.
+/// length of the material, so scenes that differ in roughness or separations have the same span.
 pub(super) fn stiffness_span(
     section: &Section<'_>,
     separations: &[f64],
@@ -47,14 +47,14 @@ pub(super) fn stiffness_span(
     }
     if span < least {
         return Err(entry.wrong(&format!(
-            "beside these separations less than {} is lost in rounding",
+            "against these separations less than {} is lost in rounding",
             Length.shown(least)
         )));
     }
     Ok(span)
 }
 
-/// Reads how often the separations are passed to and fro.
+/// Reads the number of times that the separations are passed to and fro.
 pub(super) fn cycles(section: &Section<'_>, is_loop: bool) -> Result<u64, SceneError> {
     if let Some(entry) = section.get("cycles").filter(|_| !is_loop) {
         return Err(entry.wrong("it is for surfaces that are pulled back: history = \"loop\" in [model]"));
@@ -103,7 +103,7 @@ fn rising(
         _ => return Err(entry.wrong("a list, or a table { from, to, count }, is needed")),
     };
     if values.windows(2).any(|pair| !(pair[1] > pair[0])) {
-        return Err(entry.wrong("neighbouring separations are too close to be told apart"));
+        return Err(entry.wrong("neighbouring separations are too close to be distinguished"));
     }
     Ok(values)
 }

@@ -1,4 +1,4 @@
-//! Settings: keys of a scene that are given beside its text, and put into it.
+//! Settings: keys of a scene that are given apart from its text, and put into it.
 
 use super::axes::Sweepable;
 use super::echo::shortened;
@@ -109,7 +109,7 @@ pub(super) fn place(scene: &mut DocumentMut, path: &[&str], value: Item) -> Resu
     Ok(())
 }
 
-/// The text of a scene with settings put into it, the last of those of one key.
+/// The text of a scene with settings put into it, of each key the last one.
 ///
 /// # Errors
 /// [`SceneError`] when the text is no TOML, or has no place for a setting.
@@ -124,8 +124,8 @@ pub fn with_settings(text: &str, settings: &[Setting]) -> Result<String, SceneEr
     Ok(scene.to_string())
 }
 
-/// The problems of a text that settings were put into, `edited`, in lines of what it was, `text`; those of a
-/// setting name it.
+/// The problems of a text that settings were put into, `edited`, in lines of the original, `text`; problems
+/// of a setting name it.
 #[must_use]
 pub fn told_of(mut error: SceneError, text: &str, edited: &str, settings: &[Setting]) -> SceneError {
     for problem in &mut error.problems {
@@ -138,7 +138,7 @@ pub fn told_of(mut error: SceneError, text: &str, edited: &str, settings: &[Sett
     error
 }
 
-/// The line of `text` that one of `edited` was: among equal ones that with as many of them before it.
+/// The line of `text` that a line of `edited` was: among equal ones the one with as many of them before it.
 fn line_before(text: &str, edited: &str, line: usize) -> Option<usize> {
     let own = edited.lines().nth(line - 1)?;
     let before = edited.lines().take(line - 1).filter(|other| *other == own).count();
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Lines are told as they were before settings moved them.
+    /// Lines are reported as they were before settings moved them.
     #[test]
     fn lines_are_those_of_the_scene() {
         let (text, edited) = ("a = 1\nb = 2\nb = 2\n", "a = 1\nnew = 1\nb = 2\nb = 2\n");

@@ -1,15 +1,16 @@
 //! Liquid that spreads between the bridges of a scene's asperities.
 //!
 //! # Formula
-//! On each way over the separations, with the expected pull E of the asperities, that of them without the tension of the
-//! liquid, E₀, and the share f of the nominal area that is covered, A_n p is added to the pull of every replica,
+//! On each way over the separations, with the expected pull E of the asperities, their pull without the
+//! tension of the liquid, E₀, and the share f of the nominal area that is covered, A_n p is added to the pull
+//! of every replica,
 //!
 //! p = w(f) [p_f − (E − E₀)/A_n],
 //!
 //! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the faces have touched
 //! or bridges are reversible there is liquid in all gaps that hold some, and f is the larger of that share and the share Φ(−v)
-//! of these gaps: liquid that fills the gaps lasts where single bridges break. m₂ is that of the Gaussian surface with the asperities of the scene,
-//! m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
+//! of these gaps: liquid that fills the gaps lasts where single bridges break. m₂ belongs to the Gaussian
+//! surface with the asperities of the scene, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
 
 use super::Scene;
 use crate::asperity::models::Model;

@@ -1,4 +1,4 @@
-//! How many replicas a scene asks for: a number, or targets that the ensemble is to reach.
+//! The replicas that a scene asks for: a number, or targets that the ensemble is to reach.
 
 use super::choices::RELATIVE;
 use super::error::{SceneError, Together, all};

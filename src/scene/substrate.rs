@@ -12,7 +12,7 @@ use toml::de::DeValue;
 const LEAST_DISTANCE: f64 = 0.5;
 /// Most asperities that are coupled.
 const MOST_COUPLED: usize = 1 << 20;
-/// Most states whose asperities are told one by one.
+/// Most states whose asperities are recorded one by one.
 const MOST_STATES: usize = 1000;
 /// Share by which the sides of a map that is repeated as a square may differ.
 const SQUARE: f64 = 1e-6;
@@ -30,19 +30,20 @@ const SQUARE: f64 = 1e-6;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Substrate {
-    /// What surrounds the surface.
+    /// Surroundings of the surface.
     pub coupling: Coupling,
-    /// How contacts act on each other.
+    /// Action of contacts on each other.
     pub kernel: Kernel,
     /// The places of asperities.
     pub places: Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
-    /// Indices of the separations, rising, at which the asperities of the first replica are told one by one.
+    /// Indices of the separations, rising, at which the asperities of the first replica are recorded one
+    /// by one.
     pub loads_at: Vec<usize>,
 }
 
-/// The table `[substrate]` as it stands.
+/// The table `[substrate]` as it is written.
 pub(super) struct SubstrateTable<'a> {
     section: Section<'a>,
     coupling: Coupling,

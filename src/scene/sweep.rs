@@ -22,7 +22,7 @@ use toml_edit::{DocumentMut, Item, value};
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// How the keys are combined.
+    /// The combination of the keys.
     pub mode: Mode,
     /// Whether all points have the same random numbers.
     pub common_random_numbers: bool,
@@ -32,7 +32,7 @@ pub struct Sweep {
     text: String,
     /// The scene without its sweep.
     template: DocumentMut,
-    /// Where the scene finds the files that it names.
+    /// Source of the files that the scene names.
     files: Arc<dyn Files>,
 }
 
@@ -182,7 +182,7 @@ impl Sweep {
         if self.common_random_numbers { seed } else { split_mix(seed, point as u64) >> 1 }
     }
 
-    /// The line of the sweep's text that is the same as one of a point's, from 1.
+    /// The line of the sweep's text, from 1, that equals a line of a point.
     fn own_line(&self, line: &str) -> Option<usize> {
         self.text.lines().position(|own| own == line).map(|index| index + 1)
     }

@@ -77,7 +77,7 @@ static FIRST: &[Key] = &[
     key("material.poisson_ratio", "0.27", Number(POISSON_RATIOS.0, POISSON_RATIOS.1))
         .what("Poisson ratio of the softer body")
         .about(
-            "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. Beside `poissons_ratio` it \
+            "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. With `poissons_ratio` it \
              has to be one of the two.",
         )
         .swept(),
@@ -140,7 +140,7 @@ static FIRST: &[Key] = &[
         .what("nominal area")
         .about(
             "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to \
-             patch falls as 1/√A_n. Beside `asperities` it may be left out and is then that of the map.",
+             patch falls as 1/√A_n. With `asperities` it may be left out and is then the area of the map.",
         )
         .swept(),
     key("surface.lubricant_thickness", "\"0.5 nm\"", Quantity(Of::Length, NotNegative))
@@ -571,9 +571,9 @@ static FIRST: &[Key] = &[
     .what("largest error of a load, relative to the largest load")
     .defaults_to("1e-9"),
     key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
-        .what("separations at which the asperities are told one by one")
+        .what("separations at which the asperities are recorded one by one")
         .about(
-            "h* as numbers, or h as lengths; each stands for the nearest separation. There the file has place, height, \
+            "h* as numbers, or h as lengths; each means the nearest separation. There the file has place, height, \
              interference, forces and state of every asperity of the first replica.",
         )
         .follows("nowhere"),
@@ -587,8 +587,8 @@ static REST: &[Key] = &[
     key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative, &[PATCH]))
         .what("stiffness of the spring")
         .about(
-            "0: load control. `patch`: E*L/0.946402, what a square of side L alone on its half-space stands \
-             on, with L² the nominal area.",
+            "0: load control. `patch`: E*L/0.946402, of the half-space under a single square of \
+             side L, with L² the nominal area.",
         ),
     key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive, &[]))
         .what("external force at which the approach ends")

@@ -183,12 +183,12 @@ fn row(dimension: Dimension) -> &'static Row {
     UNITS.iter().find(|row| row.0 == dimension).expect("every dimension has units")
 }
 
-/// Why a text is not a quantity of a dimension.
+/// Reasons why a text is not a quantity of a dimension.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum QuantityError {
-    /// It does not begin with a number.
+    /// The text does not begin with a number.
     NoNumber,
-    /// A comma stands in the number.
+    /// The number has a comma.
     DecimalComma,
     /// Nothing follows the number.
     NoUnit,
@@ -259,7 +259,7 @@ fn normal(unit: &str) -> String {
     if below.is_empty() { above } else { format!("{above}/{}", below.replace(' ', "/")) }
 }
 
-/// Where the number at the beginning of a text ends, in bytes; 0 where there is none. Looks at each byte
+/// The end of the number at the beginning of a text, in bytes; 0 where there is none. Looks at each byte
 /// once.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();

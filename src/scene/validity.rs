@@ -51,7 +51,7 @@ pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected
     warnings
 }
 
-/// The warnings of a scene but for those of the law's own limits.
+/// The warnings of a scene apart from the law's own limits.
 pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
@@ -76,8 +76,8 @@ fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
     exceeded.map(|(finding, reason)| Warning::new(finding, reason, &[])).collect()
 }
 
-/// Lengths that are too large or too small beside others, under a law that may take the asperities as dry,
-/// and too few asperities.
+/// Lengths that are too large or too small relative to others, under a law that may take the asperities as
+/// dry, and too few asperities.
 fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     let (asperity, surface) = (&scene.asperity, &scene.surface);
     let sigma = surface.surface_height_std;
@@ -385,7 +385,7 @@ fn twice(scene: &Scene) -> Option<Warning> {
     })
 }
 
-/// What the forces between the mean planes leave out, each by itself and all of them: other than normal heights, and a
+/// Effects that the forces between the mean planes leave out, each by itself and all of them: other than normal heights, and a
 /// patch that they bend.
 fn mean_planes(scene: &Scene) -> Vec<Warning> {
     let surface = &scene.surface;

@@ -5,7 +5,7 @@
 pub struct Warning {
     /// The number and the limit.
     pub finding: String,
-    /// Why that is the limit, and who says so.
+    /// Reason for the limit, and its source.
     pub reason: String,
     /// Keys of the scene whose units may be wrong; empty where that is not likely.
     pub keys: &'static [&'static str],
@@ -38,7 +38,7 @@ pub enum WhatIsRead {
     PullOff,
     /// The largest stiffness.
     StiffestPoint,
-    /// Where surfaces turn that are pulled back: all that follows depends on it.
+    /// The turn of surfaces that are pulled back: all that follows depends on it.
     Turn,
     /// The shares at the smallest separation, where nothing pulls.
     Nearest,
@@ -47,9 +47,9 @@ pub enum WhatIsRead {
 /// A place where something is read off, by the integral.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// What.
+    /// The feature.
     pub what: WhatIsRead,
-    /// Where: separation h, m.
+    /// Separation h of the place, m.
     pub separation: f64,
     /// Expected share of the nominal area in contact there.
     pub share_in_contact: f64,
@@ -62,16 +62,17 @@ pub struct Reading {
 /// Expectations by the integral of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// Where results are read off.
+    /// Places where results are read off.
     pub readings: Vec<Reading>,
-    /// The bound of its relative error.
+    /// The bound of the integral's relative error.
     pub error: f64,
-    /// Pull-off on approach, and that of surfaces that have touched, N, where the law has another one for them.
+    /// Pull-off on approach, and pull-off of surfaces that have touched, N, where the law has another one for
+    /// them.
     pub held: Option<[f64; 2]>,
 }
 
 impl WhatIsRead {
-    /// Where it is.
+    /// Place of the feature, in words.
     pub(super) fn place(self) -> &'static str {
         match self {
             Self::PullOff => "at pull-off",
@@ -81,7 +82,7 @@ impl WhatIsRead {
         }
     }
 
-    /// The name of it.
+    /// Name of the feature.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::PullOff => "pull-off",

@@ -47,7 +47,7 @@ impl Window {
         libm::exp(self.shape * ((1.0 - t * t).max(0.0).sqrt() - 1.0))
     }
 
-    /// Its transforms in grid points, by the wave number of `0..=most` of a grid of `side`.
+    /// Transforms of φ in grid points, by the wave number of `0..=most` of a grid of `side`.
     fn transforms(self, most: usize, side: usize) -> Vec<f64> {
         let half = 0.5 * self.width as f64;
         let rule = GaussLegendre::new(NonZeroUsize::new(NODES).expect("a rule has nodes"));
@@ -68,11 +68,11 @@ pub struct Far {
     window: Window,
     /// Rows and columns of the grid that loads are spread to.
     side: usize,
-    /// Of these those that are repeated.
+    /// Repeated rows and columns among them.
     halo: usize,
     /// First row and column of the window of each point.
     places: Vec<[u32; 2]>,
-    /// The weights of its columns, with zeros to a multiple of [`LANES`], and then those of its rows.
+    /// The weights of the columns of each window, with zeros to a multiple of [`LANES`], then of its rows.
     weights: Vec<f64>,
     convolution: Convolution,
     scratch: ConvolutionScratch,
@@ -148,7 +148,7 @@ impl Far {
         }
     }
 
-    /// The same with windows of so many groups of columns.
+    /// The displacements with windows of `GROUPS` groups of columns.
     fn displace_by<const GROUPS: usize>(&mut self, loads: &[f64], displacements: &mut [f64]) {
         InstructionSet::current().run(
             #[inline(always)]
@@ -251,12 +251,12 @@ impl Far {
     }
 }
 
-/// The weights of the columns of a window, in groups, and those of its rows.
+/// The weights of the columns of a window, in groups, and the weights of its rows.
 #[inline(always)]
 fn groups<const GROUPS: usize>(weights: &[f64]) -> (&[[f64; LANES]; GROUPS], &[f64]) {
     let (columns, rows) = weights.split_at(GROUPS * LANES);
     let (columns, _) = columns.as_chunks::<LANES>();
-    (columns.try_into().expect("there are so many groups"), rows)
+    (columns.try_into().expect("the window has this number of groups"), rows)
 }
 
 /// The convolution of a repeated square.

@@ -1,4 +1,4 @@
-//! What falls with the distance, as a split into a part of near neighbours and a smooth one.
+//! Influences of forces at a distance, as a split into a part of near neighbours and a smooth one.
 //!
 //! # Formula
 //! | | 1/r | 1/r³ = ∇²(1/r) in the plane |
@@ -10,10 +10,10 @@
 
 use std::f64::consts::PI;
 
-/// Where the smooth part of 1/r³ is summed as a series, αr, and the number of its terms.
+/// The αr up to which the smooth part of 1/r³ is summed as a series, and the number of its terms.
 const SERIES: (f64, i32) = (1.0, 20);
 
-/// What is summed over all forces.
+/// The influence that is summed over all forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Influence {
     /// 1/r.

@@ -12,7 +12,7 @@ mod sums;
 pub use influence::Influence;
 pub use sums::DisplacementSums;
 
-/// How a contact acts on the others, and gives way to them.
+/// The model of the action of contacts on each other.
 ///
 /// # Examples
 /// ```
@@ -24,10 +24,11 @@ pub use sums::DisplacementSums;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
-    /// As a point: its force alone, and the displacement of its foot.
+    /// Points: the force of a contact alone, and the displacement of its foot.
     #[default]
     Point,
-    /// As one of finite size: the second moment of its pressure too, and the curvature of the substrate under it.
+    /// Contacts of finite size: the second moment of the pressure too, and the curvature of the substrate
+    /// below.
     Contact,
 }
 
@@ -41,7 +42,7 @@ impl Kernel {
     }
 }
 
-/// What surrounds the square of asperities.
+/// The surroundings of the square of asperities.
 ///
 /// # Examples
 /// ```

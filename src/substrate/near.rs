@@ -13,15 +13,15 @@ pub const FEWEST_CELLS: usize = 2 * RINGS + 1;
 /// Points of the unit square in the order of their cells, row by row.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Along a side.
+    /// Cells along a side.
     pub count: usize,
     /// The points in their order.
     pub order: Vec<u32>,
-    /// Where the points of each cell begin, and at last their number.
+    /// Index of the first point of each cell, and at last the number of points.
     starts: Vec<usize>,
 }
 
-/// The number along a side of the cell of a coordinate, of so many.
+/// Index along a side, of `count` cells, of the cell of a coordinate.
 fn along(count: usize, x: f64) -> usize {
     ((x * count as f64) as usize).min(count - 1)
 }
@@ -90,10 +90,10 @@ impl Cells {
 /// The influence of near neighbours.
 #[derive(Clone, Debug)]
 pub struct Near {
-    /// For each point in the order of the cells: points behind it in its own cell, then those of the cells
-    /// after, together where they follow each other.
+    /// Ranges of points for each point in the order of the cells: the ones behind it in its own cell, then
+    /// the points of the cells after, together where they follow each other.
     ranges: Vec<Range<u32>>,
-    /// Where the ranges of each point begin, and at last their number.
+    /// Index of the first range of each point, and at last the number of ranges.
     starts: Vec<u32>,
     /// The influence of each pair.
     values: Vec<f64>,

@@ -4,14 +4,14 @@ use super::far::Far;
 use super::near::{Cells, FEWEST_CELLS, Near, RINGS};
 use super::{Coupling, Influence};
 
-/// Points of a cell over the square of the reach of near pairs: balances the time of near sums against that of
-/// sums on the grid.
+/// Points of a cell over the square of the reach of near pairs: balances the time of near sums against the
+/// time of sums on the grid.
 const PER_CELL: f64 = 0.75;
 /// Fewest points of sums that two threads take faster than one.
 const WORTH_SHARING: usize = 4000;
 
-/// The sums u_i = Σ_j g_ij f_j over points of a square, as a split of 1/r, or of 1/r³, into what near neighbours do
-/// and what a grid does (Ewald 1921).
+/// The sums u_i = Σ_j g_ij f_j over points of a square, as a split of 1/r, or of 1/r³, into a part of near
+/// neighbours and a part on a grid (Ewald 1921).
 ///
 /// Places are in sides of the square, forces in any unit, and displacements in that unit over πE* times the
 /// side; curvatures in that over the square of the side.
@@ -21,11 +21,11 @@ pub struct DisplacementSums {
     cells: Cells,
     near: Near,
     far: Far,
-    /// What the grid has of the displacement of a foot by its own force.
+    /// The part on the grid of the displacement of a foot by its own force.
     own: f64,
     loads: Vec<f64>,
     displacements: Vec<f64>,
-    /// What the grid has of them.
+    /// Part of the displacements on the grid.
     smooth: Vec<f64>,
     is_shared: bool,
 }
@@ -56,8 +56,8 @@ impl DisplacementSums {
         }
     }
 
-    /// Has another thread of the pool take a part of the sums, if that is worth it, or not: for a pool that has one to
-    /// spare. The sums are the same to the bit.
+    /// Lets another thread of the pool take a part of the sums, if that is worth it, or not: for a pool that
+    /// has one to spare. The sums are the same to the bit.
     pub fn share(&mut self, is_shared: bool) {
         self.is_shared = is_shared && self.loads.len() >= WORTH_SHARING;
     }

@@ -24,9 +24,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
 
-/// Heights beyond so many standard deviations have a normal density that underflows.
+/// Standard deviations beyond which the normal density of a height underflows.
 const LARGEST_DEVIATE: f64 = 38.0;
-/// Heights of caps count within so many standard deviations, and panels of so many are integrated over at once at first.
+/// Standard deviations within which heights of caps count, and the panels that are integrated over at once at
+/// first.
 const CAP_REACH: f64 = 9.0;
 const CAP_PANELS: usize = 3;
 /// A density below this share of its largest, as an exponent, has nothing left to integrate.

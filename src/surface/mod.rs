@@ -68,7 +68,7 @@ pub struct Roughness {
     pub mean_plane_offset: Option<f64>,
 }
 
-/// How many asperities a replica has.
+/// The law of the number of asperities of a replica.
 ///
 /// # Examples
 /// ```
@@ -80,11 +80,10 @@ pub struct Roughness {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CountLaw {
-    /// Always as many.
+    /// Always the same number.
     #[default]
     Fixed,
-    /// Poisson-distributed, as those of a patch are that is cut out of a large surface of independent
-    /// asperities.
+    /// Poisson-distributed, as on a patch that is cut out of a large surface of independent asperities.
     Poisson,
 }
 
@@ -118,15 +117,15 @@ pub struct Surface {
     pub surface_height_std: f64,
     /// Heights of the asperities above their mean plane.
     pub heights: Heights,
-    /// Their radii.
+    /// Radii of the asperities.
     pub radii: Radii,
-    /// Their mean radius, m.
+    /// Mean radius of the asperities, m.
     pub asperity_radius: f64,
     /// Height y_s of the asperity mean plane above the surface mean plane, m.
     pub mean_plane_offset: f64,
     /// Number N of asperities; the mean one, where it varies.
     pub asperity_count: usize,
-    /// How it varies.
+    /// The law of this number.
     pub count_law: CountLaw,
     /// Whether every replica is the given sample of asperities itself, so that nothing is left to chance.
     pub whole: bool,
@@ -134,11 +133,12 @@ pub struct Surface {
     pub nominal_area: f64,
     /// The attraction between its mean plane and that of the other surface, if there is one.
     pub background: Option<Arc<Background>>,
-    /// What liquid pulls harder than its bridges do, on each of the ways of the surface; nothing where bridges are apart.
+    /// The excess pull of liquid over its bridges, on each way of the surface; nothing where bridges are
+    /// apart.
     pub spread: Spreads,
 }
 
-/// Why no surface follows from a roughness.
+/// Reasons why no surface follows from a roughness.
 ///
 /// # Examples
 /// ```
@@ -190,7 +190,7 @@ pub enum SurfaceError {
         "{name} = {value:.4e} m, which follows from the quantities of the surface, is outside 1e-100..1e100 m: check their units"
     )]
     Length {
-        /// Which.
+        /// Name of the length.
         name: &'static str,
         /// The length, m.
         value: f64,
@@ -298,7 +298,8 @@ impl Surface {
         self.background.as_ref().map_or(0.0, |background| self.nominal_area * background.pressure(separation))
     }
 
-    /// What liquid pulls harder than its bridges on the way there or back, N, at a separation h of the mean planes, m.
+    /// The excess pull of liquid over its bridges on the way there or back, N, at a separation h of the mean
+    /// planes, m.
     fn spread_force(&self, way: Option<&Spread>, separation: f64) -> f64 {
         way.map_or(0.0, |spread| self.nominal_area * spread.pressure(separation))
     }

@@ -29,7 +29,7 @@ pub const LEAST_ALPHA: f64 = 1.5;
 /// Summits flatter than this v are one in 10¹³; they count as this flat.
 pub const FLATTEST: f64 = 0.003;
 /// Summits sharper than this v are one in 10²⁵. High ones are the sharpest, so that their forces depend on
-/// what is far beyond the rest.
+/// curvatures far beyond the rest.
 pub const SHARPEST: f64 = 11.0;
 
 /// Spectral moments of a surface.
@@ -102,7 +102,7 @@ impl Spectrum {
         1.0 / (v.max(FLATTEST) * self.unit())
     }
 
-    /// Heights about the mean height of summits, m, of those of the scaled curvature v.
+    /// Heights of summits of the scaled curvature v, about the mean height of all summits, m.
     pub fn heights_of(&self, v: f64) -> Heights {
         let slope = 1.5 * self.m2 / self.m4 * self.unit();
         let std = (self.m0 * (1.0 - LEAST_ALPHA / self.alpha())).sqrt();

@@ -27,15 +27,16 @@ const LARGEST_STRETCH: f64 = 0.03;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
-    /// At random, but at least so far apart, m; one after the other, each in what the others left free.
+    /// Random places at least this distance apart, m; one after the other, each in the area that the others
+    /// left free.
     HardCore(f64),
-    /// At random, independent of each other.
+    /// Random places, independent of each other.
     Uniform,
-    /// On a square lattice.
+    /// A square lattice.
     Square,
-    /// On a hexagonal lattice, stretched a little to fit the square.
+    /// A hexagonal lattice, stretched a little to fit the square.
     Hexagonal,
-    /// Where they were measured.
+    /// Measured places.
     Measured(MeasuredPlaces),
 }
 
@@ -64,7 +65,7 @@ impl MeasuredPlaces {
     }
 }
 
-/// Why asperities do not have places.
+/// Reasons why asperities do not have places.
 ///
 /// # Examples
 /// ```
@@ -74,21 +75,21 @@ impl MeasuredPlaces {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PlacesError {
-    /// No lattice of so many fits a square.
+    /// No lattice of this number fits a square.
     #[error("{count} asperities form no such lattice in a square; {fits} would")]
     Lattice {
-        /// How many there are.
+        /// The number of asperities.
         count: usize,
-        /// The nearest number that does.
+        /// The nearest number that fits.
         fits: usize,
     },
-    /// They cannot keep their distance.
+    /// The asperities cannot keep their distance.
     #[error(
         "circles of half that distance around {count} asperities cover {cover:.2} of the area, more than {LARGEST_COVER}; \
          {fits:.4e} m would do"
     )]
     Crowded {
-        /// How many there are.
+        /// The number of asperities.
         count: usize,
         /// The share that is covered.
         cover: f64,
@@ -109,7 +110,7 @@ impl Places {
         }
     }
 
-    /// The side, m, of the square that they are in on a surface of a nominal area, m².
+    /// The side, m, of the square of the places on a surface of a nominal area, m².
     pub fn side(&self, nominal_area: f64) -> f64 {
         match self {
             Self::Measured(places) => places.side(),
@@ -130,7 +131,7 @@ impl Places {
         matches!(self, Self::Square | Self::Hexagonal)
     }
 
-    /// Whether so many asperities can have them in a square of a side, m.
+    /// Checks that `count` asperities can have these places in a square of a side, m.
     ///
     /// # Errors
     /// [`PlacesError`].
@@ -157,7 +158,7 @@ impl Places {
         }
     }
 
-    /// Columns and rows of a lattice of so many in a square.
+    /// Columns and rows of a lattice of `count` places in a square.
     fn lattice(&self, count: usize) -> Option<[usize; 2]> {
         if *self == Self::Square {
             let side = count.isqrt();
@@ -172,11 +173,11 @@ impl Places {
         (stretch(best) <= 2.0 * LARGEST_STRETCH).then(|| [count / best, best])
     }
 
-    /// Places of so many asperities in a square of a side, m, in sides: 0 ≤ x, y < 1; distances are taken as
+    /// Places of `count` asperities in a square of a side, m, in sides: 0 ≤ x, y < 1; distances are taken as
     /// `coupling` does.
     ///
     /// # Panics
-    /// When so many asperities cannot have them ([`Places::check`]).
+    /// When the asperities cannot have such places ([`Places::check`]).
     pub fn draw(
         &self,
         random: &mut impl Rng,
@@ -249,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Of a hexagonal lattice each place has six neighbours at nearly the same distance.
+    /// Each place of a hexagonal lattice has six neighbours at nearly the same distance.
     #[test]
     fn hexagonal_places_have_six_neighbours() {
         let places =

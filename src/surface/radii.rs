@@ -39,7 +39,7 @@ pub const RADIUS_RANGE: (f64, f64) = (1e-6, 1e6);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Radii {
-    /// All have the same.
+    /// One radius for all.
     Common,
     /// Log-normal, with this coefficient of variation.
     LogNormal(f64),
@@ -53,16 +53,17 @@ pub enum Radii {
     Measured(Arc<[[f64; 2]]>),
 }
 
-/// Asperities of one radius among those of a surface.
+/// The asperities of one radius on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiusClass {
-    /// Probability of an asperity to be of them.
+    /// Probability that an asperity belongs to the class.
     pub weight: f64,
-    /// The same in a coarser division, whose answer differs from the finer one's by more than its error.
+    /// This probability in a coarser division, whose answer differs from the finer one's by more than its
+    /// error.
     pub coarse: f64,
-    /// Their radius, m.
+    /// Radius of the asperities, m.
     pub radius: f64,
-    /// Their heights.
+    /// Heights of the asperities.
     pub heights: Heights,
 }
 
@@ -183,9 +184,9 @@ impl Radii {
         }
     }
 
-    /// Draws asperities by normal scores, one for each, of what they are in the order of their heights: measured ones are
-    /// those of their rank, of summits it is the height given their curvature, others have the height of the score. What does
-    /// not follow from that is from the stream `of_radii`.
+    /// Draws asperities by normal scores, one for each. A score gives a measured asperity by its rank, the
+    /// height of a summit given its curvature, and the height of any other asperity. The rest is from the
+    /// stream `of_radii`.
     #[doc(hidden)]
     pub fn draw_by(
         &self,
@@ -283,8 +284,8 @@ fn even(low: f64, high: f64, width: f64) -> Vec<f64> {
     (0..=panels).map(|i| low + (high - low) * i as f64 / panels as f64).collect()
 }
 
-/// Parts at the nodes of panels of a variable of some density. Their weights add up to 1, as those of the
-/// coarser division do.
+/// Parts at the nodes of panels of a variable of some density. Their weights add up to 1, as do the weights
+/// of the coarser division.
 fn parts(
     breaks: &[f64],
     density: impl Fn(f64) -> f64,

@@ -1,9 +1,9 @@
-//! How the replicas of a surface are drawn relative to each other.
+//! Sampling schemes: the dependence of the replicas of a surface on each other.
 
 /// Replicas of a stratified group, and strata of the normal distribution.
 pub const STRATA: u64 = 8;
 
-/// How the replicas of an ensemble are drawn relative to each other. Whatever the scheme, one replica by
+/// The dependence of the replicas of an ensemble on each other. Whatever the scheme, one replica by
 /// itself is N independent asperities, and groups of replicas are independent of each other.
 ///
 /// # Examples
@@ -53,7 +53,7 @@ impl SamplingScheme {
         }
     }
 
-    /// Whether so many replicas are whole groups.
+    /// Checks that `replicas` are whole groups.
     ///
     /// # Errors
     /// A text that says what would do.

@@ -1,7 +1,7 @@
-"""How rare is a patch that pulls too hard, or not enough; and which roughness, film or size makes it as rare as wanted.
+"""Probabilities of rare patches; the roughness, film or size that makes them as rare as wanted.
 
 `probability` finds probabilities down to 1e-6 and below, by tilted heights above a threshold and importance splitting below one; `design`
-the value of a number of a scene with which that is as rare as wanted, `best` that with the least or largest pull-off. Needs
+the value of a number of a scene with a wanted probability, `best` the value with the least or largest pull-off. Needs
 ``pip install stiction[inference]``.
 """
 

@@ -1,4 +1,4 @@
-"""`stiction design SCENE.toml`: how rare is failure, and which number makes it as rare as wanted."""
+"""`stiction design SCENE.toml`: the probability of failure, and the number that makes it as rare as wanted."""
 
 from __future__ import annotations
 

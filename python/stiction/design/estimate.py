@@ -21,7 +21,7 @@ LEAST = 1e-18
 
 @dataclass(frozen=True)
 class Probability:
-    """The probability of an event, and how well it is known.
+    """The probability of an event, and its errors.
 
     Attributes
     ----------
@@ -30,13 +30,13 @@ class Probability:
     replicas : int
         Patches that were computed for it; below a threshold each time that one is moved counts.
     hits : int
-        Those of them in the event; below a threshold of the last patches of each run.
+        Patches of them in the event; below a threshold of the last patches of each run.
     total : float
         Mean weight of all patches that are drawn, which is 1 but for chance.
     total_error : float
         Its standard error.
     effective : float
-        As how many alike patches (below a threshold: runs) those in the event weigh, (Σw)²/Σw².
+        The number of alike patches (below a threshold: runs) of the same weight as those in the event, (Σw)²/Σw².
     largest : float
         Share of the largest weight in the sum of them.
     """
@@ -57,10 +57,10 @@ class Probability:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """What holds the probability in 95 of 100 cases.
+        """Interval that holds the probability in 95 of 100 cases.
 
-        It is that of Student in the logarithm, by how many patches decide. Where all patches are in the event, the
-        lower end is that probability with which one in 40 ensembles would be so.
+        It is Student's in the logarithm, by the number of patches that decide. Where all patches are in the event, the
+        lower end is the probability with which one in 40 ensembles would be so.
         """
         if self.hits == self.replicas:
             return (0.025 ** (1.0 / self.replicas), 1.0) if self.replicas else (0.0, LEAST)

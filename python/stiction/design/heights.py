@@ -57,7 +57,7 @@ def law(given: Any, sigma: float) -> Any:
     else:
         law = (stats.weibull_min if name == "weibull" else stats.lognorm)(table["shape"])
     scale = sigma / float(law.std())
-    # The same law about its mean and in metres.
+    # The law about its mean and in metres.
     return law.dist(*law.args, loc=-scale * float(law.mean()), scale=scale)
 
 

@@ -117,7 +117,7 @@ class Patches:
     def quantile(
         self, probability: float, *, below: bool = False, error: float = 0.1, most: int | None = None
     ) -> tuple[float, tuple[float, float]]:
-        """The force that a patch pulls harder than (or less than) with a probability, and what holds it in 95 of 100 cases, N.
+        """The force that a patch exceeds (or stays below) with a probability, and its interval of 95 %, N.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ _TABLES = ("material", "surface", "model", "separation", "ensemble", "solver", "
 
 
 def _checked(tables: Mapping[str, Any]) -> None:
-    """Refuses what neither tilts nor splitting know."""
+    """Refuses scenes that neither tilts nor splitting know."""
     for table, content in tables.items():
         if isinstance(content, Mapping) and table not in _TABLES:
             raise SceneError(f"{table}: probabilities of rare patches are of independent asperities alone; leave the table out")

@@ -72,7 +72,7 @@ class Best:
 
 @dataclass(frozen=True)
 class Design:
-    """What a search found.
+    """The result of a search.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def probability(
     SceneError
         The scene or an argument is wrong; the message names it.
     StictionError
-        The error is not reached with so many patches.
+        The error is not reached with this number of patches.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def design(
     first = int(found.tables["ensemble"].get("seed", 1)) if seed is None else seed
 
     def excess(share: float) -> tuple[float, float]:
-        """ln of the probability over that which is wanted, and its standard error, at a share of the range."""
+        """ln of the probability over the wanted one, and its standard error, at a share of the range."""
         value = float(prior.distribution.ppf(share))
         tables = _with(found.tables, prior.key, prior.text(value))
         own = int(np.random.default_rng([first, len(tried)]).integers(2**62))

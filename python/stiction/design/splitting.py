@@ -50,7 +50,7 @@ _STEPS, _STEPS_WITHIN = 2**14, 2**8
 _BIN, _WIDER = 0.04, 1.06
 # Separations within the part of the attraction that is above half of its largest.
 _WITHIN = 16
-# Jumps at which the maximum of a patch is looked for at most, and how far below it the curve may be beside them, in the largest attraction.
+# Jumps at which the maximum of a patch is looked for at most, and the distance below it of the curve next to them, in the largest attraction.
 _JUMPS, _MARGIN = 32, 2.0
 # The highest asperity is made more probable down to this probability.
 _RAREST = 1e-12
@@ -89,7 +89,7 @@ class Tilt:
 
 
 class Curves:
-    """Patches of explicit heights: how they are drawn and moved, and what they pull.
+    """Patches of explicit heights: their drawing, their moves, and their pull.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class Curves:
     cut, step : float
         Height above which asperities are tall, and the step of their heights, m.
     nothing : int
-        Stands in tall heights where there is none.
+        Value in tall heights where there is none.
     edges, separations : Array
         Of the bins of low heights, falling, and of the tops at the columns, m.
     """
@@ -279,7 +279,7 @@ class Curves:
         self._take(some, part.start, has, tall, some.low[part], some.sums[part] - self._sums(old, one) + self._sums(new, one), level)
 
     def _take(self, some: _Some, first: int, may: NDArray[np.bool_], tall: Whole, low: Whole, sums: Array, level: float) -> int:
-        """Puts patches below a level in the place of those from `first` on; how many."""
+        """Puts patches below a level in the place of those from `first` on; returns their number."""
         at = np.flatnonzero(may & ((sums + low @ self.of_low).max(axis=1) < level))
         if at.size:
             force = self._pull_off(tall[at], low[at], sums[at])
@@ -288,7 +288,7 @@ class Curves:
         return int(at.size)
 
     def _fresh(self, total: Whole, rng: np.random.Generator, ceiling: Any = 0.0) -> tuple[Whole, Whole, Whole]:
-        """So many asperities of each patch: their tall heights one after the other, the numbers of these, and those in bins.
+        """Asperities of each patch, `total`: their tall heights one after the other, the numbers of these, and of those in bins.
 
         None is among the highest of the law, with the probability `ceiling`.
         """
@@ -304,7 +304,7 @@ class Curves:
         return ratio
 
     def _sums(self, tall: Whole, number: Whole) -> Array:
-        """Attraction of tall heights at the columns; so many are of each patch, one after the other."""
+        """Attraction of tall heights at the columns; `number` are of each patch, one after the other."""
         ends = np.concatenate([[0], np.cumsum(number)])
         found = np.empty((number.size, self.columns.size))
         first = 0
@@ -366,14 +366,14 @@ def _cumulated(masses: Array) -> Array:
 
 
 def _cell(cumulated: Array, mass: Array) -> Whole:
-    """The cell in which the mass of the last cells becomes so large; the number of cells if it does in none."""
+    """The cell in which the mass of the last cells becomes `mass`; the number of cells if it does in none."""
     place = np.searchsorted(cumulated, mass, side="right")
     return np.where(place == cumulated.size, cumulated.size - 1, cumulated.size - 1 - place)
 
 
 @dataclass
 class _Runs:
-    """What runs have found: pull-off of patches of the last level (N), and of what they are patches, run by run."""
+    """Results of runs: pull-off of patches of the last level (N), their weights and totals, run by run."""
 
     forces: list[Array] = field(default_factory=list)
     weights: list[Array] = field(default_factory=list)
@@ -407,7 +407,7 @@ class Splitting:
         return self._sampled(levels, spent, lambda _: threshold, error, most)[0]
 
     def quantile(self, probability: float, error: float, most: int) -> tuple[float, tuple[float, float]]:
-        """The force that a patch pulls less than with a probability, and what holds it in 95 of 100 cases, N."""
+        """The force that a patch pulls less than with a probability, and its interval of 95 %, N."""
 
         def force(runs: _Runs, wanted: float = probability) -> float:
             forces, weights = np.concatenate(runs.forces), np.concatenate(runs.weights) / len(runs.forces)

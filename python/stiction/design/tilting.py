@@ -102,7 +102,7 @@ class Mixture:
         return self._weights(drawn, np.bincount(drawn.law) / drawn.law.size)
 
     def fitted(self, pilot: Drawn, threshold: float) -> Mixture:
-        """The mixture with shares that are how probable it is that a patch of the event is of each law."""
+        """The mixture whose shares are the probabilities that a patch of the event is of each law."""
         if len(self.laws) == 1:
             return self
         weights = self.weights(pilot)
@@ -110,7 +110,7 @@ class Mixture:
         return Mixture(self.curves, self.laws, _shares((weights * (pilot.pull_off > threshold)) @ of[:, 1:]))
 
     def patches(self, pilot: Drawn, by: Mixture, threshold: float, error: float) -> int:
-        """How many patches of this mixture an error takes, from a pilot by another one."""
+        """The number of patches of this mixture that an error takes, from a pilot by another one."""
         weights = by.weights(pilot) * (pilot.pull_off > threshold)
         second = float((weights * self._weights(pilot, self.shares)).mean() / weights.mean() ** 2)
         return int(max(_MARGIN * (second - 1.0) / error**2, _ALIKE_PATCHES * second, _PATCHES)) + 1

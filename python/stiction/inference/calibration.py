@@ -1,4 +1,4 @@
-"""Whether intervals hold what they say: inferences from synthetic experiments whose parameters are known."""
+"""Calibration of intervals: inferences from synthetic experiments whose parameters are known."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _CHECKED = 200
 
 @dataclass(frozen=True)
 class Calibration:
-    """Where the true parameters of synthetic experiments lie in their posteriors.
+    """Ranks of the true parameters of synthetic experiments in their posteriors.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Whether the model may have made the data."""
+"""Checks of whether the model may have made the data."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
 def farthest(
     emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator
 ) -> list[tuple[int, float]]:
-    """The datum of each outcome that is farthest off what the other data say, and how probable one so far off is.
+    """The datum of each outcome farthest off what the other data say, and the probability of one as far off.
 
     A datum is compared with the prediction from all data but its own: draws of the posterior weigh 1/p(patch | draw), at
     most √n times their mean of n draws (E. L. Ionides, *J. Comput. Graph. Stat.* 17 (2008) 295). The p-value is that of

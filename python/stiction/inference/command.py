@@ -30,7 +30,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--figure", type=Path, metavar="OUT", help="the figures, .png, .pdf or .svg; by default none")
     parser.add_argument("--model", action="append", default=[], type=Path, metavar="OTHER.toml",
                         help="another scene with priors to compare with, such as of another law, of other heights, or of coupled asperities; "
-                        "may be given several times. Its result is the name of that scene with _infer.h5, beside OUT.h5")  # fmt: skip
+                        "may be given several times. Its result is the name of that scene with _infer.h5, next to OUT.h5")  # fmt: skip
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of simulations and chains, by default 1")
     parser.add_argument("--threads", type=int, metavar="N", help="threads of the simulations, by default one per core")
     parser.add_argument("--end-error", type=float, default=0.02, metavar="X",
@@ -44,7 +44,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Reads the command line, infers, and tells the result; returns the exit code."""
+    """Reads the command line, infers, and prints the result; returns the exit code."""
     parser = _parser()
     given = parser.parse_args(arguments)
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
@@ -68,7 +68,7 @@ def _infer(given: argparse.Namespace) -> None:
         files.check(path, force=given.force, inputs=inputs)
     if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
         raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
-    # What is wrong with a scene is told before minutes are spent on others.
+    # Errors of a scene are reported before minutes are spent on others.
     for scene in (given.scene, *given.model):
         priors.read(scene)
     options = {"seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}

@@ -34,7 +34,7 @@ class Group:
     values : array (patches, outcomes)
         Outcomes in SI units, or their limits; NaN where missing.
     errors : array (patches, outcomes)
-        Standard deviations of the measurement, in SI units; 0 where none is told.
+        Standard deviations of the measurement, in SI units; 0 where none is given.
     kinds : array (patches, outcomes) of int
         `EXACT`, `BELOW`, `ABOVE` or `MISSING`.
     lines : tuple of int
@@ -68,7 +68,7 @@ class Measurements:
 
     @property
     def floors(self) -> Array:
-        """A tenth of the smallest number of each outcome, SI, (outcomes,): what is below is not told apart by these data."""
+        """A tenth of the smallest number of each outcome, SI, (outcomes,): the data resolve nothing below."""
         smallest: Array = np.nanmin(np.concatenate([group.values for group in self.groups]), axis=0)
         return 0.1 * smallest
 
@@ -181,7 +181,7 @@ def _head(path: Path, cell: str) -> tuple[str, float, str]:
         factor, si = quantities.parsed(f"{path}: the column {name}", f"1 {unit}")
     except ValueError as error:
         raise FileError(str(error)) from None
-    # Of one dimension, but stiffnesses are not told as energies.
+    # Of one dimension, but stiffnesses are not given as energies.
     return name, factor, "N/m" if unit.endswith("N/m") else si
 
 

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
 # The least width of a part, over the scatter of all outcomes.
 _SMALLEST_WIDTH = 3e-3
-# The pull of every coefficient towards where the fit begins: that of so many patches of unit information.
+# The pull of every coefficient towards the beginning of the fit, in patches of unit information.
 _RIDGE = 1.0
 
 

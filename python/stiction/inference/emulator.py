@@ -92,7 +92,7 @@ def simulate(
     values : array (points, parameters)
         In SI units.
     units : tuple of str, optional
-        SI units of the data, which have to be those of the datasets.
+        SI units of the data, which have to be the units of the datasets.
     replicas, seed, threads, progress
         As in `stiction.sweep`.
     floors : array (outcomes,) or float
@@ -214,7 +214,7 @@ class Emulator:
         return result
 
     def cumulative(self, groups: tuple[Group, ...], values: Array) -> Array:
-        """P(measured outcome ≤ that of the data), averaged over the members: (points, patches, outcomes); of limits at the limit, NaN where missing."""
+        """P(measured outcome ≤ the data's), averaged over the members: (points, patches, outcomes); of limits at the limit, NaN where missing."""
         x = self.scaled(values)
         result = []
         for density, group in zip(self.densities, groups, strict=True):
@@ -248,7 +248,7 @@ def _log_density(density: Density, group: Group, x: Array) -> Array:
             for measured in (False, True):
                 of = np.flatnonzero((group.kinds[:, j] == kind) & ((group.errors[:, j] > 0.0) == measured))
                 if of.size:
-                    # Limits are often the same.
+                    # Limits are often equal.
                     pairs, back = np.unique(np.stack([group.values[of, j], group.errors[of, j]], axis=1), axis=0, return_inverse=True)
                     value, error = pairs[:, :1], pairs[:, 1:]
                     each = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
@@ -271,7 +271,7 @@ def _plain(kind: int, value: Array, mean: Array, width: Array) -> Array:
 
 
 def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array) -> Array:
-    """The same with a Gaussian error.
+    """ln p of an outcome with a Gaussian error.
 
     Of an outcome whose error is less than 1 % of it the logarithm has a Gaussian error: its mean is off by half of the square, 5e-5.
     """
@@ -290,7 +290,7 @@ def _exact_integral(value: Array, error: Array, mean: Array, width: Array) -> Ar
     relative, logs = error / value, np.log(value)
 
     def over(at: Array) -> Array:
-        """The outcome over the measured one; what is far above is nearer, and as good as impossible."""
+        """The outcome over the measured one; values far above are taken nearer, and as good as impossible."""
         result: Array = np.exp(np.minimum(at - logs, 100.0))
         return result
 

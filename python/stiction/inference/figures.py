@@ -26,7 +26,7 @@ def page(result: Inference, width: str | float | None = None) -> Figure:
     figure = pyplot.figure(figsize=(size, (0.95 if count > 1 else 0.45) * size))
     grid = figure.add_gridspec(count, max(count, 2))
     _corner(result, figure, grid)
-    # Free are the cells above the diagonal, of a single parameter the one beside it.
+    # Free are the cells above the diagonal, of a single parameter the one next to it.
     half = max(count // 2, 1)
     outcomes = str(result.attrs["outcomes"]).split(", ")
     free = grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1)
@@ -106,7 +106,7 @@ def _pair(ax: Axes, x: Any, y: Any, x_range: Any, y_range: Any) -> None:
 
 @dressed
 def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None = None) -> Axes:
-    """The measured distribution of an outcome, and what 95 % of as many patches of the posterior would give.
+    """The measured distribution of an outcome, and the band of 95 % of as many patches of the posterior.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ _FORMAT = "stiction-inference"
 
 @dataclass(frozen=True)
 class Inference:
-    """The posterior of a scene's parameters, and what the data say about them.
+    """The posterior of a scene's parameters from the data.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ def _inferred(
     seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
 
     def simulated(values: Array) -> list[Patches]:
-        # The same seed under all conditions: they differ in nothing else.
+        # One seed under all conditions: they differ in nothing else.
         of = int(next(seeds))
         return [
             simulate(
@@ -310,7 +310,7 @@ def _result(
 
 
 def _farthest(measured: Measurements, found: list[tuple[int, float]]) -> Iterator[str]:
-    """What is said of the datum of each outcome that is farthest off the others."""
+    """Sentences on the datum of each outcome that is farthest off the others."""
     table = np.concatenate([group.values for group in measured.groups])
     lines = [line for group in measured.groups for line in group.lines]
     for name, unit, j, (patch, p) in zip(measured.outcomes, measured.units, range(len(found)), found, strict=True):

@@ -123,7 +123,7 @@ def sample(
             return judged
         if draws >= _MOST_DRAWS:
             if judged.r_hat.max() < r_hat:
-                # The error that was reached is told with the result.
+                # The error that was reached is reported with the result.
                 return judged
             raise StictionError(
                 f"the chains do not agree after {draws} draws of {_ENSEMBLES} ensembles: R̂ = {judged.r_hat.max():.3f}, below {r_hat:g} is needed. "
@@ -132,7 +132,7 @@ def sample(
 
 
 def _spread(log_probability: Callable[[Array], Array], start: Array | None, walkers: int, dimensions: int, random: Any) -> Array:
-    """Where the walkers begin: draws of a former posterior, or draws of the prior by their probability, tempered until they are several."""
+    """Starts of the walkers: draws of a former posterior, or draws of the prior by their probability, tempered until they are several."""
     if start is not None:
         return np.asarray(start[random.choice(len(start), walkers, replace=False)])
     z = random.standard_normal((2000, dimensions))

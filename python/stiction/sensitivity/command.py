@@ -1,4 +1,4 @@
-"""`stiction sensitivity SCENE.toml`: which number matters most."""
+"""`stiction sensitivity SCENE.toml`: the influence of each number of a scene."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     Parameters
     ----------
     outcomes : array (blocks, rows, k + 2, r)
-        Of A, of A with each parameter from B, and of B; of r ≥ 2 patches, the same for all points of a block or others.
+        Of A, of A with each parameter from B, and of B; of r ≥ 2 patches, equal for all points of a block or not.
     level : float
         Probability that an interval is to have.
     resamples, seed : int
@@ -156,7 +156,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
 
         of_blocks = statistic(np.arange(len(parts))[:, None])
         if not np.isfinite(of_blocks).all() or np.ptp(of_blocks) == 0.0:
-            # The same in all blocks, such as no scatter at all. Where some blocks have no variance, nothing is known.
+            # Equal in all blocks, such as no scatter at all. Where some blocks have no variance, nothing is known.
             intervals[place] = found[place] if np.ptp(of_blocks) == 0.0 else np.nan
             continue
         interval = stats.bootstrap(

@@ -1,4 +1,4 @@
-"""A scene with priors at Saltelli's points: sweeps of the program, a block each, and what they say."""
+"""A scene with priors at Saltelli's points: sweeps of the program, a block each, and their results."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def _text(scene: Scene) -> str:
 
 
 def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any], int]:
-    """The tables of the sweeps, and how many patches a point has."""
+    """The tables of the sweeps, and the number of patches of a point."""
     if not found.are_independent:
         raise SceneError("priors: Sobol indices are of independent numbers; leave the table out")
     tables = dict(found.tables)

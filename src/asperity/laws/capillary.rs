@@ -34,11 +34,11 @@
 //! law is `md_plastic`. It unloads as the elastic wet contact of R₁, which is a wet sphere of R₁ once it has parted.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
-//! unstable; reversible ones form and break where their energy is that of none. A bridge breaks with the contact where that
-//! ends at the fold of its branch (λ above 0.938).
+//! unstable; reversible ones form and break where their energy equals that without them. A bridge breaks with
+//! the contact where that ends at the fold of its branch (λ above 0.938).
 //!
-//! Of a constant volume ([`Volume::Constant`]) bridges keep from the end of contact on retraction the liquid that they have
-//! there (`asperity::bridge`).
+//! Bridges of a constant volume ([`Volume::Constant`]) keep from the end of contact on retraction the liquid
+//! that they have there (`asperity::bridge`).
 //!
 //! # Validity
 //! Elastic-plastic spheres of all λ, r_K ≪ R: the force of the bridge is off by the order of (κ/ch₀)². With both γs and
@@ -134,7 +134,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Those of an asperity whose dry solids are `parameters`.
+    /// The parts of an asperity whose dry solids are `parameters`.
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
@@ -174,7 +174,7 @@ impl Parts {
         Ok(Self { bridge: Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge }, ..parts })
     }
 
-    /// What acts around flattened tops, whose dry solids have the units `dry`.
+    /// Adhesion and liquid around flattened tops, whose dry solids have the units `dry`.
     pub(in crate::asperity) fn around(&self, dry: &Scale) -> Around {
         let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
         Around { scale, bridge: Some(self.bridge).filter(|bridge| bridge.stress > 0.0) }

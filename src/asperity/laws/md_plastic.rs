@@ -85,7 +85,7 @@ pub enum PlasticContact {
 }
 
 impl PlasticContact {
-    /// All of them with their names, which are those of the laws that have them.
+    /// All of them with their names, which the laws with these contacts have too.
     pub const ALL: [(&'static str, Self); 4] = [
         ("jg", Self::JacksonGreen),
         ("ke", Self::KogutEtsion),

@@ -9,8 +9,8 @@
 //!
 //! With p = δ/(πZ₀), u² = x² − 1 and g(u) = u + (u²−1) arctan u this is F_s = 2πRΔγ (8/3)πp ∫₀^∞ u[(1 + pg)⁻³
 //! − (1 + pg)⁻⁹]du: one function of p, which tends to 2πRΔγ as p → 0. It is tabulated to 1e-13 by direct
-//! quadrature, once per law. The elastic profile is kept throughout; P and the area are those of Kogut and
-//! Etsion.
+//! quadrature, once per law. The elastic profile is kept throughout; P and the area are Kogut and
+//! Etsion's.
 //!
 //! # Validity
 //! Low λ. Sources: Stanley, Etsion and Bogy, J. Tribol. 112 (1990) 98; Shi and Polycarpou (2005), eq. B.1.

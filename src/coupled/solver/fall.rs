@@ -32,8 +32,8 @@ impl Solver<'_> {
         is_converged
     }
 
-    /// Lets the surface fall at the separation d, m, until it has nearly come to rest: for so many steps there was no
-    /// progress.
+    /// Lets the surface fall at the separation d, m, until it has nearly come to rest: no progress in
+    /// `most_idle` steps.
     fn fall(&mut self, d: f64, most_idle: usize) {
         let length = (0..self.heights.len()).map(|i| self.asperities.length(i)).fold(f64::MAX, f64::min);
         let (mut time, mut last, mut idle) = (FIRST, f64::NAN, 0);
@@ -41,7 +41,7 @@ impl Solver<'_> {
             self.passages.begin(self.heights.len(), true);
             self.pass(0.0);
             self.passages.is_moved = false;
-            // What would come to rest at a jump goes to and fro.
+            // Asperities that would come to rest at a jump go to and fro.
             self.states.resting.clear();
             self.evaluate(d);
             let force = self.external_force();

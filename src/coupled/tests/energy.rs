@@ -15,7 +15,7 @@ struct Square {
     heights: Vec<f64>,
 }
 
-/// What there is at a separation: the energy lost, J, and how it was reached.
+/// A state at a separation: the energy lost, J, and how it was reached.
 struct State {
     lost: f64,
     settled: Settled,
@@ -32,7 +32,7 @@ impl Square {
         Self { cycle, units, coupling, side, modulus, places: vec![[0.5, 0.5]], heights: vec![0.0] }
     }
 
-    /// So many of Gaussian heights at hard-core places, by an index.
+    /// `count` asperities of Gaussian heights at hard-core places, by an index.
     fn scattered(self, count: usize, std: f64, index: u64) -> Self {
         let mut heights = vec![0.0; count];
         Heights::gaussian(std).draw(&mut stream(29, Purpose::Heights, index), &mut heights);
@@ -63,13 +63,13 @@ impl Square {
     }
 }
 
-/// From one separation to another and back in so many steps each.
+/// Separations from one to another and back in `count` steps each.
 fn there_and_back(from: f64, to: f64, count: usize) -> Vec<f64> {
     let way = |k: usize| from + (to - from) * k as f64 / count as f64;
     (0..=count).chain((0..count).rev()).map(way).collect()
 }
 
-/// Spheres like those of case III, of another work of adhesion and hardness.
+/// Spheres like the ones of case III, of another work of adhesion and hardness.
 fn sphere(work_of_adhesion: f64, hardness: f64) -> Asperity {
     Asperity { hardness, ..asperity(6.38e-6, 85.29e9, work_of_adhesion) }
 }
@@ -175,8 +175,8 @@ fn work_to(solver: &mut Solver<'_>, d: f64, halvings: u32) -> [f64; 2] {
     [0, 1].map(|k| parts[0][k] + parts[1][k])
 }
 
-/// Around a closed loop surfaces do the work that avalanches lose, where steps are short enough that it is known where
-/// these are; with long ones the energy is nearly the same.
+/// Surfaces do the work that avalanches lose around a closed loop, where steps are short enough that it is
+/// known where these are; with long ones the energy is nearly the same.
 fn loops_lose_their_work(cases: &[(&str, Coupling)], (count, halvings): (usize, u32), tolerance: f64) {
     for &(law, coupling) in cases {
         let square = Square::new(law, &sphere(0.3, 2.5e9), coupling, 3e-6).scattered(16, 0.65e-9, 1);

@@ -63,8 +63,9 @@ fn two_at_jumps_to_either_side_hold_each_other() {
     }
 }
 
-/// A Maugis sphere whose contact ends hardly further out than it begins, beside a sphere under load: contact raises the other
-/// one's foot, and this one's with it, by more than that. It stays where contact begins, with the force at which it does.
+/// A Maugis sphere whose contact ends hardly further out than it begins, next to a sphere under load: contact
+/// raises the other one's foot, and this one's with it, by more than that. It stays where contact begins,
+/// with the force at which it does.
 #[test]
 fn one_that_contact_takes_back_out_stays_where_contact_begins() {
     let of = |work| asperity(6.38e-6, 85.29e9, work);

@@ -197,7 +197,7 @@ fn pairs_jump_at_their_folds() {
     }
 }
 
-/// On substrates that are a thousand times stiffer the total force changes by −Σ f′_i G_ij f_j.
+/// The total force changes by −Σ f′_i G_ij f_j on substrates that are a thousand times stiffer.
 #[test]
 fn the_first_order_in_the_compliance_is_its_closed_form() {
     let (all, surfaces) = (json(LIMITS), json(REFERENCES));
@@ -285,8 +285,8 @@ fn flat(side: f64, places: Vec<[f64; 2]>, kernel: Kernel) -> Surface<'static> {
     Surface { law, coupling, side, places, heights, softness: 1.0, kernel }
 }
 
-/// One sphere of Hertz in a square that repeats, and the same in 2 × 2 and 3 × 3 of them at once: force to 1e-12, near the
-/// end of its states to what rounding of the separation leaves.
+/// One sphere of Hertz in a square that repeats, and 2 × 2 and 3 × 3 of them at once: force to 1e-12, near
+/// the end of its states to the rounding of the separation.
 #[test]
 fn cells_of_one_sphere_are_one_cell() {
     let all = json(LIMITS);
@@ -309,7 +309,8 @@ fn cells_of_one_sphere_are_one_cell() {
     }
 }
 
-/// The loads of finite contacts differ from those of point forces by −(8 S/15π)(a/L)³ at the same separation, S = Σ 1/n³.
+/// The loads of finite contacts differ from the loads of point forces by −(8 S/15π)(a/L)³ at the same
+/// separation, S = Σ 1/n³.
 #[test]
 fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     let all = json(LIMITS);
@@ -328,8 +329,9 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     }
 }
 
-/// With contacts of finite size, one sphere of Hertz in a square that repeats: f = K a³/R_eff, 1/R_eff = 1/R + S f/(2πE*L³),
-/// −d = a²/R_eff + f (c/L + S a²/10L³)/(πE*), to 1e-12; and from all orders they are off by less than 0.6 (a/L)⁵.
+/// One sphere of Hertz with a contact of finite size in a square that repeats: f = K a³/R_eff, 1/R_eff = 1/R
+/// + S f/(2πE*L³), −d = a²/R_eff + f (c/L + S a²/10L³)/(πE*), to 1e-12; and from all orders they are off by
+/// less than 0.6 (a/L)⁵.
 #[test]
 fn a_lattice_of_finite_contacts_has_its_closed_form() {
     let all = json(LIMITS);
@@ -426,7 +428,7 @@ fn the_closest_contacts_are_found() {
     }
 }
 
-/// What raising one asperity does to the force on another, raising that does to the force on the first.
+/// Raising one asperity changes the force on another as raising the other changes the force on the first.
 #[test]
 fn responses_are_reciprocal() {
     let surfaces = json(REFERENCES);

@@ -16,7 +16,7 @@ const MOST_MOVES: usize = 16;
 pub struct Binned {
     /// Bin of each height as it was drawn.
     bins: Vec<u32>,
-    /// Where each bin begins among the heights; one more than bins.
+    /// Index of the first height of each bin; one more than bins.
     pub(super) starts: Vec<u32>,
     /// Heights, m, bin after bin.
     heights: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct Binned {
 }
 
 impl Binned {
-    /// No heights, in so many bins.
+    /// No heights, in `bins` bins.
     pub(super) fn new(bins: usize) -> Self {
         Self { starts: vec![0; bins + 1], ..Self::default() }
     }
@@ -99,7 +99,7 @@ impl Binned {
         found
     }
 
-    /// How many heights there are in the bins of `low..high`, m.
+    /// The number of heights in the bins of `low..high`, m.
     pub fn count(&self, matrix: &MomentMatrix, low: f64, high: f64) -> usize {
         let [first, last] = [low, high].map(|u| matrix.geometry.nearest_bin(u));
         (self.starts[last + 1] - self.starts[first]) as usize
@@ -157,7 +157,7 @@ pub(super) fn form_moments(
     }
 }
 
-/// Sorts heights that are in order but for those of the same bin, of which there may be many or few.
+/// Sorts heights that are in order except within a bin, in which there may be many or few.
 pub(super) fn sort_binned(heights: &mut [f64]) {
     // Moves are as many as pairs in the wrong order: cheap in small bins, and given up when they are not.
     let mut moves = MOST_MOVES * heights.len();

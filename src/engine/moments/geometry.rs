@@ -9,7 +9,7 @@ const GRADED: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
 /// Edges closer than this share of a period are one.
 const SAME: f64 = 1e-9;
 
-/// How heights are binned.
+/// The bins of heights.
 #[derive(Debug)]
 pub(super) struct Geometry {
     /// Height, m, where period 0 begins.
@@ -24,12 +24,13 @@ pub(super) struct Geometry {
     pub periods: Range<i64>,
     /// Number of separations.
     pub separations: usize,
-    /// For each segment, how its moments become those of the period: M_n = Σ_m B_mn S_m, row m after row m.
+    /// Matrices from the moments of each segment to moments of the period: M_n = Σ_m B_mn S_m, row m after
+    /// row m.
     pub merging: Vec<[[f64; TERMS]; TERMS]>,
 }
 
 impl Geometry {
-    /// For separations from `first` (m) by `step` (m), and heights within ±`reach` (m).
+    /// The bins for separations from `first` (m) by `step` (m), and heights within ±`reach` (m).
     pub fn new(pieces: &[Piece], first: f64, step: f64, separations: usize, reach: f64) -> Self {
         let kinks: Vec<f64> =
             pieces.iter().flat_map(|p| [p.lower, p.upper]).filter(|kink| kink.is_finite()).collect();

@@ -1,4 +1,4 @@
-//! How many terms polynomials have, and how many surfaces are multiplied at once.
+//! Numbers of terms of polynomials, and of surfaces that are multiplied at once.
 
 /// Largest degree of a polynomial.
 pub const DEGREE: usize = 15;

@@ -18,7 +18,7 @@ const HEIGHT_REACH: [f64; 2] = [10.0, 16.0];
 /// memory than direct sums and no less time.
 pub const MOST_PERIODS: f64 = 4e3;
 
-/// Why sums are not taken by moments.
+/// Reasons why sums are not taken by moments.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Unfit {
     /// The separations have no common step.
@@ -32,7 +32,7 @@ pub enum Unfit {
         /// All asperities.
         all: usize,
     },
-    /// There are more periods than anything is gained by.
+    /// The periods are too many for any gain.
     #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
     /// Asperities of several radii have no law in common.
@@ -46,7 +46,7 @@ pub enum Unfit {
     NotMet(f64),
 }
 
-/// The Toeplitz matrix of a law for the separations of a scene, and how heights are binned for it.
+/// The Toeplitz matrix of a law for the separations of a scene, and the bins of heights for it.
 ///
 /// # Examples
 /// ```

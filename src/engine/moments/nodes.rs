@@ -1,4 +1,4 @@
-//! Chebyshev nodes of periods, and what moments weigh them with.
+//! Chebyshev nodes of periods, and their weights by moments.
 
 use super::lanes::{LANES, Lanes, TERMS};
 use crate::math::chebyshev;
@@ -13,7 +13,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// So many.
+    /// `count` nodes.
     pub fn new(count: usize) -> Self {
         let lagrange = |i: usize| {
             let mut samples = vec![0.0; count];

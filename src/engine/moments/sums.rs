@@ -34,7 +34,7 @@ pub struct MomentSums {
 }
 
 impl MomentSums {
-    /// Memory for a matrix under a law of so many regimes.
+    /// Memory for a matrix under a law of `regimes` regimes.
     pub fn new(matrix: &MomentMatrix, regimes: usize) -> Self {
         let geometry = &matrix.geometry;
         let periods = geometry.period_count();
@@ -83,7 +83,7 @@ impl MomentSums {
         );
     }
 
-    /// Makes of the moments of bins those of periods, and the weights of their nodes.
+    /// Computes from the moments of bins the moments of periods, and the weights of their nodes.
     pub(super) fn merge(&mut self, matrix: &MomentMatrix) {
         let segments = matrix.geometry.segments();
         let bins = &self.bins[self.occupied.start * segments..self.occupied.end * segments];

@@ -1,4 +1,4 @@
-//! The external force at any one separation, also between those of the scene.
+//! The external force at any one separation, also between separations of the scene.
 //!
 //! # Formula
 //! Between separations the periods do not fit the offsets, but on a period whose two offsets are smooth

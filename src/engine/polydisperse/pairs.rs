@@ -7,7 +7,7 @@ use crate::asperity::{BLOCK, Responses, SolverStats};
 /// An asperity at a separation.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// Its number.
+    /// Number of the asperity.
     pub asperity: u32,
     /// d, m.
     pub separation: f64,

@@ -47,7 +47,7 @@ impl Gap {
     }
 }
 
-/// Where the parabola through the lowest of even samples and its neighbours is lowest, in steps, and its
+/// The lowest place of the parabola through the lowest of even samples and its neighbours, in steps, and its
 /// value there.
 pub(super) fn vertex(values: &[f64]) -> Option<(f64, f64)> {
     let lowest = smallest(values);

@@ -8,7 +8,7 @@
 //! The term of an asperity is smooth but at its kinks, the separations at which it passes an end of a piece
 //! of its law: there it may jump by a known step, or begin like a root. So the curve is a staircase, which is
 //! counted, and a continuous part. Between samples of the curve the continuous part is interpolated, which
-//! tells how deep each space is to within what the roots of the asperities nearby leave out. Spaces that may
+//! gives the depth of each space up to the share of the roots of the asperities nearby. Spaces that may
 //! be the deepest are searched where they may be, the one that is expected to be deepest first.
 //!
 //! To search there, all terms with a kink nearby are taken out of the samples: what is left is smooth, and
@@ -46,10 +46,10 @@ pub(super) trait Curve {
     /// Adds the passings of asperities in `low..=high`, h in m: best kink by kink, so that places rise.
     fn passings(&mut self, asperities: &[Self::Asperity], low: f64, high: f64, passings: &mut Vec<Passing>);
 
-    /// How far terms with a kink are off what is interpolated.
+    /// Errors of the interpolation of terms with a kink.
     fn stray(&self, kink: u32) -> &Stray;
 
-    /// By how much rounding may move the separation of a passing, m.
+    /// The distance by which rounding may move the separation of a passing, m.
     fn rounding(&self) -> f64;
 
     /// Adds the terms of asperities at rising separations h, m, to the sums there.
@@ -62,8 +62,8 @@ pub(super) trait Curve {
         false
     }
 
-    /// For each kink that asperities pass in `low..high`, h in m: how far a term falls below the line between
-    /// its ends there, about, and of how many.
+    /// Visits each kink that asperities pass in `low..high`, h in m: the fall of a term below the line
+    /// between its ends there, about, and the number of terms.
     fn falls(&mut self, low: f64, high: f64, visit: impl FnMut(f64, usize));
 }
 
@@ -72,7 +72,7 @@ pub(super) trait Curve {
 pub(super) struct Passing {
     /// The separation h, m.
     pub place: f64,
-    /// By how much the curve jumps as the separation grows past it.
+    /// Jump of the curve as the separation grows past it.
     pub step: f64,
     /// The index of the kink.
     pub kink: u32,
@@ -80,7 +80,7 @@ pub(super) struct Passing {
     pub asperity: u32,
 }
 
-/// How far a term with a kink, without its jumps, is off what is interpolated.
+/// Errors of the interpolation of a term with a kink, without its jumps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stray {
     /// Between samples: at most, and the root of the mean square where the kink is, summed over the spaces
@@ -89,17 +89,17 @@ pub(super) struct Stray {
     /// Through the points of an interval that is as wide as the space between samples: at most, and the root
     /// of the mean square over places of the kink in the interval.
     pub points: (f64, f64),
-    /// Between samples beside what [`Curve::strays`] knows of it: where the term is below what is
+    /// Between samples, apart from what [`Curve::strays`] knows of it: where the term is below what is
     /// interpolated, and where it is above.
     pub table: [(f64, f64); 2],
 }
 
-/// Even places between two samples at which it is known how far terms are off, from the first sample on,
-/// without the second.
+/// Even places between two samples at which the errors of terms are known, from the first sample on, without
+/// the second.
 pub(super) const NODES: usize = 16;
 
 impl Stray {
-    /// So many times as far.
+    /// The errors times `factor`.
     pub fn times(&self, factor: f64) -> Self {
         let times = |(most, rms): (f64, f64)| (factor * most, factor * rms);
         Self { samples: times(self.samples), points: times(self.points), table: self.table.map(times) }
@@ -134,8 +134,8 @@ pub(super) enum Sought {
 
 impl Sought {
     /// Finds it from samples of the curve, at least 2: separations h, m, rising, and forces, N. Where it may
-    /// be, they are made no further apart than `spacing`, m. A secant stiffness is told in the middle of its
-    /// span.
+    /// be, they are made no further apart than `spacing`, m. The place of a secant stiffness is the middle of
+    /// its span.
     pub fn find<C: Curve>(self, curve: &mut C, samples: &[(f64, f64)], spacing: f64) -> Extremum {
         match self {
             Self::PullOff => Search::deepest(curve, &[(0.0, 1.0)], samples, spacing),
@@ -152,7 +152,7 @@ fn widest_space(separations: &[f64]) -> f64 {
     separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
 }
 
-/// How far apart samples at rising separations are at most where spaces wider than `spacing` are divided
+/// The largest distance of samples at rising separations where spaces wider than `spacing` are divided
 /// evenly, m.
 pub(super) fn resolved(separations: &[f64], spacing: f64) -> f64 {
     let widest = widest_space(separations);
@@ -201,7 +201,7 @@ struct Search<'a, C: Curve> {
     /// By asperity, the last division that it was near in.
     marks: Vec<u32>,
     stamp: u32,
-    /// By how much rounding may move the separation of a passing, m.
+    /// The distance by which rounding may move the separation of a passing, m.
     rounding: f64,
 }
 

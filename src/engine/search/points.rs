@@ -30,7 +30,7 @@ pub fn interpolated(of: &dyn Fn(&[f64]) -> Vec<f64>, low: f64, width: f64, place
     places.iter().map(|place| polynomial.value(*place)).collect()
 }
 
-/// The same from samples, of which `low` is one, as far apart as the interval is wide.
+/// Values interpolated from samples, of which `low` is one, as far apart as the interval is wide.
 pub fn interpolated_from_samples(
     of: &dyn Fn(&[f64]) -> Vec<f64>,
     low: f64,
@@ -65,7 +65,7 @@ impl Polynomial<'_> {
         sum / weights
     }
 
-    /// How far it may lie below its values between two of the points, about.
+    /// The distance by which it may lie below its values between two of the points, about.
     pub fn bend(&self) -> f64 {
         let bend = |v: &[f64]| (v[0] - 2.0 * v[1] + v[2]).abs();
         0.25 * self.values.windows(3).map(bend).fold(0.0, f64::max)

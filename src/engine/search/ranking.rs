@@ -157,7 +157,7 @@ impl<C: Curve> Search<'_, C> {
         true
     }
 
-    /// How deep spaces behind samples are, by the staircase and what is interpolated between the samples
+    /// The depths of spaces behind samples, by the staircase and what is interpolated between the samples
     /// without it.
     pub(super) fn guess(&mut self, spaces: Range<usize>, guesses: &mut Vec<Guess>) {
         let edges = self.edges();

@@ -15,22 +15,22 @@ use thiserror::Error;
 
 /// Most pixels of a map that is read.
 pub const MOST_PIXELS: u64 = 1 << 26;
-/// How files begin.
+/// Beginnings of files.
 const NPY: &[u8] = b"\x93NUMPY";
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Why a file is not read as a height map.
+/// Reasons why a file is not read as a height map.
 #[derive(Debug, Error)]
 pub enum MapFileError {
-    /// It cannot be read as one.
+    /// The file cannot be read as a map.
     #[error("{}: {problem}", path.display())]
     NotAMap {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
-    /// It has no single dataset that may be one.
+    /// The file has no single dataset that may be a map.
     #[error("{}: {problem}", path.display())]
     WhichDataset {
         /// The file.
@@ -40,7 +40,7 @@ pub enum MapFileError {
     },
 }
 
-/// The kind of a file, by how it begins.
+/// The kind of a file, by its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFormat {
     /// An array of NumPy.

@@ -9,7 +9,7 @@ use std::io::BufRead;
 
 /// Longest line, bytes.
 const LONGEST_LINE: u64 = 1 << 24;
-/// How lines begin that are no rows, wherever they are.
+/// Beginnings of lines that are no rows, wherever they are.
 const COMMENTS: [&str; 3] = ["#", "%", "//"];
 
 pub(super) fn read(mut file: impl BufRead, length: u64, most: u64) -> Result<RawMap, String> {

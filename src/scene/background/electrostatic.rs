@@ -19,10 +19,10 @@ use toml::de::DeValue;
 const MOST_LAYERS: usize = 20;
 /// Relative permittivities of dielectrics.
 const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0), Bound::Unbounded);
-/// Largest field across a gap, V/m, that air stands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
+/// Largest field across a gap, V/m, that air withstands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
 /// Paschen's law at short gap distances", 2014).
 const LARGEST_FIELD: f64 = 3.5e8;
-/// Largest voltage, V, that air stands across any gap by Paschen's law.
+/// Largest voltage, V, that air withstands across any gap by Paschen's law.
 const LARGEST_VOLTAGE: f64 = 327.0;
 
 pub(super) const TABLE: ForceTable = ForceTable {
@@ -58,7 +58,7 @@ pub(super) const TABLE: ForceTable = ForceTable {
     key("electrostatic.relative_permittivity[]", "3.9", Number(PERMITTIVITIES.0, PERMITTIVITIES.1)),
     key("electrostatic.recess", "\"50 nm\"", Quantity(Of::Length, NotNegative))
         .what("gap that is left between the electrodes where the surfaces touch")
-        .about("Of electrodes beside the contact, lower than it.")
+        .about("Of electrodes next to the contact, lower than it.")
         .defaults_to("0")
         .swept(),
     ],

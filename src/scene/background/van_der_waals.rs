@@ -46,7 +46,7 @@ pub(super) const TABLE: ForceTable = ForceTable {
     key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
         .what("gap from which on the background acts")
         .about("Smaller ones belong to the asperities.")
-        .follows("the range Z₀/1.03 of the Dugdale stress, beside `lubricant_thickness` under laws that know it")
+        .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
         .swept(),
     key("van_der_waals.cap_share", "0.75", Number(CAP_SHARES.0, CAP_SHARES.1))
         .what("share of the area that asperities own")

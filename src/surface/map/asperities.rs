@@ -35,7 +35,7 @@ pub struct Equivalent {
 }
 
 impl Equivalent {
-    /// Computes them from spectral moments.
+    /// Computes the equivalent asperities from spectral moments.
     pub fn new(moments: &SpectralMoments) -> Self {
         let (alpha, m4) = (moments.alpha(), moments.m4());
         Self {
@@ -47,12 +47,12 @@ impl Equivalent {
     }
 }
 
-/// The same, of the summits themselves.
+/// Asperities by the summits themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Summits over the area that was searched, 1/m².
     pub density: f64,
-    /// Reciprocal of the mean of their mean curvatures, m.
+    /// Reciprocal of the mean of the mean curvatures, m.
     pub radius: f64,
     /// Mean height above the mean plane of the surface, m.
     pub height_mean: f64,
@@ -63,7 +63,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// What summits on so large an area, m², are together; there is one at least.
+    /// Density and moments of summits, at least one, on an area, m².
     pub(super) fn new(summits: &[Summit], nominal_area: f64) -> Self {
         let mut sample = Moments::new(2);
         summits.iter().for_each(|summit| sample.push(&[summit.height, summit.mean_curvature()]));
@@ -78,7 +78,7 @@ impl Measured {
     }
 }
 
-/// How far summits are from spheres.
+/// Deviation of summits from spheres.
 ///
 /// # Examples
 /// ```
@@ -116,8 +116,8 @@ impl Shape {
 }
 
 impl HeightMap {
-    /// Those of the map's summits that have at least such a prominence, m, and the prominence of each; all of
-    /// them, and none of these, where no prominence is asked for.
+    /// The map's summits that have at least a given prominence, m, and the prominence of each; all summits,
+    /// and no prominences, where none is given.
     pub(super) fn prominent(
         &self,
         summits: Vec<Summit>,
@@ -157,7 +157,7 @@ pub struct Asperities {
     pub summits: Vec<Summit>,
     /// Prominence of each, m, where one was asked for.
     pub prominences: Option<Vec<f64>>,
-    /// How far they are from spheres.
+    /// Their deviation from spheres.
     pub shape: Shape,
     /// Area that was searched for summits, m²: the pixels that were compared with 8 neighbours.
     pub nominal_area: f64,
@@ -211,8 +211,8 @@ impl Asperities {
         })
     }
 
-    /// Where a surface measured with such pixels, m, is not what the parameters take for granted, a line
-    /// each: number and consequence.
+    /// Assumptions of the parameters that a surface measured with such pixels, m, does not meet, a line each:
+    /// number and consequence.
     pub fn caveats(&self, pixel: [f64; 2]) -> Vec<String> {
         let moments = &self.moments;
         let mut caveats = self.resolution(pixel);

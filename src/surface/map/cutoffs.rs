@@ -5,7 +5,7 @@ use super::{HeightMap, MapError, Measured};
 /// Largest cut-off of a series over the shorter side of a map.
 const LARGEST_SHARE: f64 = 0.25;
 
-/// What is counted on the summits of a map that is smoothed with a cut-off.
+/// Summits of a map that is smoothed with a cut-off.
 ///
 /// # Examples
 /// ```
@@ -24,16 +24,16 @@ const LARGEST_SHARE: f64 = 0.25;
 pub struct AtCutoff {
     /// The cut-off wavelength, m.
     pub cutoff: f64,
-    /// Summits.
+    /// The number of summits.
     pub count: usize,
     /// Area that was searched for them, m².
     pub nominal_area: f64,
-    /// What they are together, if there are any.
+    /// Density and moments of the summits, if there are any.
     pub measured: Option<Measured>,
 }
 
 impl HeightMap {
-    /// So many cut-offs from two pixels to a quarter of the shorter side of the map, m, each by the same
+    /// `count` cut-offs from two pixels to a quarter of the shorter side of the map, m, each by the same
     /// factor above the one before; two at least.
     ///
     /// # Errors
@@ -52,8 +52,8 @@ impl HeightMap {
         Ok((0..=last).map(cutoff).collect())
     }
 
-    /// The summits of the levelled map, smoothed with each of some cut-offs, m; those of a least prominence
-    /// alone, m, if one is given.
+    /// The summits of the levelled map, smoothed with each of some cut-offs, m; only summits of a least
+    /// prominence, m, if one is given.
     ///
     /// # Errors
     /// [`MapError::Cutoff`] when a cut-off is not one of the map.

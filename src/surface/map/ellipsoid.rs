@@ -65,8 +65,8 @@ fn elliptic(k: f64) -> (f64, f64) {
     (a, share)
 }
 
-/// Hertz force at a given interference of two spheres over that of an ellipsoid whose principal curvatures are
-/// so many times apart: of a sphere of R = 1/mean curvature, 2/(κ₁ + κ₂), and of R = 1/√(κ₁κ₂). Both are at most
+/// Hertz force at a given interference of two spheres over that of an ellipsoid whose principal curvatures
+/// have this ratio: of a sphere of R = 1/mean curvature, 2/(κ₁ + κ₂), and of R = 1/√(κ₁κ₂). Both are at most
 /// 1, and the second is the larger one.
 ///
 /// # Examples

@@ -26,13 +26,12 @@ pub const SMALLEST: usize = 8;
 pub const PIXELS: RangeInclusive<f64> = 1e-13..=1e3;
 /// Largest height of either sign, m.
 pub const HIGHEST: f64 = 1e6;
-/// Heights that differ by less than so many roundings of the largest are equally high: levelling does not
-/// keep them apart.
+/// Roundings of the largest height within which heights are equal: levelling does not keep them apart.
 const ROUNDINGS: f64 = 64.0;
 /// Largest share of pixels that are missing, or as high as the next one, before it is said.
 const NOTED_SHARE: f64 = 0.01;
 
-/// Why no asperities follow from a map.
+/// Reasons why no asperities follow from a map.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MapError {
     /// Too few pixels in a direction.

@@ -32,12 +32,12 @@ impl Pools {
 
 impl HeightMap {
     /// Topographic prominence of summits of the map, m, positive: height above the key saddle, the highest
-    /// one over which a way from pixel to pixel, 8-connected, leads to higher ground.
+    /// one over which a path from pixel to pixel, 8-connected, leads to higher ground.
     ///
-    /// All known heights are ground, those of the border too; ways lead over known heights alone. A saddle on the
-    /// border or beside missing heights counts as it is: beyond there may be a higher one, so that the prominence
-    /// is an upper bound. The highest summit that known heights connect has its height above the lowest of these.
-    /// Of equally high pixels the first, row by row, is the higher one.
+    /// All known heights are ground, on the border too; paths lead over known heights alone. A saddle on the
+    /// border or next to missing heights counts as it is: beyond there may be a higher one, so that the
+    /// prominence is an upper bound. The highest summit that known heights connect has its height above the
+    /// lowest of these. Among equally high pixels the first, row by row, is the higher one.
     ///
     /// Pixels are flooded from the highest down, with a union-find of pools: O(N log N) by the sort.
     pub fn prominences(&self, summits: &[Summit]) -> Vec<f64> {

@@ -13,7 +13,7 @@ const LARGEST_SHARE: f64 = 0.5;
 /// Part of a cut-off along the border within which the weights are one-sided. A straight border at this
 /// distance takes 0.4 % of them.
 const BORDER: f64 = 0.5;
-/// Weights beyond so many cut-offs are left out: of a profile they are 2.6e-11 of all.
+/// Cut-offs beyond which weights are left out: of a profile they are 2.6e-11 of all.
 const REACH: f64 = 1.25;
 /// Pixels that are summed side by side, in registers.
 const LANES: usize = 32;
@@ -33,13 +33,13 @@ impl HeightMap {
     /// with the weight s(x, y) = exp(−π(x² + y²)/(α²λ²))/(α²λ²), α² = ln 2/π, by which a wave of length λ
     /// keeps half of its amplitude, and one of length ℓ the part 2^−(λ/ℓ)².
     ///
-    /// Beside the border and missing heights the weights are normalised over the heights that are there, a
+    /// Next to the border and missing heights the weights are normalised over the heights that are there, a
     /// Gaussian regression of order zero (ISO 16610-71). A missing height stays missing. Half a cut-off along
     /// the border, where the weights are one-sided, is left out of summits, spectral moments and areas
     /// ([`Self::within_border`]).
     ///
-    /// The weights are those of the formula at the middle of pixels. With a cut-off of p pixels, from three on, a
-    /// wave of its length keeps 2^−(p − 1)² of its amplitude more than half, to leading order.
+    /// The weights are values of the formula at the middle of pixels. With a cut-off of p pixels, from three
+    /// on, a wave of its length keeps 2^−(p − 1)² of its amplitude more than half, to leading order.
     ///
     /// # Errors
     /// [`MapError::Cutoff`] when the cut-off is not within [`Self::cutoffs`].
@@ -95,12 +95,12 @@ fn kernel(cutoff: f64) -> Vec<f64> {
     (-reach..=reach).map(weight).collect()
 }
 
-/// The sum of the weights of what is there, for each of so many pixels in a row.
+/// The sum of the weights of known heights, for each of `count` pixels in a row.
 fn weights(count: usize, kernel: &[f64]) -> Vec<f64> {
     rows_convolved(vec![1.0; count], count, kernel)
 }
 
-/// Each row with the weights of a kernel; there is nothing beyond its ends.
+/// Convolves each row with a kernel; there is nothing beyond its ends.
 fn rows_convolved(mut heights: Vec<f64>, columns: usize, kernel: &[f64]) -> Vec<f64> {
     let (reach, set) = (kernel.len() / 2, InstructionSet::current());
     let padded = columns.next_multiple_of(LANES) + 2 * reach;

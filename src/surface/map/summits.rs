@@ -28,9 +28,9 @@ impl Summit {
         1.0 / self.mean_curvature()
     }
 
-    /// Principal curvatures κ₁ ≥ κ₂, 1/m: the eigenvalues of the matrix of second derivatives, which are those
-    /// of the surface where it is level. The second is not positive where the pixels along a slanting direction
-    /// rise: a saddle, of which the 8 neighbours are lower none the less.
+    /// Principal curvatures κ₁ ≥ κ₂, 1/m: the eigenvalues of the matrix of second derivatives, which are the
+    /// curvatures of the surface where it is level. The second is not positive where the pixels along a
+    /// slanting direction rise: a saddle, of which the 8 neighbours are lower none the less.
     pub fn principal_curvatures(&self) -> [f64; 2] {
         let [along_y, along_x] = self.curvature;
         let sharp = self.mean_curvature() + (0.5 * (along_x - along_y)).hypot(self.twist);
@@ -40,7 +40,7 @@ impl Summit {
 
     /// Radius for laws of spheres, m: the geometric mean of the principal radii, 1/√(κ₁κ₂), with which a sphere
     /// has the adhesion of the ellipsoid exactly where Derjaguin's approximation holds, and its Hertz force
-    /// [nearly](super::forces_of_spheres). Of a saddle that of the mean curvature.
+    /// [nearly](super::forces_of_spheres). For a saddle it is the radius of the mean curvature.
     pub fn equivalent_radius(&self) -> f64 {
         let [sharp, blunt] = self.principal_curvatures();
         if blunt > 0.0 { 1.0 / (sharp.sqrt() * blunt.sqrt()) } else { self.radius() }

@@ -17,7 +17,7 @@ const FURTHEST: f64 = 10.0;
 
 /// The direct law of a setting on the ranges of the fits, scaled.
 pub struct Direct {
-    /// Where contact begins or ends by the history.
+    /// Displacement at which contact begins or ends by the history.
     pub end: f64,
     /// Displacements of f_snc, f_sel and f_f.
     displacements: [Vec<f64>; 3],

@@ -45,7 +45,7 @@ impl Coefficients {
         })
     }
 
-    /// The same forms in units of length and force that are so many of the present ones.
+    /// The forms in units of length and force that are multiples `length` and `force` of the present ones.
     pub fn in_units(&self, length: f64, force: f64) -> Self {
         let [base, a, b, place] = self.noncontact;
         let [constant, slope, offset, power] = self.adhesion;

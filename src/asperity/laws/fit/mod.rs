@@ -9,8 +9,8 @@
 //! | elastic, δ < 0 | f_sel(δ) | 0 |
 //! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
 //!
-//! Coefficients are those of its Table 3, for its three cases, and δ_A is as it is given, if it is. The contact area, which
-//! has no fit, is that of Hertz.
+//! Coefficients are from its Table 3, for its three cases, and δ_A is as it is given, if it is. The contact
+//! area, which has no fit, is that of Hertz.
 //!
 //! # Validity
 //! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has

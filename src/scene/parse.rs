@@ -1,7 +1,7 @@
 //! One scene from its document.
 
 use super::background::{ForceSections, Setting};
-use super::capillary::{capillary, wet};
+use super::capillary::{CapillaryTable, capillary, wet};
 use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
@@ -15,128 +15,199 @@ use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
-use crate::asperity::scale::{Scale, UNIT_RANGE};
+use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
 use crate::engine::Stopping;
-use crate::surface::{CountLaw, SamplingScheme};
+use crate::surface::{CountLaw, SamplingScheme, Surface};
 use std::sync::Arc;
 
-/// Reads a scene that is no sweep, and what it takes out of files.
+/// Reads a scene that is no sweep, and the values of files that it names.
 pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
-    let section = |name: &'static str| required(root, name);
-    let substrate = SubstrateTable::read(root);
-    let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
-    let material = section("material").and_then(|material| Material::read(&material));
-    let population = section("surface").and_then(|surface| {
-        let lubricant = surface.value("lubricant_thickness").measured();
-        // A radius that is given is judged before the surface that follows from it.
-        if let (Ok(material), Some(Ok(radius))) =
-            (&material, surface.get("asperity_radius").map(|entry| entry.measured()))
-        {
-            material.asperity(radius, 0.0)?;
-        }
-        let population = match surface.get("asperities") {
-            Some(entry) => measured(&surface, &entry, files.as_ref(), is_coupled),
-            None => population(&surface, files.as_ref()),
+    Readings::read(root, files.as_ref())?.scene(text, root, files)
+}
+
+/// The tables of a scene, each as far as it can be judged by itself.
+struct Readings<'a> {
+    title: String,
+    material: Material,
+    population: Population,
+    lubricant_thickness: f64,
+    model: ModelTable,
+    separation: Section<'a>,
+    instability: InstabilityTable,
+    ensemble: Section<'a>,
+    draws: EnsembleTable,
+    sum_tolerance: Option<f64>,
+    curves: bool,
+    substrate: Option<SubstrateTable<'a>>,
+    forces: ForceSections<'a>,
+    liquid: Option<CapillaryTable>,
+}
+
+impl<'a> Readings<'a> {
+    /// Reads all tables, with the errors of all of them together.
+    fn read(root: &Section<'a>, files: &dyn Files) -> Result<Self, SceneError> {
+        let section = |name: &'static str| required(root, name);
+        let substrate = SubstrateTable::read(root);
+        let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
+        let material = section("material").and_then(|material| Material::read(&material));
+        let population = section("surface")
+            .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, is_coupled));
+        let model = section("model").and_then(|model| ModelTable::read(&model));
+        // What a separation is depends on the surface, whether it is one does not.
+        let separation = section("separation").and_then(|h| {
+            let span = h.optional("stiffness_span", |span| span.measured());
+            (separation::separations(&h, 1.0), span).together().map(|_| h)
+        });
+        let cycle = model.as_ref().is_ok_and(|model| model.cycle);
+        let instability = match &model {
+            Ok(_) => instability(root, cycle),
+            Err(_) => Ok(InstabilityTable::default()),
         };
-        (population, lubricant).together()
-    });
-    let model = section("model").and_then(|model| ModelTable::read(&model));
-    // What a separation is depends on the surface, whether it is one does not.
-    let separation = section("separation").and_then(|h| {
-        let span = h.optional("stiffness_span", |span| span.measured());
-        (separation::separations(&h, 1.0), span).together().map(|_| h)
-    });
-    let cycle = model.as_ref().is_ok_and(|model| model.cycle);
-    let instability = match &model {
-        Ok(_) => instability(root, cycle),
-        Err(_) => Ok(InstabilityTable::default()),
-    };
-    let ensemble = section("ensemble")
-        .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
-    let readings =
-        (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-    let (solver, output, background) = (sum_tolerance(root), curves(root), ForceSections::read(root));
-    let readings = (readings.together(), solver, output, substrate, background, capillary(root));
-    let (readings, sum_tolerance, curves, substrate, background, liquid) = readings.together()?;
-    let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
-        readings;
-    let Population { surface, places, inputs } = population;
-    let asperity = material.asperity(surface.asperity_radius, lubricant)?;
-    let ModelTable { law, history, cycle, unloading, critical_approach } = model;
-    let law = wet(root, law, liquid.as_ref().map(|liquid| liquid.meniscus), is_coupled)?;
-    law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
-        .map_err(|error| {
-            SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
+        let ensemble = section("ensemble")
+            .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
+        let readings =
+            (root.known(), heading(root), material, population, model, separation, instability, ensemble);
+        let (solver, output, forces) = (sum_tolerance(root), curves(root), ForceSections::read(root));
+        let readings = (readings.together(), solver, output, substrate, forces, capillary(root));
+        let (readings, sum_tolerance, curves, substrate, forces, liquid) = readings.together()?;
+        let ((), title, material, population, model, separation, instability, (ensemble, draws)) = readings;
+        let (population, lubricant_thickness) = population;
+        Ok(Self {
+            title,
+            material,
+            population,
+            lubricant_thickness,
+            model,
+            separation,
+            instability,
+            ensemble,
+            draws,
+            sum_tolerance,
+            curves,
+            substrate,
+            forces,
+            liquid,
+        })
+    }
+
+    /// The scene that they are of, where they suit each other.
+    fn scene(self, text: &str, root: &Section<'a>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
+        let Self { title, material, population, model, separation, instability, .. } = self;
+        let Population { surface, places, inputs } = population;
+        let asperity = material.asperity(surface.asperity_radius, self.lubricant_thickness)?;
+        let ModelTable { law, history, cycle, unloading, critical_approach } = model;
+        let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
+        let law = wet(root, law, meniscus, self.substrate.is_some())?;
+        law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
+            .map_err(|error| {
+                SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
+            })?;
+        let separations = separation::separations(&separation, surface.surface_height_std)?;
+        let range = (separations[0], separations[separations.len() - 1]);
+        let forces =
+            self.forces.suited(&Setting { model: &law, asperity: &asperity, surface: &surface, range })?;
+        let substrate =
+            self.substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
+        let cycles = separation::cycles(&separation, cycle)?;
+        let stiffness_span =
+            separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
+        reached(&asperity, &surface, range)?;
+        let EnsembleTable { replicas, stopping, sampling, seed } = self.draws;
+        related(&self.ensemble, sampling, &surface)?;
+        let scene = Scene {
+            text: text.to_owned(),
+            title,
+            instability: instability.of(asperity.reduced_modulus, surface.nominal_area),
+            asperity,
+            surface,
+            model: law,
+            draining_film: self.liquid.and_then(|liquid| liquid.draining_film),
+            films: Vec::new(),
+            history,
+            cycle,
+            cycles,
+            unloading,
+            substrate,
+            forces,
+            critical_approach,
+            separations,
+            stiffness_span,
+            inputs,
+            files: Arc::clone(files),
+            replicas,
+            stopping,
+            sampling,
+            seed,
+            sum_tolerance: self.sum_tolerance,
+            curves: self.curves,
+        };
+        resolved(&scene).map_err(|problem| {
+            match separation.get("h").or_else(|| separation.get("h_star")) {
+                Some(entry) => entry.wrong(&problem),
+                None => SceneError::general(problem),
+            }
         })?;
-    let separations = separation::separations(&separation, surface.surface_height_std)?;
-    let range = (separations[0], separations[separations.len() - 1]);
-    let forces =
-        background.suited(&Setting { model: &law, asperity: &asperity, surface: &surface, range })?;
-    let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
-    let cycles = separation::cycles(&separation, cycle)?;
-    let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
-    let most =
-        UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
-    let d =
-        [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
-    let furthest = d[0].max(d[1]).max(surface.heights.std);
-    if !(furthest <= most) {
-        let [furthest, most] = [furthest, most].map(|length| Dimension::Length.shown(length));
-        return Err(SceneError::general(format!(
-            "[separation] and [surface] reach {furthest}, but laws are computed to {most}; check the units of h, \
-             mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
-        )));
+        let law = scene.model;
+        scene.with_background_of(&law).with_films().and_then(Scene::with_spread).map_err(|error| {
+            SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
+        })
     }
-    let EnsembleTable { replicas, stopping, sampling, seed } = draws;
-    if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1) {
-        if surface.whole {
-            return Err(entry.wrong(
-                "has no meaning with sample = \"whole\" in [surface], of which every replica is the same; leave it out",
-            ));
-        }
-        if surface.count_law == CountLaw::Poisson {
-            return Err(entry.wrong(
-                "relates the asperities of replicas one by one, and with count = \"poisson\" in [surface] they are not as many; \
-                 it needs \"independent\", or count = \"fixed\"",
-            ));
-        }
+}
+
+/// The table `[surface]`: its asperities, and the thickness of the lubricant, m.
+fn read_surface(
+    surface: &Section<'_>,
+    material: Option<&Material>,
+    files: &dyn Files,
+    is_coupled: bool,
+) -> Result<(Population, f64), SceneError> {
+    let lubricant = surface.value("lubricant_thickness").measured();
+    // A radius that is given is judged before the surface that follows from it.
+    if let (Some(material), Some(Ok(radius))) =
+        (material, surface.get("asperity_radius").map(|entry| entry.measured()))
+    {
+        material.asperity(radius, 0.0)?;
     }
-    let scene = Scene {
-        text: text.to_owned(),
-        title,
-        instability: instability.of(asperity.reduced_modulus, surface.nominal_area),
-        asperity,
-        surface,
-        model: law,
-        draining_film: liquid.and_then(|liquid| liquid.draining_film),
-        films: Vec::new(),
-        history,
-        cycle,
-        cycles,
-        unloading,
-        substrate,
-        forces,
-        critical_approach,
-        separations,
-        stiffness_span,
-        inputs,
-        files: Arc::clone(files),
-        replicas,
-        stopping,
-        sampling,
-        seed,
-        sum_tolerance,
-        curves,
+    let population = match surface.get("asperities") {
+        Some(entry) => measured(surface, &entry, files, is_coupled),
+        None => population(surface, files),
     };
-    resolved(&scene).map_err(|problem| match separation.get("h").or_else(|| separation.get("h_star")) {
-        Some(entry) => entry.wrong(&problem),
-        None => SceneError::general(problem),
-    })?;
-    let law = scene.model;
-    scene.with_background_of(&law).with_films().and_then(Scene::with_spread).map_err(|error| {
-        SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
-    })
+    (population, lubricant).together()
+}
+
+/// Refuses lengths beyond those to which laws are computed, among separations h from the nearest to the furthest, m, and
+/// heights.
+fn reached(asperity: &Asperity, surface: &Surface, range: (f64, f64)) -> Result<(), SceneError> {
+    let scale = Scale::new(asperity).map_err(|error| SceneError::general(error.to_string()))?;
+    let most = UNIT_RANGE.1 * scale.length;
+    let d = [range.0, range.1].map(|h| surface.asperity_separation(h).abs());
+    let furthest = d[0].max(d[1]).max(surface.heights.std);
+    if furthest <= most {
+        return Ok(());
+    }
+    let [furthest, most] = [furthest, most].map(|length| Dimension::Length.shown(length));
+    Err(SceneError::general(format!(
+        "[separation] and [surface] reach {furthest}, but laws are computed to {most}; check the units of h, \
+         mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
+    )))
+}
+
+/// Refuses replicas that are related to each other where a surface does not allow it.
+fn related(ensemble: &Section<'_>, sampling: SamplingScheme, surface: &Surface) -> Result<(), SceneError> {
+    let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1) else { return Ok(()) };
+    if surface.whole {
+        return Err(entry.wrong(
+            "has no meaning with sample = \"whole\" in [surface], of which every replica is the same; leave it out",
+        ));
+    }
+    if surface.count_law == CountLaw::Poisson {
+        return Err(entry.wrong(
+            "relates the asperities of replicas one by one, and with count = \"poisson\" in [surface] they are not as many; \
+             it needs \"independent\", or count = \"fixed\"",
+        ));
+    }
+    Ok(())
 }
 
 /// Refuses separations that rounding makes equal where the asperities are.

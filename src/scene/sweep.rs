@@ -311,7 +311,7 @@ mod tests {
                 None if !of_law.is_empty() => 0.25,
                 None if key.name.starts_with("solver") || key.name.starts_with("substrate") => 1e-5,
                 None if key.name == "electrostatic.relative_permittivity" => 7.0,
-                None => 0.5,
+                None => 0.3,
                 Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
                 Some(Dimension::Length) => 0.7e-9,
                 Some(Dimension::Area) => 1.25e-10,

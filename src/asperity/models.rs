@@ -5,12 +5,10 @@ use super::error::LawError;
 use super::flattened::Around;
 use super::history::Path;
 use super::law::{Law, Responses};
+pub use super::laws::MODELS;
+use super::laws::capillary;
 use super::laws::capillary::Parts;
 use super::laws::md_plastic::PlasticContact;
-use super::laws::{
-    capillary, ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, md_plastic,
-    sbl, tn, zmc,
-};
 use super::parameters::LawParameters;
 use super::radius::Lanes;
 use super::stats::SolverStats;
@@ -87,7 +85,7 @@ impl Model {
 
     /// The plastic contact of a law that takes any; none of one that has its own, or none.
     pub fn contact(&self) -> Option<PlasticContact> {
-        (self.validity.plasticity == FlattenedTop).then_some(self.contact)
+        (self.validity.plasticity == Plasticity::FlattenedTop).then_some(self.contact)
     }
 
     /// The law with a liquid, of which it makes nothing where it is not for one.
@@ -275,7 +273,7 @@ impl Validity {
     }
 }
 
-const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Validity {
+pub(super) const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Validity {
     Validity { adhesion, plasticity, dry }
 }
 
@@ -287,62 +285,22 @@ const fn model_of(name: &'static str, about: &'static str, validity: Validity, b
     Model { name, about, validity, meniscus: None, contact: PlasticContact::JacksonGreen, build }
 }
 
-const fn law(name: &'static str, about: &'static str, validity: Validity, build: Plain) -> Model {
+pub(super) const fn law(name: &'static str, about: &'static str, validity: Validity, build: Plain) -> Model {
     model_of(name, about, validity, Build::Plain(build))
 }
 
-const fn wet(name: &'static str, about: &'static str, validity: Validity, build: Wet) -> Model {
+pub(super) const fn wet(name: &'static str, about: &'static str, validity: Validity, build: Wet) -> Model {
     model_of(name, about, validity, Build::Wet(build))
 }
 
-const fn flowing(name: &'static str, about: &'static str, validity: Validity, build: Flowing) -> Model {
+pub(super) const fn flowing(
+    name: &'static str,
+    about: &'static str,
+    validity: Validity,
+    build: Flowing,
+) -> Model {
     model_of(name, about, validity, Build::Flowing(build))
 }
-
-use Plasticity::{FlattenedTop, KogutEtsion, Other, Without};
-
-/// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
-#[rustfmt::skip]
-pub const MODELS: &[Model] = &[
-    flowing("md_plastic", "extended Maugis-Dugdale, also around the flattened tops of contacts that have flowed",
-        validity(Adhesion::Any, FlattenedTop, false), md_plastic::md_plastic),
-    law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
-        validity(Adhesion::Any, KogutEtsion, false), hybrid::hybrid),
-    law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
-        validity(Adhesion::Any, Without, false), emd::emd),
-    law(PUBLISHED_FITS, "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
-        validity(Adhesion::Any, KogutEtsion, false), fit::paper),
-    law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
-        validity(Adhesion::Low, KogutEtsion, false), isbl::isbl),
-    law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",
-        validity(Adhesion::Low, KogutEtsion, false), sbl::sbl),
-    law("ke", "improved DMT before contact, Kogut-Etsion in contact, dry",
-        validity(Adhesion::Low, KogutEtsion, true), kogut_etsion::ke),
-    law("ceb", "improved DMT before contact, Hertz and Chang-Etsion-Bogy in contact, dry",
-        validity(Adhesion::Low, Other, true), ceb::ceb),
-    law("zmc", "improved DMT before contact, Hertz and Zhao-Maietta-Chang in contact, dry",
-        validity(Adhesion::Low, Other, true), zmc::zmc),
-    law("jg", "improved DMT before contact, Hertz and Jackson-Green in contact, dry",
-        validity(Adhesion::Low, Other, true), jg::jg),
-    law("tn", "improved DMT before contact, Hertz and Thornton-Ning in contact, dry",
-        validity(Adhesion::Low, Other, true), tn::tn),
-    law("md", "Maugis-Dugdale in contact, nothing before it, elastic and dry",
-        validity(Adhesion::Any, Without, true), md::md),
-    law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
-        validity(Adhesion::Any, Without, true), md_kim::md_kim),
-    wet("capillary", "extended Maugis-Dugdale within bridges of a condensed liquid, also around flattened tops",
-        validity(Adhesion::Any, FlattenedTop, true), capillary::capillary),
-    law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
-        validity(Adhesion::High, Without, true), jkr::jkr),
-    law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",
-        validity(Adhesion::Low, Without, true), dmt::dmt),
-    law("idmt", "improved Derjaguin-Muller-Toporov: attraction before contact too, elastic and dry",
-        validity(Adhesion::Low, Without, true), idmt::idmt),
-    law("hertz", "Hertz contact without adhesion, elastic and dry",
-        validity(Adhesion::Without, Without, true), hertz::hertz),
-    law("gw", "Greenwood-Williamson: Hertz contacts without adhesion, elastic and dry",
-        validity(Adhesion::Without, Without, true), hertz::hertz),
-];
 
 /// The law of a name.
 pub fn model(name: &str) -> Option<Model> {

@@ -9,7 +9,7 @@ use std::process::Command;
 use std::sync::Arc;
 use stiction::estimate::Plan;
 use stiction::input::columns::SceneFiles;
-use stiction::scene::{Document, KEYS};
+use stiction::scene::{Absent, Document, KEYS, Key, Value};
 
 const QUICK: &str = include_str!("../data/quick.toml");
 
@@ -918,6 +918,37 @@ fn scene_of((without, with, given): &Variant) -> String {
     values.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
 }
 
+/// The line of a key in the text of a scene.
+fn line<'t>(text: &'t str, key: &Key) -> Option<&'t str> {
+    let begin = format!("{} = ", key.name.replace("sweep.*", "sweep.material.hardness"));
+    text.split_inclusive('\n').find(|line| line.starts_with(&begin))
+}
+
+/// The plain scene, all variants, and for each key that none of these has a scene that has it, with what its table needs.
+fn texts() -> Vec<String> {
+    let plain: Variant = (&[], &[], &[]);
+    let mut texts: Vec<String> =
+        std::iter::once(plain).chain(VARIANTS.iter().copied()).map(|v| scene_of(&v)).collect();
+    for key in KEYS.iter().filter(|key| !matches!(key.value, Value::Table) && !key.name.contains(['[', '*']))
+    {
+        if texts.iter().any(|text| line(text, key).is_some()) {
+            continue;
+        }
+        let table = format!("{}.", key.name.split_once('.').unwrap_or_default().0);
+        let has_table = |text: &&String| text.lines().any(|line| line.starts_with(&table));
+        let base = texts.iter().find(has_table).unwrap_or(&texts[0]).clone();
+        let is_needed = |own: &&&Key| {
+            own.name.starts_with(&table)
+                && (own.name == key.name || matches!(own.absent, Absent::Required))
+                && !own.name.contains('[')
+                && line(&base, own).is_none()
+        };
+        let more = KEYS.iter().filter(is_needed).map(|own| format!("{} = {}\n", own.name, own.example));
+        texts.push(more.fold(base.clone(), |text, line| text + &line));
+    }
+    texts
+}
+
 fn stiction(folder: &Path, arguments: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
     let output = command.args(arguments).current_dir(folder).output().unwrap();
@@ -944,10 +975,11 @@ fn examples_of_all_keys_are_scenes() {
     let read = |text: &str| {
         Document::parse(text, Arc::new(SceneFiles::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"))
     };
-    let mut used: BTreeSet<&str> = PLAIN.into_iter().collect();
-    for variant in VARIANTS {
-        used.extend(variant.1);
-        let scene = read(&scene_of(variant)).scene;
+    let texts = texts();
+    let is_used = |key: &&&Key| texts.iter().any(|text| line(text, key).is_some());
+    let mut used: BTreeSet<&str> = KEYS.iter().filter(is_used).map(|key| key.name).collect();
+    for text in &texts {
+        let scene = read(text).scene;
         if scene.critical_approach.is_none() {
             let plan = Plan::new(&scene, scene.law().unwrap().view());
             assert!(plan.pairs > 0.0, "{}", scene.text);
@@ -965,22 +997,8 @@ fn examples_of_all_keys_are_scenes() {
         used.insert(list);
     }
     // Tables, and the ends of a sweep, which are examples of the key that is swept.
-    let tables = [
-        "material",
-        "surface",
-        "model",
-        "separation",
-        "capillary",
-        "ensemble",
-        "substrate",
-        "van_der_waals",
-        "electrostatic",
-        "instability",
-        "solver",
-        "output",
-    ];
-    let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
-    let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
+    let keys = KEYS.iter().filter(|key| !matches!(key.value, Value::Table));
+    let unused: Vec<&str> = keys.map(|key| key.name).filter(|name| !used.contains(name)).collect();
     let elements = [
         "material.youngs_modulus[]",
         "material.poissons_ratio[]",

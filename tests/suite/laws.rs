@@ -535,7 +535,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             vec![(place, [2.0 - at(law.as_ref(), place)[0], jump * unit])]
         }
         "sbl" => joints.into_iter().zip(loads).map(|(joint, load)| (joint, [0.0, load])).collect(),
-        _ => panic!("{name}: say where it jumps"),
+        _ => Vec::new(),
     }
 }
 

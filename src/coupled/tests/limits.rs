@@ -329,9 +329,9 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     }
 }
 
-/// One sphere of Hertz with a contact of finite size in a square that repeats: f = K a³/R_eff, 1/R_eff = 1/R
-/// + S f/(2πE*L³), −d = a²/R_eff + f (c/L + S a²/10L³)/(πE*), to 1e-12; and from all orders they are off by
-/// less than 0.6 (a/L)⁵.
+/// One sphere of Hertz with a contact of finite size in a square that repeats: f = K a³/R_eff,
+/// 1/R_eff = 1/R + S f/(2πE*L³), −d = a²/R_eff + f (c/L + S a²/10L³)/(πE*), to 1e-12; and from all orders they
+/// are off by less than 0.6 (a/L)⁵.
 #[test]
 fn a_lattice_of_finite_contacts_has_its_closed_form() {
     let all = json(LIMITS);

@@ -1,7 +1,7 @@
 //! What the table of keys says, against the reader: defaults, keys that have to be there, and those that
 //! exclude others.
 
-use super::{VARIANTS, Variant, files, scene_of};
+use super::{files, line, scene_of, texts};
 use std::path::Path;
 use std::sync::Arc;
 use stiction::input::columns::SceneFiles;
@@ -16,17 +16,9 @@ fn said(folder: &Path, text: &str) -> Result<String, String> {
     Ok(format!("{:?} {sweep:?}", document.scene))
 }
 
-/// The line of a key in the text of a variant.
-fn line<'t>(text: &'t str, key: &Key) -> Option<&'t str> {
-    let begin = format!("{} = ", key.name.replace("sweep.*", "sweep.material.hardness"));
-    text.split_inclusive('\n').find(|line| line.starts_with(&begin))
-}
-
-/// The texts of all variants, and of the plain scene, that have a key.
+/// The texts of all scenes that have a key.
 fn with(key: &Key) -> impl Iterator<Item = String> {
-    let plain: Variant = (&[], &[], &[]);
-    let texts = std::iter::once(plain).chain(VARIANTS.iter().copied()).map(|variant| scene_of(&variant));
-    texts.filter(|text| line(text, key).is_some())
+    texts().into_iter().filter(|text| line(text, key).is_some())
 }
 
 #[test]

@@ -106,7 +106,7 @@ impl Dispersion {
 
 impl MeanPlaneForce for Dispersion {
     fn strength(&self, std: f64, separation: f64) -> Strength {
-        let mean = roughness::mean(std, separation, (self.smallest_gap, 0.0), |gap| self.at(gap));
+        let mean = roughness::mean_over_gaps(std, separation, (self.smallest_gap, 0.0), |gap| self.at(gap));
         self.caps
             .as_ref()
             .map_or(mean, |caps| mean.times(1.0 - caps.share).plus(caps.beyond(separation).times(-1.0)))

@@ -65,7 +65,7 @@ impl Electrostatic {
 /// Electrodes that are bare are to be at least [`Electrostatic::NEAREST_BARE`] σ apart.
 impl MeanPlaneForce for Electrostatic {
     fn strength(&self, std: f64, separation: f64) -> Strength {
-        roughness::mean(std, separation, (0.0, self.closed()), |gap| self.open(gap))
+        roughness::mean_over_gaps(std, separation, (0.0, self.closed()), |gap| self.open(gap))
     }
 
     fn pressure(&self, std: f64, separation: f64) -> f64 {

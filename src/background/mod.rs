@@ -21,6 +21,7 @@ pub use caps::CapRetardation;
 pub use caps::{Cap, CapHeights, Caps};
 pub use dispersion::{Dispersion, VanDerWaals};
 pub use electrostatic::{Electrostatic, VACUUM_PERMITTIVITY};
+pub use roughness::mean_over_gaps;
 
 use crate::math::piecewise::Piecewise;
 use std::fmt::Debug;
@@ -70,10 +71,10 @@ impl Strength {
 /// A force between the mean planes of two rough surfaces.
 ///
 /// # Examples
-/// A screened repulsion that decays with the gap, of which the mean over normal gaps is known:
+/// A screened repulsion that decays with the gap, whose mean over normal gaps has a closed form:
 ///
 /// ```
-/// use stiction::background::{Background, MeanPlaneForce, Strength};
+/// use stiction::background::{Background, MeanPlaneForce, Strength, mean_over_gaps};
 /// use std::sync::Arc;
 ///
 /// #[derive(Debug)]
@@ -82,9 +83,11 @@ impl Strength {
 /// impl MeanPlaneForce for Screened {
 ///     fn strength(&self, std: f64, separation: f64) -> Strength {
 ///         let (length, at_contact) = (10e-9, -1e5);
-///         let roughness: f64 = std / length;
-///         let pressure = at_contact * (0.5 * roughness * roughness - separation / length).exp();
-///         Strength { energy: pressure * length, pressure, slope: -pressure / length }
+///         let at = |gap: f64| {
+///             let pressure = at_contact * (-gap / length).exp();
+///             Strength { energy: pressure * length, pressure, slope: -pressure / length }
+///         };
+///         mean_over_gaps(std, separation, (0.0, at_contact), at)
 ///     }
 ///
 ///     fn about(&self) -> String {
@@ -93,7 +96,8 @@ impl Strength {
 /// }
 ///
 /// let background = Background::new(vec![("screened", Arc::new(Screened))], 1e-9, (20e-9, 40e-9));
-/// assert!((background.pressure(30e-9) / Screened.strength(1e-9, 30e-9).pressure - 1.0).abs() < 1e-11);
+/// let expected = -1e5 * (0.5_f64 * 0.1 * 0.1 - 3.0).exp();
+/// assert!((background.pressure(30e-9) / expected - 1.0).abs() < 1e-11);
 /// ```
 pub trait MeanPlaneForce: Debug + Send + Sync {
     /// The strength as a mean over the gaps of surfaces whose heights have the standard deviation `std`, m, at a

@@ -11,13 +11,13 @@ const PANEL: f64 = 2.5;
 /// Relative accuracy of the quadrature.
 const TOLERANCE: f64 = 1e-13;
 
-/// The strength at a separation h, m, of what acts as `of` a gap between planes wherever the gap is above
+/// The strength at a separation h, m, of a force that acts as `of` a gap between planes wherever the gap is above
 /// `cut`, m, and with a constant pressure, Pa, below; heights have the standard deviation `std`, m.
 ///
 /// # Formula
 /// With F the probability of a gap below the cut c and f its density there: p = p₋F + ∫p φ, dp/dh = (p(c) −
 /// p₋)f + ∫p′φ, and ∫p dh from h on is W(c)F + p₋⟨(c − g)₊⟩ + ∫W φ.
-pub(super) fn mean(
+pub fn mean_over_gaps(
     std: f64,
     separation: f64,
     (cut, below): (f64, f64),
@@ -43,7 +43,7 @@ pub(super) fn mean(
     mean.plus(Strength { energy, pressure, slope })
 }
 
-/// The pressure of [`mean`], Pa.
+/// The pressure of [`mean_over_gaps`], Pa.
 pub(super) fn mean_pressure(
     std: f64,
     separation: f64,

@@ -5,6 +5,7 @@ use super::error::{SceneError, all};
 use super::keys::{Sign, Value};
 use super::lookup::{default, example, find, former_value, keys_of, meant, nearest, renamed};
 use super::units::{Dimension, QuantityError, parse};
+use std::ops::{Bound, RangeBounds};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -242,6 +243,29 @@ impl<'a> Entry<'a> {
             }
             None => Err(self.wrong(&format!("is {}, a number is needed", kind(self.value.get_ref())))),
         }
+    }
+
+    /// The number that the table of keys has for this one, or for the elements of a list in its place, within its bounds.
+    pub fn bounded(&self) -> Result<f64, SceneError> {
+        let bounds = |name: &str| match find(name)?.value {
+            Value::Number(low, high) => Some((low, high)),
+            _ => None,
+        };
+        let of_element = || bounds(&format!("{}[]", self.name));
+        let (low, high) =
+            bounds(&self.name).or_else(of_element).expect("a number is read where the table has one");
+        let number = self.number()?;
+        if (low, high).contains(&number) {
+            return Ok(number);
+        }
+        let bound = |bound: Bound<f64>, [included, excluded]: [&str; 2]| match bound {
+            Bound::Included(limit) => Some(format!("{included} {limit}")),
+            Bound::Excluded(limit) => Some(format!("{excluded} {limit}")),
+            Bound::Unbounded => None,
+        };
+        let bounds = [bound(low, ["at least", "greater than"]), bound(high, ["at most", "less than"])];
+        let words: Vec<String> = bounds.into_iter().flatten().collect();
+        Err(self.wrong(&format!("has to be {}", words.join(" and "))))
     }
 
     /// A whole number in `range`.

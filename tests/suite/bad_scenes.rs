@@ -22,7 +22,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "`van_der_waals.hamaker_constant = \"-1 zJ\"`: has to be greater than 0",
             "`van_der_waals.retarded = 1`: true or false",
             "`van_der_waals.smallest_gap = \"0 nm\"`: has to be greater than 0",
-            "`van_der_waals.cap_share = 0`: a share of the nominal area is greater than 0 and at most 1",
+            "`van_der_waals.cap_share = 0`: has to be greater than 0 and at most 1",
         ],
     ),
     (
@@ -76,7 +76,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[ensemble]",
         "[electrostatic]\nvoltage = \"1 V\"\nrelative_permittivity = [3.9, 0.9]\ndielectric_thickness = \"100 nm\"\n[ensemble]",
-        &["`electrostatic.relative_permittivity[1] = 0.9`: a relative permittivity is at least 1"],
+        &["`electrostatic.relative_permittivity[1] = 0.9`: has to be at least 1"],
     ),
     (
         "[ensemble]",

@@ -11,14 +11,12 @@ use crate::scene::keys::key;
 use crate::scene::reader::{Entry, Section};
 use crate::scene::units::Dimension as Of;
 use crate::scene::warning::Warning;
-use std::ops::Bound;
+use std::ops::Bound::{Included, Unbounded};
 use std::sync::Arc;
 use toml::de::DeValue;
 
 /// Most dielectrics between two electrodes.
 const MOST_LAYERS: usize = 20;
-/// Relative permittivities of dielectrics.
-const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0), Bound::Unbounded);
 /// Largest field across a gap, V/m, that air withstands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
 /// Paschen's law at short gap distances", 2014).
 const LARGEST_FIELD: f64 = 3.5e8;
@@ -55,7 +53,7 @@ pub(super) const TABLE: ForceTable = ForceTable {
         .about("Of each, where there are several. Needs `dielectric_thickness`.")
         .follows("none; bare electrodes")
         .swept(),
-    key("electrostatic.relative_permittivity[]", "3.9", Number(PERMITTIVITIES.0, PERMITTIVITIES.1)),
+    key("electrostatic.relative_permittivity[]", "3.9", Number(Included(1.0), Unbounded)),
     key("electrostatic.recess", "\"50 nm\"", Quantity(Of::Length, NotNegative))
         .what("gap that is left between the electrodes where the surfaces touch")
         .about("Of electrodes next to the contact, lower than it.")
@@ -121,12 +119,7 @@ fn electrostatic(section: &Section<'_>) -> Result<Electrostatic, SceneError> {
 /// Σt/ε_r of the dielectrics, m.
 fn layers(section: &Section<'_>) -> Result<f64, SceneError> {
     let thicknesses = section.optional("dielectric_thickness", |entry| layer(entry, &Entry::measured));
-    let permittivities = section.optional("relative_permittivity", |entry| {
-        layer(entry, &|entry: &Entry<'_>| match entry.number()? {
-            permittivity if permittivity >= 1.0 => Ok(permittivity),
-            _ => Err(entry.wrong("a relative permittivity is at least 1")),
-        })
-    });
+    let permittivities = section.optional("relative_permittivity", |entry| layer(entry, &Entry::bounded));
     let (thicknesses, permittivities) = (thicknesses, permittivities).together()?;
     match (&thicknesses, &permittivities) {
         (None, None) => Ok(0.0),

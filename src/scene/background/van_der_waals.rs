@@ -11,12 +11,8 @@ use crate::scene::keys::key;
 use crate::scene::reader::{Entry, Section};
 use crate::scene::units::Dimension as Of;
 use crate::surface::{RadiusClass, Surface};
-use std::ops::{Bound, RangeBounds};
+use std::ops::Bound::{Excluded, Included};
 use std::sync::Arc;
-
-/// Shares of the nominal area that caps of asperities may have. With the default the sum over asperities and background is
-/// within a tenth of Derjaguin's approximation for the whole of a Gaussian surface.
-const CAP_SHARES: (Bound<f64>, Bound<f64>) = (Bound::Excluded(0.0), Bound::Included(1.0));
 
 pub(super) const TABLE: ForceTable = ForceTable {
     name: "van_der_waals",
@@ -48,7 +44,7 @@ pub(super) const TABLE: ForceTable = ForceTable {
         .about("Smaller ones belong to the asperities.")
         .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
         .swept(),
-    key("van_der_waals.cap_share", "0.75", Number(CAP_SHARES.0, CAP_SHARES.1))
+    key("van_der_waals.cap_share", "0.75", Number(Excluded(0.0), Included(1.0)))
         .what("share of the area that asperities own")
         .about(
             "Of laws whose attraction has no end, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
@@ -69,7 +65,8 @@ struct VanDerWaalsTable {
     wavelength: Option<f64>,
     /// Gap below which asperities act, m; the range of their Dugdale stress without one.
     smallest_gap: Option<f64>,
-    /// Share of the area in caps of asperities, of laws whose attraction has no end.
+    /// Share of the area in caps of asperities, of laws whose attraction has no end. With the default the sum over
+    /// asperities and background is within a tenth of Derjaguin's approximation for the whole of a Gaussian surface.
     cap_share: f64,
 }
 
@@ -79,11 +76,7 @@ fn van_der_waals(section: &Section<'_>) -> Result<VanDerWaalsTable, SceneError> 
         None => section.value("retardation_wavelength").measured(),
         Some(entry) => Err(entry.wrong("needs retarded = true; without retardation there is no wavelength")),
     };
-    let given_share = section.value("cap_share");
-    let cap_share = given_share.number().and_then(|share| match CAP_SHARES.contains(&share) {
-        true => Ok(share),
-        false => Err(given_share.wrong("a share of the nominal area is greater than 0 and at most 1")),
-    });
+    let cap_share = section.value("cap_share").bounded();
     let readings = (
         section.optional("hamaker_constant", Entry::measured),
         (retarded.clone(), wavelength).together(),

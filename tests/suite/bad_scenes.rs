@@ -283,7 +283,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &[
             "line 6: `material.youngs_modulus",
             "line 7: `material.poissons_ratio",
-            "same as reduced_modulus; give either",
+            "determines reduced_modulus too; give either",
         ],
     ),
     (

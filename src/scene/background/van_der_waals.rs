@@ -18,40 +18,40 @@ pub(super) const TABLE: ForceTable = ForceTable {
     name: "van_der_waals",
     meaning: "van der Waals attraction between the mean planes",
     keys: &[
-    key("van_der_waals", "{ hamaker_constant = \"1e-19 J\", retarded = true }", Table)
-        .what("van der Waals forces between the mean planes")
-        .about(
-            "Per nominal area, across the gaps of the rough surface that no asperity owns; an empty table takes \
-             the constant of the asperities.",
-        )
-        .follows("none; asperities attract alone"),
-    key("van_der_waals.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
-        .what("Hamaker constant")
-        .about("A of the two bodies across what is between them.")
-        .follows("16πΔγZ₀², that of the Lennard-Jones attraction of the asperities")
-        .swept(),
-    key("van_der_waals.retarded", "true", Switch)
-        .what("whether the forces are retarded")
-        .about("By Gregory (1981): from A/6πz³ close by to the retarded law, which falls as 1/z⁴.")
-        .defaults_to("false"),
-    key("van_der_waals.retardation_wavelength", "\"100 nm\"", Quantity(Of::Length, Positive))
-        .what("wavelength of the retardation")
-        .about("Needs `retarded = true`.")
-        .defaults_to("\"100 nm\"")
-        .swept(),
-    key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
-        .what("gap from which on the background acts")
-        .about("Smaller ones belong to the asperities.")
-        .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
-        .swept(),
-    key("van_der_waals.cap_share", "0.75", Number(Excluded(0.0), Included(1.0)))
-        .what("share of the area that asperities own")
-        .about(
-            "Of laws whose attraction has no end, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
-             ηπρ² = `cap_share`, and the background on the rest.",
-        )
-        .defaults_to("0.75")
-        .swept(),
+        key("van_der_waals", "{ hamaker_constant = \"1e-19 J\", retarded = true }", Table)
+            .what("van der Waals forces between the mean planes")
+            .about(
+                "Per nominal area, across the gaps of the rough surface that no asperity owns; an empty table takes \
+                 the constant of the asperities.",
+            )
+            .follows("none; asperities attract alone"),
+        key("van_der_waals.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
+            .what("Hamaker constant")
+            .about("A of the two bodies across what is between them.")
+            .follows("16πΔγZ₀², that of the Lennard-Jones attraction of the asperities")
+            .swept(),
+        key("van_der_waals.retarded", "true", Switch)
+            .what("whether the forces are retarded")
+            .about("By Gregory (1981): from A/6πz³ close by to the retarded law, which falls as 1/z⁴.")
+            .defaults_to("false"),
+        key("van_der_waals.retardation_wavelength", "\"100 nm\"", Quantity(Of::Length, Positive))
+            .what("wavelength of the retardation")
+            .about("Needs `retarded = true`.")
+            .defaults_to("\"100 nm\"")
+            .swept(),
+        key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
+            .what("gap from which on the background acts")
+            .about("Smaller ones belong to the asperities.")
+            .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
+            .swept(),
+        key("van_der_waals.cap_share", "0.75", Number(Excluded(0.0), Included(1.0)))
+            .what("share of the area that asperities own")
+            .about(
+                "Of laws whose attraction has no end, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
+                 ηπρ² = `cap_share`, and the background on the rest.",
+            )
+            .defaults_to("0.75")
+            .swept(),
     ],
     read: |section| van_der_waals(section).map(|table| Arc::new(table) as Arc<dyn GivenForce>),
 };

@@ -5,13 +5,13 @@
 //! the outputs are corrected along a second. What is not good enough then is solved again on the safeguarded path.
 //! Far from contact a series takes the place of solves (`far.rs`).
 
+use super::block::BLOCK;
 use super::branch::Branch;
 use super::contact::Contact;
 use super::curve::{Anchor, Curve, corrected, last_step};
 use super::far;
 use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
-use super::law::BLOCK;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::LAMBDA_RANGE;
 use super::starts::{Column, Starts, cell_of};

@@ -2,10 +2,11 @@
 
 use super::error::LawError;
 use super::history::Path;
+use super::lane::Lane;
 use super::law::Law;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
-use super::radius::{Lane, RadiusLaw};
+use super::radius::RadiusLaw;
 use super::scale::Asperity;
 use super::unloading::{Loop, Unloading};
 use std::ops::Deref;

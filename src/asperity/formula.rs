@@ -1,10 +1,12 @@
 //! Closed forms as they are printed: a formula for each force at one interference, from which [`ClosedForm`]
 //! makes the loop over blocks.
 
+use super::block::{BLOCK, Responses};
+use super::lane::{Lane, Lanes, Numbered};
 use super::law::Method;
-use super::law::{BLOCK, End, Responses, Smoothness};
+use super::law::{End, Smoothness};
 use super::parameters::LawParameters;
-use super::radius::{Lane, Lanes, Numbered, Similarity};
+use super::radius::Similarity;
 use super::stats::SolverStats;
 use super::table::Interaction;
 use crate::math::instruction_set::InstructionSet;

@@ -1,7 +1,7 @@
 //! Lanes of a block of asperities that are solved together.
 
+use super::block::BLOCK;
 use super::curve::{Anchor, Curve, corrected, last_step};
-use super::law::BLOCK;
 use crate::math::piecewise::Cell;
 use std::ops::Range;
 

@@ -14,9 +14,10 @@
 //!
 //! Source of the unloading: [`super::unloading`].
 
+use super::block::Responses;
 use super::history::Path;
-use super::law::{End, Law, Responses, Smoothness};
-use super::radius::Lanes;
+use super::lane::Lanes;
+use super::law::{End, Law, Smoothness};
 use super::springback::{Springback, follow, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;

@@ -6,6 +6,7 @@
 //! approach Δ are all there is; [`Scale`] is the one place that knows R, E_r and Δγ.
 
 mod angle;
+mod block;
 #[doc(hidden)]
 pub mod branch;
 mod bridge;
@@ -27,6 +28,7 @@ mod folds;
 #[doc(hidden)]
 pub mod formula;
 mod history;
+mod lane;
 mod lanes;
 #[doc(hidden)]
 pub mod law;
@@ -56,14 +58,18 @@ mod turned;
 #[doc(hidden)]
 pub mod unloading;
 
+#[doc(hidden)]
+pub use block::{BLOCK, Responses};
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
 pub use history::{ContactHistory, Path};
 #[doc(hidden)]
+pub use lane::{Lane, Lanes};
+#[doc(hidden)]
 pub use law::{
-    BLOCK, Boundary, End, FitReport, Method, Piece, Responses, Scratch, Smoothness, for_each_block,
-    for_each_block_of, regime_ranges,
+    Boundary, End, FitReport, Method, Piece, Scratch, Smoothness, for_each_block, for_each_block_of,
+    regime_ranges,
 };
 pub use law::{Law, Regime};
 pub use laws::md_plastic::PlasticContact;
@@ -72,8 +78,6 @@ pub use models::{MODELS, Model, Validity, model};
 pub use parameters::InnerState;
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
-#[doc(hidden)]
-pub use radius::{Lane, Lanes};
 #[doc(hidden)]
 pub use retraction::Retraction;
 pub use scale::{Asperity, Scale};

@@ -1,16 +1,17 @@
 //! The registry of laws: their names, descriptions, limits and constructors. A new law is its file and a
 //! line here.
 
+use super::block::Responses;
 use super::error::LawError;
 use super::flattened::Around;
 use super::history::Path;
-use super::law::{Law, Responses};
+use super::lane::Lanes;
+use super::law::Law;
 pub use super::laws::MODELS;
 use super::laws::capillary;
 use super::laws::capillary::Parts;
 use super::laws::md_plastic::PlasticContact;
 use super::parameters::LawParameters;
-use super::radius::Lanes;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
 

@@ -9,7 +9,7 @@
 //! with P_max and A_max of the law on approach at ω_max. At x = 1 that is Hertz's contact. An asperity
 //! springs back by its recovery, ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03).
 
-use super::law::{BLOCK, Responses};
+use super::block::{BLOCK, Responses};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};

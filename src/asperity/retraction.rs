@@ -1,7 +1,8 @@
 //! The law of the asperities of a loop at one distance from the closest approach.
 
-use super::law::{BLOCK, Boundary, End, Law, Method, Piece, Regime, Responses, Smoothness};
-use super::radius::{Lane, Lanes};
+use super::block::{BLOCK, Responses};
+use super::lane::{Lane, Lanes};
+use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::springback::{POWERS, Springback, Top, follow, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};

@@ -1,6 +1,7 @@
 //! One asperity at one interference.
 
-use super::law::{Law, Regime, Responses, Scratch, for_each_block};
+use super::block::Responses;
+use super::law::{Law, Regime, Scratch, for_each_block};
 use super::stats::SolverStats;
 
 /// One asperity at one interference, in the units of its law: SI, or scaled ones.

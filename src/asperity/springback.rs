@@ -19,11 +19,13 @@
 //! last ones to the middle of the area that a uniform pressure P/(πa²) has pressed flat, when it is taken off
 //! (Johnson 1985, section 3.4).
 
+use super::block::{BLOCK, Responses};
 use super::decohesion::Decohesion;
 use super::flattened::Around;
-use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use super::lane::{Lane, Lanes};
+use super::law::{End, Law, Regime, Smoothness};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, Lanes, RadiusLaw};
+use super::radius::RadiusLaw;
 use super::scale::Scale;
 use super::stats::SolverStats;
 use std::f64::consts::PI;

@@ -3,8 +3,10 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves
 //! several laws, the same lubricant all that know one.
 
-use super::law::{Boundary, FitReport, Law, Method, Piece, Regime, Responses, Smoothness};
-use super::radius::{Lane, Lanes, Place};
+use super::block::Responses;
+use super::lane::{Lane, Lanes};
+use super::law::{Boundary, FitReport, Law, Method, Piece, Regime, Smoothness};
+use super::radius::Place;
 use super::stats::SolverStats;
 use std::ops::Range;
 

@@ -5,10 +5,10 @@
 //! flowed, and the distances at which it passes from one condition to the next; asperities in one condition
 //! are then evaluated together, each as a lane.
 
+use super::block::{BLOCK, Responses};
 use super::history::{ContactHistory, Path};
-use super::law::{BLOCK, Responses};
+use super::lane::{Lane, Lanes};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, Lanes};
 use super::retraction::Condition;
 use super::springback::{Springback, Top, pull, within};
 use super::stats::SolverStats;

@@ -47,13 +47,15 @@
 //! (2005) 3716; Johnson, Contact Mechanics (1985), section 6.4, for the secant; Mesarovic and Johnson, J. Mech. Phys.
 //! Solids 48 (2000) 2009; Thornton and Ning, Powder Technol. 99 (1998) 154.
 
+use super::block::Responses;
 use super::error::LawError;
 use super::history::{ContactHistory, Path};
-use super::law::{End, Law, Responses, Smoothness};
+use super::lane::{Lane, Lanes};
+use super::law::{End, Law, Smoothness};
 use super::models::{Model, Plasticity, model};
 use super::parameters::{InnerState, LawParameters};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, Lanes, RadiusLaw};
+use super::radius::RadiusLaw;
 use super::scale::Scale;
 use super::springback::{Springback, Top, first_contact};
 use super::stats::SolverStats;

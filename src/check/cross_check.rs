@@ -1,7 +1,7 @@
 //! The cross-check of a run, or of a point of a sweep, computed anew from its datasets.
 
 use super::refused;
-use super::run::StoredRun;
+use super::stored::StoredRun;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::validation::{Cumulants, JointTest, Probe, z_scores};

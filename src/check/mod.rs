@@ -2,6 +2,7 @@
 
 mod cross_check;
 mod run;
+mod stored;
 mod sweep;
 
 pub use cross_check::CrossCheck;

@@ -1,7 +1,8 @@
 //! A sweep, point by point.
 
 use super::cross_check::CrossCheck;
-use super::run::{StoredRun, contradiction, scheme};
+use super::run::{contradiction, scheme};
+use super::stored::StoredRun;
 use super::{Checked, Content, SweptPoint, refused};
 use crate::output::OutputError;
 use crate::output::reader::Reader;

@@ -15,15 +15,17 @@
 //! Elastic spheres of all λ in 1e-6..1e6.
 
 use super::md::MaugisContact;
+use crate::asperity::block::Responses;
 use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
+use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::Method;
-use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
+use crate::asperity::law::{End, Law, Regime, Smoothness};
 use crate::asperity::parameters::{InnerState, LawParameters};
-use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};

@@ -14,15 +14,17 @@
 //! Proc. R. Soc. Lond. A 324 (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345
 //! (1975) 327.
 
+use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::branch::Branch;
 use crate::asperity::curve::{Anchor, Curve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
+use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::Method;
-use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use crate::asperity::law::{End, Law, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::radius::{Lane, Lanes, Place, Similarity};
+use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};

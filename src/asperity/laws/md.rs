@@ -7,15 +7,17 @@
 //! Elastic, dry spheres of every λ. Sources: Maugis, J. Colloid Interface Sci. 150 (1992) 243; for rough
 //! surfaces Adams, Müftü and Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
 
+use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
+use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::Method;
-use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use crate::asperity::law::{End, Law, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};

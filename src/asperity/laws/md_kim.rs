@@ -16,12 +16,14 @@
 //! Lovell and Ning, J. Phys. D 36 (2003) 534.
 
 use super::md::MaugisContact;
+use crate::asperity::block::Responses;
 use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
 use crate::asperity::history::Path;
-use crate::asperity::law::{End, Law, Method, Regime, Responses, Smoothness};
+use crate::asperity::lane::{Lane, Lanes};
+use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};

@@ -31,11 +31,13 @@
 //! (1984) 1323.
 
 use super::{emd, jg, kogut_etsion, tn, zmc};
+use crate::asperity::block::Responses;
 use crate::asperity::error::LawError;
 use crate::asperity::flattened::{Around, Flattened, State};
-use crate::asperity::law::{End, Law, Method, Regime, Responses, Smoothness};
+use crate::asperity::lane::{Lane, Lanes, Numbered};
+use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::radius::{Lane, Lanes, Numbered, Place};
+use crate::asperity::radius::Place;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;

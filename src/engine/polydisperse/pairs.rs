@@ -1,7 +1,7 @@
 //! External forces of asperities that differ in their radii, each at separations of its own, in blocks of one regime.
 
 use super::Asperities;
-use crate::asperity::radius::Lanes;
+use crate::asperity::Lanes;
 use crate::asperity::{BLOCK, Responses, SolverStats};
 
 /// An asperity at a separation.

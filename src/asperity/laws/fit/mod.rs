@@ -22,10 +22,11 @@ mod forms;
 pub use forms::{Coefficients, FORCES, NAMES};
 
 use super::kogut_etsion::plastic_rows;
+use crate::asperity::block::BLOCK;
 use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant, Formula, Tabulated};
-use crate::asperity::law::{BLOCK, Law, Regime};
+use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::{Asperity, Scale};

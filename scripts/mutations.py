@@ -6,8 +6,8 @@ passes without it.
     scripts/mutations.py sign         those whose description has "sign" in it
     scripts/mutations.py --check      only whether each still applies, and its test is there; builds nothing
 
-The tree as it stands is copied to target/mutations and changed there (planting.py). Exit code 1 if a mistake
-survives, does not apply or does not compile.
+The tree is copied to target/mutations and changed there (planting.py). The copy has the additions of CONTRIBUTING.md,
+too, whose tests are run. Exit code 1 if a mistake survives, does not apply or does not compile, or a test of additions fails.
 """
 
 import argparse
@@ -34,6 +34,10 @@ TREE, OWN = TARGET / "mutations" / "tree", TARGET / "mutations" / "target"
 ENDLESS, PATIENCE = 120.0, (3.0, 2.0)
 # After this many seconds a test is ended even if it takes no processor.
 WAIT = 300.0
+# The tests that additions are for: laws, scaling of radii, keys, sweeps.
+ADDED = ("laws::laws_jump_where_and_as_much_as_documented", "laws::laws_are_smooth_between_the_ends_of_their_pieces",
+         "bad_scenes::examples_of_all_keys_are_scenes", "bad_scenes::keys::defaults_are_what_holds_without_the_key",
+         "lib::scene::sweep::tests::every_key_that_can_be_swept_is_one_of_scenes")
 SWITCH = """
 /// Whether a mistake is planted; for scripts/mutations.py.
 #[doc(hidden)]
@@ -72,19 +76,50 @@ def planted(mutations):
     return edits, problems
 
 
+def additions():
+    """The hunks of the diffs of CONTRIBUTING.md by their files: lines before and after; none before in a new file."""
+    hunks = {}
+    for diff in re.findall(r"^```diff\n(.*?)^```$", (ROOT / "CONTRIBUTING.md").read_text(), re.M | re.S):
+        for file, rest in re.findall(r"^\+\+\+ b/(\S+)\n(.*?)(?=^--- |\Z)", diff, re.M | re.S):
+            for hunk in re.split(r"^@@.*@@\n", rest, flags=re.M)[1:]:
+                lines = hunk.splitlines(keepends=True)
+                before, after = ("".join(line[1:] for line in lines if line[0] in kinds) for kinds in (" -", " +"))
+                hunks.setdefault(file, []).append((before, after))
+    return hunks
+
+
+def with_additions(name, text, hunks):
+    """A file with the hunks of additions."""
+    for before, after in hunks.pop(name, ()):
+        if text.count(before) != 1:
+            sys.exit(f"CONTRIBUTING.md: an addition to {name} does not apply:\n{before}")
+        text = text.replace(before, after)
+    return text
+
+
 def write(edits):
     """Copies the source with its switches; files that are as they were are left alone, so that little is
     built again."""
     listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(listing, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
     names = {name for name in names if name and (ROOT / name).is_file()}
+    hunks = additions()
+    for name in [name for name, [first, *_] in hunks.items() if not first[0]]:
+        (TREE / name).parent.mkdir(parents=True, exist_ok=True)
+        (TREE / name).write_text(hunks.pop(name)[0][1])
+        names.add(name)
     for old in TREE.glob("src/**/*.rs"):
         if str(old.relative_to(TREE)) not in names:
             old.unlink()
     for name in names:
-        path, text = TREE / name, (ROOT / name).read_bytes()
+        path = TREE / name
+        if not (ROOT / name).is_file():
+            continue
+        text = (ROOT / name).read_bytes()
         if name in edits:
             text = rendered(*edits[name]).encode()
+        if name in hunks:
+            text = with_additions(name, text.decode(), hunks).encode()
         if name == "src/lib.rs":
             text += SWITCH.encode()
         if not path.is_file() or path.read_bytes() != text:
@@ -181,13 +216,15 @@ def main():
         return
     write(edits)
     borrow()
-    survived = 0
-    for mutation, result in judged(built(), mutations):
+    survived, programs = 0, built()
+    failed = [test for test in ADDED if not run(programs, test, ENDLESS)[0]]
+    print(f"{len(ADDED) - len(failed)} of {len(ADDED)} tests of additions passed", *failed, sep="\n  ", flush=True)
+    for mutation, result in judged(programs, mutations):
         survived += not result.startswith("caught")
         print(f"{mutation['mistake']}\n  {result} by {mutation['test']}", flush=True)
     print(f"{len(mutations)} mistakes planted")
-    if survived:
-        sys.exit(f"{survived} of {len(mutations)} mistakes were not caught as they should be")
+    if survived or failed:
+        sys.exit(f"{survived} of {len(mutations)} mistakes were not caught as they should be, {len(failed)} tests failed")
 
 
 if __name__ == "__main__":

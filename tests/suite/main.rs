@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod additions;
 mod background;
 mod bad_scenes;
 mod capillary;

@@ -297,7 +297,7 @@ impl Interpolated {
         self.spaces[self.space(h)].value(h)
     }
 
-    /// Adds the curve at separations h, m, rising, each `shift`, m, further on, times `times` to values there.
+    /// Adds the curve at separations h, m, rising, each `shift`, m, further on, times `times`, to values.
     fn add_values(&self, shift: f64, times: f64, separations: &[f64], values: &mut [f64]) {
         let mut begin = 0;
         while begin < separations.len() {

@@ -7,8 +7,8 @@ Asperity i at x_i with the height z_i, at the separation d, has the approach
 
 where f is the external force of its law (compression positive) and G the displacement of an elastic
 half-space under a unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a
-square cell that repeats (`periodic`) the same without its mean, by the sum of Ewald, with the images of
-asperity i itself in G_ii.
+square cell that repeats (`periodic`) that displacement without its mean, by the sum of Ewald, with the images
+of asperity i itself in G_ii.
 
 The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of
 doubles, but residuals are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17
@@ -114,7 +114,7 @@ def long(value):
 
 @dataclass
 class Asperities:
-    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in
+    """The input of the laws: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in
     J/m^2, Z_0 in m."""
 
     radius: np.ndarray
@@ -290,7 +290,7 @@ def beyond_point(s, kind):
 
 
 def laplacian(coefficients):
-    """Of a series in Chebyshev polynomials of 4 x - 1 and 4 y - 1."""
+    """The Laplacian of a series in Chebyshev polynomials of 4 x - 1 and 4 y - 1."""
     twice = np.polynomial.chebyshev.chebder
     along, across = (twice(coefficients, 2, 4, axis) for axis in (0, 1))
     return np.pad(along, ((0, 2), (0, 0))) + np.pad(across, ((0, 0), (0, 2)))
@@ -340,8 +340,8 @@ def contact_radius(law, asperity, delta):
 def solve_contact(
     law, asperity, heights, places, cell, separation, start, is_whole = True
 ):
-    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under
-    each.
+    """Solves as `solve`, with the next orders: contacts of finite size and the curvature of the substrate
+    under each.
 
     The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others'
     forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the

@@ -5,9 +5,9 @@ Usage:
 
 Blocks ```sh are given to bash; those in ```python of a page are one program for this interpreter, which runs
 behind the commands. The first block ```toml of a page is saved as first.toml and each further one appended to
-it, as the tutorial tells its reader. The scenes and the map that ship with the source are there as in the
-source, in configs/, and the map as scan.txt. What stands behind `<!-- not run -->` is left out. Nothing but
-the standard library is needed here. Exit codes: 0 all ran; 1 one failed, which ends it.
+it, as the tutorial says. The scenes and the map that ship with the source are there as in the source, in
+configs/, and the map as scan.txt. What is behind `<!-- not run -->` is left out. Nothing but the standard
+library is needed here. Exit codes: 0 all ran; 1 one failed, which ends it.
 """
 
 import argparse
@@ -33,8 +33,8 @@ def blocks(page, only):
 
 
 def run(page, folder, only):
-    """How many blocks of a page ran in a folder, and what its Python printed; the first that fails is an
-    error."""
+    """Runs the blocks of a page in a folder: their number, and what its Python printed; the first that fails
+    is an error."""
     shutil.copytree(ROOT / "configs", folder / "configs", dirs_exist_ok=True)
     shutil.copy(ROOT / "configs" / "maps" / "polished.txt", folder / "scan.txt")
     environment = {**os.environ, "MPLBACKEND": "agg",
@@ -43,7 +43,7 @@ def run(page, folder, only):
     for language, text, line in found:
         print(f"{page.name}, line {line}: {language}", flush=True)
         if language == "python":
-            # The lines of a traceback are those of the page.
+            # The lines of a traceback are the lines of the page.
             python += "\n" * (line - 1 - python.count("\n")) + text
         elif language == "toml":
             with open(folder / "first.toml", "a", encoding="utf-8") as scene:

@@ -133,7 +133,7 @@ class Block:
             if not places:
                 raise LookupError(name)
         start, end = ends[labels[0]][0], ends[labels[-1]][-1] + 1
-        # What goes on behind the last label, as far as it does on the page.
+        # Lines that go on behind the last label, as far as they do on the page.
         for line in kept[max(i for i, line in enumerate(kept) if label(line)) + 1 :]:
             if not line.strip() or end >= len(said) or label(said[end]):
                 break
@@ -160,7 +160,7 @@ def error(run, scalar, controlled):
 
 
 def reductions(program):
-    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain
+    """The table of sampling.md: ratios by which the variance of a mean is smaller than that of plain
     independent replicas."""
     values = []
     for scalar in SCALARS:
@@ -179,7 +179,7 @@ def reduction(program, case):
 
 
 def strata(program):
-    """By how many times the variance of the mean external force is smaller with strata, and with opposite
+    """Ratios by which the variance of the mean external force is smaller with strata, and with opposite
     heights."""
 
     def ratio(case, scheme, h_star):
@@ -255,7 +255,7 @@ def surface_energy(program):
 
 
 def sizes(program):
-    """Of case II, the sizes at which the bias is 10 and 5 %, between three sizes of the default ones."""
+    """The sizes of case II at which the bias is 10 and 5 %, between three sizes of the default ones."""
     run = program.file("finite-size", ROOT / "configs/case_ii.toml", "--counts", "1000,3162,10000")
     accuracies = list(np.round(run["accuracy"][:], 4))
     return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]

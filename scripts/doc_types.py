@@ -4,7 +4,7 @@
     cargo doc --release --no-deps --lib && scripts/doc_types.py [target/doc/stiction]
 
 The public ones are those that the list of all items has, `all.html` of `cargo doc`; items behind
-`#[doc(hidden)]` are not among them. A type is used where its name stands in a doctest, that is in Rust code
+`#[doc(hidden)]` are not among them. A type is used where its name is in a doctest, that is in Rust code
 of a doc comment under src, on a line that readers see and outside of comments and `use`. Where two types have
 one name the doctest has to name the module as well. Prints the types that no doctest uses, and fails if there
 are any.
@@ -18,7 +18,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ITEM = re.compile(r'<a href="([\w/]*?)(struct|enum|trait)\.(\w+)\.html">')
 COMMENT = re.compile(r"^\s*//[/!] ?(.*)$")
-# What a fence may say of code that is compiled; anything else, such as `toml` or `text`, is no doctest.
+# Words of a fence for code that is compiled; anything else, such as `toml` or `text`, is no doctest.
 COMPILED = {"", "rust", "no_run", "should_panic"}
 
 

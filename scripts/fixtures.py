@@ -18,7 +18,7 @@ def write(name, columns, rows, end="\n"):
 
 
 def bisect(is_above, below, above):
-    """Where is_above turns from false, at below, to true, at above, to the digits of mp."""
+    """The place where is_above turns from false, at below, to true, at above, to the digits of mp."""
     if is_above(below) or not is_above(above):
         raise ValueError("no change of sign between the ends")
     for _ in range(mp.prec + 16):

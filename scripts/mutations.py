@@ -148,7 +148,7 @@ def borrow():
 def built():
     """Builds the unit tests, `lib`, and the suite: their programs."""
     command = ["cargo", "test", "--no-run", "--lib", "--test", "suite", "--release", "--message-format=json"]
-    # What libhdf5 is built with is part of what cargo tells builds apart by.
+    # Cargo knows builds apart by what libhdf5 is built with, too.
     environment = {"CMAKE": str(ROOT / "scripts" / "cmake"), **os.environ}
     run = subprocess.run([*command, "--target-dir", str(OWN)], cwd=TREE, env=environment, capture_output=True,
                          text=True)
@@ -181,7 +181,7 @@ def run(programs, test, limit, mutant=""):
 
 
 def judged(programs, mutations):
-    """What becomes of each mistake: its test has to pass without it, and to fail with it."""
+    """The verdict on each mistake: its test has to pass without it, and to fail with it."""
     tests = sorted({mutation["test"] for mutation in mutations})
 
     def verdict(number):

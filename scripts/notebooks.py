@@ -47,7 +47,7 @@ def kept(output):
 
 
 def texts(notebook):
-    """What each cell does and prints, or returns as text."""
+    """The source of each cell, and what it prints or returns as text."""
     found = []
     for cell in notebook.cells:
         printed = [output.text for output in cell.get("outputs", []) if output.output_type == "stream"]

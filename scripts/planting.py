@@ -3,9 +3,9 @@ tree-sitter-rust`.
 
 A mistake is `in` a function or a constant, named by as much of the end of its path as no other has:
 `Search::division`, `units::LENGTHS`, `<Emd as Law>::respond` where a type has two of a name. `code` there,
-without regard to how lines are broken, becomes `to`; `nth = "1 of 3"` says which, where it stands there
+without regard to how lines are broken, becomes `to`; `nth = "1 of 3"` says which, where it is there
 several times: if there are no longer as many, somebody has to look. In what file an item lies, and what else
-stands in it, does not matter.
+is in it, does not matter.
 """
 
 import re
@@ -15,7 +15,7 @@ import tree_sitter_rust
 from tree_sitter import Language, Parser
 
 ROOT = Path(__file__).resolve().parent.parent
-# What is compiled before it runs, or written by a macro.
+# Code that is compiled before it runs, or written by a macro.
 CLOSED = ("macro_invocation", "attribute_item", "line_comment", "block_comment")
 CONSTANT = ("const_item", "static_item", "array_type", "const_block", "use_declaration")
 
@@ -111,7 +111,7 @@ def item_of(found, wanted):
 def pattern(code):
     """Code without regard to how its lines are broken."""
     tokens = re.findall(r"\w+|[^\w\s]", code)
-    # What is in brackets and broken into lines ends with a comma.
+    # Code in brackets that is broken into lines ends with a comma.
     parts = [(r",?\s*" if token in ")]}" else "") + re.escape(token) for token in tokens]
     before = r"(?<![\w.])" if tokens[0][0].isdigit() else r"(?<!\w)" if tokens[0][0].isalpha() else ""
     return before + r"\s*".join(parts) + (r"(?!\w|\.\d)" if re.match(r"\w", tokens[-1]) else "")
@@ -133,7 +133,7 @@ def place(found, mutation):
 
 
 def uses(item):
-    """Where functions of its file use a constant."""
+    """The places where functions of its file use a constant."""
 
     def walk(node, runs):
         if node.type in (*CONSTANT, "macro_invocation"):

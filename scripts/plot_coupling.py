@@ -1,4 +1,4 @@
-"""What coupling through the substrate makes of a surface: three pictures from the scenes in configs/coupled.
+"""Effect of coupling through the substrate on a surface: three pictures from the scenes in configs/coupled.
 
 Usage: python scripts/plot_coupling.py RESULTS [-o FOLDER]
 

@@ -1,5 +1,5 @@
-"""When asperities may be taken as independent: the verdict over roughness and surface energy, and over the
-size of a patch.
+"""Limits within which asperities may be taken as independent: the verdict over roughness and surface energy,
+and over the size of a patch.
 
 Usage: python scripts/plot_independence.py [-o OUT.png] [--steps N]      a minute on two cores; prints the
 three cases

@@ -1,4 +1,4 @@
-"""How far plastic models are apart: the pull-off of one rough surface by loading law and unloading.
+"""The spread of plastic models: the pull-off of one rough surface by loading law and unloading.
 
 Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.png]      after `stiction run
 configs/sweep_plastic.toml`

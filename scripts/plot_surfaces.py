@@ -15,7 +15,7 @@ INTEGRAL = {"linestyle": "none", "marker": "x"}
 
 
 def surface(path):
-    """What is shown of one result; forces in Pa."""
+    """The data shown of one result; forces in Pa."""
     with open_run(path) as run:
         area = float(run.attrs["nominal_area"])
         forces = {name: np.nan_to_num(run[dataset].values) / area for name, dataset in {

@@ -133,7 +133,7 @@ def adhesive():
 
 
 def whole_map():
-    """The map on grids 1, 2 and 4 times as fine; its summits are those of the finest, which the coarse pixels
+    """The map on grids 1, 2 and 4 times as fine; its summits are from the finest, which the coarse pixels
     cut off."""
     import boundary_elements as be
 
@@ -155,7 +155,7 @@ def whole_map():
 
 
 def case_ii():
-    """As many asperities as case II has, 7390 on 1000 um^2."""
+    """Asperities, as many as case II has, 7390 on 1000 um^2."""
     rng, side = np.random.Generator(np.random.PCG64(21)), 3.1622777e-5
     places = hard_core(rng, 7390, side, 0.184e-6)
     heights = 1.6e-9 * rng.standard_normal(len(places))
@@ -279,8 +279,8 @@ SUBSTRATE = '[substrate]\ncoupling = "periodic"\nloads_at = ["{low!r} m"]\n{more
 
 
 def program_states(program, surface, separations, law = "gw", substrate = ""):
-    """What the program says of a surface at separations, one run each down to it: force, area, and if coupled
-    the load of each asperity.
+    """The program's results for a surface at separations, one run each down to it: force, area, and if
+    coupled the load of each asperity.
 
     `substrate` is more of the table, None is without.
     """

@@ -11,7 +11,7 @@ sigma_i sqrt(e_i^2 - t^2) up to the edges e_i of the zones outside. No stress is
 continuous at a, which says delta(a, b, c); the gaps at b and c are H_1 and h_0, solved by a hybrid Powell
 method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution, which is checked.
 
-Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of
+Scaled quantities are as in reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of
 adhesion) = 1, Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
 
 Writes tests/data/menisci.csv too: the force of a bridge between a rigid sphere and a flat by the

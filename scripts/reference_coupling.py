@@ -45,7 +45,7 @@ def hard_core(rng, count, side, distance):
 
 
 def surfaces():
-    """Three surfaces of case II: 30 asperities, the same with radii of their own, 200; one that is 16 times
+    """Three surfaces of case II: 30 asperities, these with radii of their own, 200; one that is 16 times
     smoother; pairs; one."""
     found = {}
     for name, count, side, seed in [("thirty", 30, 2e-6, 17), ("two hundred", 200, 5.2e-6, 18)]:

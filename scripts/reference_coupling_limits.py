@@ -51,7 +51,7 @@ def jkr_pair(distance):
     radius = mp.cbrt(9 * mp.pi * W * R**2 / (8 * E))
 
     def approach(radius, curvature):
-        """Of JKR at pull-off, where 3/2 of the load of Hertz stands against three of attraction."""
+        """Approach of JKR at pull-off, where 3/2 of the load of Hertz are against three of attraction."""
         return radius**2 * curvature - mp.sqrt(8 * mp.pi * W * radius / (3 * K))
 
     # f/R + f^2/(2 pi E r^3) = -(3/2) pi work
@@ -147,7 +147,7 @@ def first_order(drawn):
         for coupling in ("patch", "periodic"):
             green = green_matrix(surface["places"], MODULUS,
                                  surface["cell"] if coupling == "periodic" else None)
-            # The same by solving, with substrates that are 1000 and 2000 times stiffer:
+            # The change by solving, with substrates that are 1000 and 2000 times stiffer:
             totals = [sum(follow(law_of, asperity, surface["heights"], green / n, [separation])[0].force)
                       for n in (1000, 2000)]
             change, base = -slope @ green @ force, force.sum()
@@ -229,7 +229,7 @@ def contact_states(drawn):
 
 
 def unstable_work(lam):
-    """By the angle theta, with c = a / cos(theta); theta = pi/2 is first touch."""
+    """Work on the unstable branch by the angle theta, with c = a / cos(theta); pi/2 is first touch."""
 
     def state(theta):
         m, root = mp.sec(theta), mp.tan(theta)

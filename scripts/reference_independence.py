@@ -69,7 +69,7 @@ class Ensemble:
         return self.count * self.mean(d, lambda delta: HERTZ * delta ** mp.mpf(1.5) - self.pull)
 
     def slope(self, d):
-        # What touches first adds its attraction; the others lose load.
+        # Asperities that touch first add their attraction; the others lose load.
         return self.count * (self.pull * self.density(d)
                              - self.mean(d, lambda delta: 1.5 * HERTZ * mp.sqrt(delta)))
 

@@ -139,7 +139,7 @@ def spacing(lam):
 
 
 def rigid_sphere(lam, delta):
-    """Before contact at the gap Z_0 - delta under the Lennard-Jones stress."""
+    """The state before contact at the gap Z_0 - delta under the Lennard-Jones stress."""
     ratio = 1 / (1 - delta / spacing(lam))
     force = mpf(8) / 3 * (ratio**2 - ratio**8 / 4)
     slope = mpf(8) / 3 * (2 * ratio - 2 * ratio**7) * ratio**2 * delta / spacing(lam)
@@ -197,7 +197,7 @@ def kim_fold(lam):
 
 
 def kim_gap(lam, delta):
-    """Before contact, with the larger of the two zones."""
+    """The state before contact, with the larger of the two zones."""
     at_fold = 8 * lam / (3 * mp.pi)
     beyond = mp.sqrt(2 * (delta - kim_fold(lam)))
     zone = at_fold + beyond
@@ -305,7 +305,7 @@ def hertz_profile_force(p):
 
 
 def hertz_profile_force_again(p):
-    """The same force in the variable q = Z_0 / Z, by the double-exponential rule.
+    """That adhesion force in the variable q = Z_0 / Z, by the double-exponential rule.
 
     As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1,
     with w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT

@@ -3,12 +3,12 @@ far and deep.
 
 Writes tests/data/stability.csv: the adhesion force, the external force and the contact radius of one asperity
 as functions of lambda and delta, region by region, with the condition number of each and the distance to the
-nearest place where the history changes the branch. The law `emd` is that of reference_values.py
-(Maugis-Dugdale in contact, extended Maugis-Dugdale before it), the other laws are those of reference_laws.py;
+nearest place where the history changes the branch. The law `emd` is in reference_values.py
+(Maugis-Dugdale in contact, extended Maugis-Dugdale before it), the other laws are in reference_laws.py;
 the equations are written down there. What this file adds is the folds, found by the derivatives of those
-equations at 80 digits, so that a row 1e-15 beside a fold is on the right side of it.
+equations at 80 digits, so that a row 1e-15 from a fold is on the right side of it.
 
-Scaled quantities are those of reference_values.py. Every lambda and delta is a double, written with the
+Scaled quantities are as in reference_values.py. Every lambda and delta is a double, written with the
 digits that give it back, and the rows are the truth for exactly these doubles.
 """
 
@@ -140,7 +140,7 @@ def invert(state, lam, delta, low, high):
             continue
         slope = mp.diff(lambda p: state(lam, p)[0], x)
         step = value / slope if slope else mp.inf
-        # The next step would be of the order of the square of this one; beside a fold, of that over the
+        # The next step would be of the order of the square of this one; near a fold, of that over the
         # distance to it.
         if abs(step) < abs(x) * mpf(10) ** -55:
             return x - step
@@ -243,7 +243,7 @@ def emd_points(lam_double):
 
 
 def near_special_lambdas():
-    """Points at lambda beside the places where folds appear."""
+    """Points at lambda next to the places where folds appear."""
     for shift in [0] + [sign * mpf(10) ** -k for k in (3, 6, 9, 12, 15) for sign in (-1, 1)]:
         lam = float(FOLD_LAMBDA * (1 + shift))
         place = first_touch(mpf(lam))

@@ -80,17 +80,17 @@ def along(state, lam, x):
 
 
 def contact(lam, x):
-    """In contact at theta = e^x."""
+    """The state in contact at theta = e^x."""
     return along(lambda lam, x: contact_state(lam, mp.exp(x)), lam, x)
 
 
 def noncontact(lam, x):
-    """Before contact at z = 1 + e^x."""
+    """The state before contact at z = 1 + e^x."""
     return along(noncontact_state, lam, x)
 
 
 def first(is_true, x):
-    """Where is_true first turns true on the way from x to smaller values."""
+    """The place where is_true first turns true on the way from x to smaller values."""
     while not is_true(x - SCAN_STEP):
         x -= SCAN_STEP
     return bisect(is_true, x, x - SCAN_STEP)
@@ -138,7 +138,8 @@ def branch_nodes(case, state, ends, shift):
 
 
 def power_nodes(case, law, low, high, d):
-    """The same, of F_s and P as powers of the approach, between low and high within the reach."""
+    """(approach, weight, F_s, P) with F_s and P as powers of the approach, between low and high within the
+    reach."""
     adhesion, adhesion_power, load, load_power = map(mpf, law)
     reach = case.reach(low + d, high + d)
     low, high = max(low, -reach - d), min(high, reach - d)
@@ -148,7 +149,7 @@ def power_nodes(case, law, low, high, d):
 
 
 def regimes(case, path):
-    """Of each regime: name, ends in the approach, nodes as a function of d."""
+    """Name of each regime, its ends in the approach, its nodes as a function of d."""
     critical, unit, load, ratio = case.critical, 2 * case.force, case.critical_load, Z0 / case.critical
     ends = contact_ends(case.lam, path, critical / case.length)
     touch = contact(case.lam, ends[1])[0] * case.length  # -delta_A of this path

@@ -1,7 +1,7 @@
-"""Notebooks as pages of the site: what they say, compute and show, as it stands in them.
+"""Notebooks as pages of the site: what they say, compute and show, as it is in them.
 
 A hook of MkDocs (mkdocs.yml): docs/notebooks/NAME.ipynb becomes the page notebooks/NAME.md, whose links are
-checked like those of any page.
+checked like the links of any page.
 """
 
 import json
@@ -24,7 +24,7 @@ def page(notebook: dict, name: str) -> str:
 
 
 def shown(output: dict) -> str:
-    """What a cell printed, drew or returned."""
+    """The output that a cell printed, drew or returned."""
     if output["output_type"] == "stream":
         return f"```text\n{''.join(output['text']).rstrip()}\n```"
     data = output.get("data", {})

@@ -1,4 +1,4 @@
-"""What accuracy costs: error over time, from tables that `cargo bench --bench work_precision` and
+"""The cost of accuracy: error over time, from tables that `cargo bench --bench work_precision` and
 benches/peers/peers.py write.
 
 Usage: python scripts/work_precision.py FILE.csv... [-o OUT.png]

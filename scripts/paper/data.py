@@ -1,4 +1,4 @@
-"""What the figures and statements are made of: runs of the program, and closed forms of one sphere."""
+"""Material of the figures and statements: runs of the program, and closed forms of one sphere."""
 
 import csv
 import subprocess
@@ -14,7 +14,7 @@ ENERGIES = ("0.04", "0.09", "0.14")  # work of adhesion of figure 8, J/m^2
 
 
 class PaperError(Exception):
-    """Why the paper cannot be reproduced."""
+    """The reason why the paper cannot be reproduced."""
 
 
 class Comparison:

@@ -1,4 +1,4 @@
-"""Every number and checkable statement of the paper's text, beside what is computed here.
+"""Every number and checkable statement of the paper's text, next to what is computed here.
 
 A number agrees when it rounds to what the paper prints. A statement without a number agrees when it holds to
 the tolerance of its row. `verdict` judges the direct solution, `verdict with fits` the curve fits of Table 3.
@@ -220,7 +220,7 @@ def relative_error(program, case, force):
 
 
 def similar(case, laws, start, end):
-    """Largest relative difference of the adhesion forces of two laws over h*, its place, and the same
+    """Largest relative difference of the adhesion forces of two laws over h*, its place, and that
     difference over the largest force shown in Fig. 5 (at h* >= 0)."""
     inside = (case.x >= start - 1e-9) & (case.x <= end)
     first, second = (adhesion(case, law) for law in laws)

@@ -150,7 +150,7 @@ impl<C: Curve> Branch<C> {
         residual: &[f32],
         stats: &mut SolverStats,
     ) {
-        // The bits of numbers that are not negative are in their order, and those of NaN above all.
+        // The bits of numbers that are not negative are in their order, and the bits of NaN above all.
         let largest = f32::from_bits(residual.iter().fold(0, |most, off| most.max(off.to_bits())));
         if !largest.is_nan() {
             stats.largest_residual = stats.largest_residual.max(f64::from(largest));

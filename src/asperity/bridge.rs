@@ -381,8 +381,8 @@ mod tests {
         close(rigid.equilibrium().distance, 1.141565007e-9);
     }
 
-    /// Of the Young-Laplace equation by shooting, θ = 0: D_rup/r_K = 1.79775 at R/r_K = 1000, 1.56836 at 100. The first
-    /// order in √(r_K/R) is off by no more than the next.
+    /// The Young-Laplace equation by shooting, θ = 0: D_rup/r_K = 1.79775 at R/r_K = 1000, 1.56836 at 100.
+    /// The first order in √(r_K/R) is off by no more than the next.
     #[test]
     fn rupture_is_near_that_of_young_and_laplace() {
         for (ratio, exact) in [(1000.0, 1.79775), (100.0, 1.56836)] {

@@ -21,7 +21,8 @@ use std::cell::RefCell;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-/// Columns of the tables: so many times the root of |ln(λ/λ_first)|, for branches fold like a root from λ_first on.
+/// Columns of the tables: this multiple of the root of |ln(λ/λ_first)|, for branches fold like a root from
+/// λ_first on.
 const COLUMNS: f64 = 14.0;
 /// Root of the distance from the fold at which the place on the contact branch is half way.
 const HALF_WAY: f64 = 2.0;
@@ -134,7 +135,7 @@ impl Elastic {
         }
     }
 
-    /// The same without starts.
+    /// The asperity without starts.
     fn branches(lambda: f64) -> Self {
         let contact_angle = contact_end(lambda);
         let contact = Contact::with_end(lambda, contact_angle);
@@ -252,7 +253,7 @@ const SIGN: u32 = 1 << 31;
 /// Lanes that are computed together.
 const VECTOR: usize = 8;
 
-/// So many lanes made whole vectors.
+/// Rounds a number of lanes up to whole vectors.
 #[inline(always)]
 fn whole_vectors(count: usize) -> usize {
     count.min(BLOCK).div_ceil(VECTOR) * VECTOR
@@ -269,7 +270,7 @@ struct Lanes {
     roots: [f64; BLOCK],
     rows: [u32; BLOCK],
     places: [f64; BLOCK],
-    /// What the table has there.
+    /// Values of the table there.
     starts: [f64; BLOCK],
     parameters: [f64; BLOCK],
     terms: [[f64; BLOCK]; 4],
@@ -343,7 +344,7 @@ impl Lanes {
         stats: &mut SolverStats,
     ) {
         stats.evaluations += 2 * count as u64;
-        // The bits of numbers that are not negative are in their order, and those of NaN above all.
+        // The bits of numbers that are not negative are in their order, and the bits of NaN above all.
         let most = |residual: &[f32]| {
             f32::from_bits(residual.iter().fold(0, |most, off| most.max(off.to_bits() & !SIGN)))
         };

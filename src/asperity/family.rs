@@ -12,7 +12,7 @@ use super::unloading::{Loop, Unloading};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Tables of closed forms reach to so many critical interferences.
+/// End of the tables of closed forms, in critical interferences.
 const TABULATED: f64 = 110.0;
 
 /// The laws of asperities that differ in their radius alone.
@@ -38,7 +38,7 @@ const TABULATED: f64 = 110.0;
 #[derive(Clone)]
 pub struct Family {
     law: Arc<dyn Law>,
-    /// Of the law, m.
+    /// Radius of the law, m.
     radius: f64,
     /// λ of the law, if it solves elastic branches.
     lambda: Option<f64>,

@@ -18,7 +18,7 @@ const LARGEST: (f64, f64) = (0.02, 0.003);
 /// γ.
 pub const GAMMA: f64 = 4.262_963_069_632_572;
 
-/// Coefficients of powers of 2τ/0.02 − 1, by those of 2p/0.003 − 1.
+/// Coefficients of powers of 2τ/0.02 − 1, by powers of 2p/0.003 − 1.
 const PHI_0: [f64; 8] = [
     1.0126915243034176,
     0.013445481096737828,

@@ -132,7 +132,7 @@ impl<'a> Numbered<'a> {
             1.0 => times(&|lane| lane.ratio),
             -1.0 => times(&|lane| 1.0 / lane.ratio),
             2.0 => times(&|lane| lane.ratio * lane.ratio),
-            // Of asperities that are alike the power is the same.
+            // Asperities that are alike have one power.
             _ if self.all.len() == 1 => {
                 let power = exp(exponent * self.all[0].logarithm);
                 values.iter_mut().for_each(|value| *value *= power);

@@ -311,7 +311,7 @@ fn pieces(law: &dyn Law, path: Path, regimes: Range<usize>) -> Vec<Segment> {
     own
 }
 
-/// Has each of rising segments followed by its neighbours.
+/// Links each of rising segments to its neighbours.
 fn chain(mut segments: Vec<Segment>) -> Vec<Segment> {
     let count = segments.len();
     for (i, segment) in segments.iter_mut().enumerate() {

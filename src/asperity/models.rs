@@ -15,16 +15,16 @@ use super::parameters::LawParameters;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
 
-/// Makes a law.
+/// The constructor of a law.
 #[derive(Clone, Copy, Debug)]
 enum Build {
-    /// Of an asperity.
+    /// The law of an asperity.
     Plain(Plain),
-    /// Of an asperity in a vapour whose liquid has a meniscus.
+    /// The law of an asperity in a vapour whose liquid has a meniscus.
     Wet(Wet),
     /// The liquid in its bridge.
     Content,
-    /// Of an asperity with a plastic contact that is chosen.
+    /// The law of an asperity with a plastic contact that is chosen.
     Flowing(Flowing),
     /// The solids in the liquid, which is under no tension.
     Immersed,

@@ -21,7 +21,7 @@ const RECOVERY: [(f64, f64); 3] = [(0.72, 1.0), (0.31, 1.0), (0.03, -1.0)];
 const LOAD: (f64, f64) = (1.5, -0.0331);
 /// Exponent of x in the exponent of the area over r.
 const AREA: f64 = -0.12;
-/// Relative accuracy of tables: a few roundings, as those of a library's exponentials.
+/// Relative accuracy of tables: a few roundings, as in a library's exponentials.
 const TABLE_TOLERANCE: f64 = 2e-15;
 
 /// The unloading of contacts of one critical interference.

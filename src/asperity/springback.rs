@@ -186,7 +186,8 @@ impl Springback {
     }
 }
 
-/// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back.
+/// Mixes the adhesion of contacts that follow powers with that of the elastic law, by the share that they
+/// spring back.
 fn fade(
     plastic: &PlasticUnloading,
     (law, scale): (&dyn Law, &Scale),

@@ -99,7 +99,7 @@ impl Row {
 pub struct Table {
     regimes: Vec<Regime>,
     boundaries: Vec<Boundary>,
-    /// The same as they follow the radius.
+    /// Boundaries as they follow the radius.
     places: Vec<Place>,
     parts: Vec<Box<dyn Interaction>>,
     fit: Option<FitReport>,

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Asperities of which each has its own radius, since the surfaces have turned.
 pub struct Turned {
     lanes: Arc<[Lane]>,
-    /// Tops that have flowed and have radii of their own; else the same.
+    /// Lanes of tops that have flowed and have radii of their own; else as `lanes`.
     lowered: Arc<[Lane]>,
     /// ω_max of each, m, and the recovery from there.
     largest: Vec<f64>,
@@ -223,7 +223,7 @@ impl Turned {
         cycle.law(path).evaluate(regime, Lanes::new(lanes, which), interference, out, stats);
     }
 
-    /// What contacts that have flowed bear at a distance, m.
+    /// The responses at a distance, m, of contacts that have flowed.
     fn unload(
         &self,
         cycle: &Loop,
@@ -235,7 +235,7 @@ impl Turned {
             [out.adhesion[lane], out.contact[lane], out.area[lane]] = self.borne[*i as usize];
         }
         if let Springback::Powers(plastic) = &cycle.springback {
-            // In units of the radius it is the same of all.
+            // In units of the radius all unload alike.
             let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
             let mut scaled = [0.0; BLOCK];
             for (lane, i) in which.iter().enumerate() {
@@ -250,8 +250,8 @@ impl Turned {
         cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
     }
 
-    /// Has the adhesion of contacts that follow powers be as much that of the elastic law as they spring back; `largest` are
-    /// their ω_max over the ratio of their radius, m.
+    /// Mixes the adhesion of contacts that follow powers with that of the elastic law, by the share that they
+    /// spring back; `largest` are their ω_max over the ratio of their radius, m.
     fn fade(
         &self,
         (cycle, plastic): (&Loop, &PlasticUnloading),

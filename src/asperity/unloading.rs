@@ -341,7 +341,7 @@ impl Loop {
             capture: capture_of(&approach, self.first_contact),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
-            // Loads, areas and recoveries are those of ω_max/ω_c.
+            // Loads, areas and recoveries depend on ω_max/ω_c.
             onset: self.onset * lane.ratio,
             springback: self.springback.of(lane),
             own_radii: self.own_radii,
@@ -596,7 +596,7 @@ impl Loop {
     }
 }
 
-/// How contacts of a setting spring back on a path.
+/// The springback of contacts of a setting on a path.
 fn springback(
     (unloading, path): (Unloading, Path),
     own: &Model,

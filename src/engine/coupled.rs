@@ -52,7 +52,7 @@ struct CoupledSurface<'a> {
     solver: Solver<'a>,
     /// m.
     side: f64,
-    /// How the last separation was reached.
+    /// The outcome at the last separation that was reached.
     settled: Settled,
     /// The unit of energy, J.
     energy: f64,
@@ -69,7 +69,7 @@ struct CoupledSurface<'a> {
     told: Option<Told<'a>>,
 }
 
-/// The asperities of a surface that are told one by one.
+/// The asperities of a surface that are recorded one by one.
 struct Told<'a> {
     /// Indices of the separations.
     at: &'a [usize],
@@ -135,7 +135,7 @@ pub(super) fn couple(
     };
     let (mut replica, of_independent) = independent;
     if let Some(span) = job.protocol.stiffness_span {
-        // Of lines between the separations like that with coupling: else they could not be compared.
+        // From lines between the separations, as with coupling: else they could not be compared.
         let external = &of_independent.total[Quantity::ExternalForce.index()];
         let s = job.separations.len();
         let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };

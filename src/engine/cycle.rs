@@ -120,7 +120,7 @@ pub(super) fn snaps(
     numbers
 }
 
-/// The largest snap on a way for each stiffness, by `largest` of the samples, the stiffness and the smallest
+/// The largest snap on a path for each stiffness, by `largest` of the samples, the stiffness and the smallest
 /// snap.
 fn of_stiffnesses(
     loading: &Loading<'_>,

@@ -125,7 +125,7 @@ impl HeldSurface<'_> {
         }
     }
 
-    /// The same on retraction from the separation `from`, m.
+    /// Finds what is sought on retraction from the separation `from`, m.
     fn find_on_retraction(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, .. } = *self;
         let Some(cycle) = job.protocol.cycle else { return self.find_sorted(sought, samples) };
@@ -141,7 +141,7 @@ impl HeldSurface<'_> {
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 
-    /// Has asperities that differ in their radii turn at the separation `from`, m, if they have not last.
+    /// Turns asperities that differ in their radii at the separation `from`, m, if they have not last.
     fn turn(&mut self, cycle: &Loop, from: f64) {
         let (Some((asperities, _)), pulled) = (&self.asperities, &mut *self.pulled) else { return };
         if pulled.as_ref().is_none_or(|pulled| pulled.from != from) {
@@ -149,7 +149,7 @@ impl HeldSurface<'_> {
         }
     }
 
-    /// The same of asperities that differ in their radii.
+    /// Finds what is sought on retraction of asperities that differ in their radii.
     fn find_pulled(
         &mut self,
         sought: Sought,
@@ -171,7 +171,7 @@ impl HeldSurface<'_> {
         sought.find(&mut surface, samples, spacing)
     }
 
-    /// The same where nothing but heights counts, which rise.
+    /// Finds what is sought where nothing but heights counts, which rise.
     fn find_sorted(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
         let heights = Sorted { job, heights, sums: self.sums };
@@ -186,7 +186,7 @@ trait Heights {
     /// The heights in `low..high`, m, rising.
     fn between(&self, low: f64, high: f64) -> Vec<f64>;
 
-    /// How many there are in `low..high`, m, at least.
+    /// The number of heights in `low..high`, m, at least.
     fn count(&self, low: f64, high: f64) -> usize;
 
     /// External force of all, N, at a separation h, m, solved.

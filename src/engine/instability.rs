@@ -56,7 +56,7 @@ pub struct Snap {
     pub occurred: f64,
     /// Separation h where it begins, m; NaN without one.
     pub separation: f64,
-    /// Its length, m; NaN without one, and where nothing within the separations stops the surface.
+    /// Length of the snap, m; NaN without one, and where nothing within the separations stops the surface.
     pub distance: f64,
 }
 
@@ -76,7 +76,7 @@ impl Snap {
     pub const LENGTH: usize = 3;
     /// No snap.
     pub const NONE: Self = Self { occurred: 0.0, separation: f64::NAN, distance: f64::NAN };
-    /// A snap of a way that was not taken, or begins beyond the separations.
+    /// A snap on a path that was not taken, or begins beyond the separations.
     pub const UNKNOWN: Self = Self { occurred: f64::NAN, ..Self::NONE };
 
     /// The numbers as they are kept.
@@ -88,7 +88,7 @@ impl Snap {
 impl Turn {
     /// The count of its numbers.
     pub const LENGTH: usize = 3;
-    /// The turn of a way that was not taken.
+    /// The turn of a path that was not taken.
     pub const UNKNOWN: Self =
         Self { separation: f64::NAN, pull_off_force: f64::NAN, pull_off_separation: f64::NAN };
 
@@ -128,8 +128,8 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Sn
     largest
 }
 
-/// The largest snap on a way through all separations. A surface that snaps from the first of them cannot rest
-/// there, so it has snapped before, where the samples do not reach: the range has no say in where a snap
+/// The largest snap on a path through all separations. A surface that snaps from the first of them cannot
+/// rest there, so it has snapped before, where the samples do not reach: the range has no say in where a snap
 /// begins, and if that one is the largest, none is known.
 pub fn largest_snap_of_all(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
     let snap = largest_snap(samples, stiffness, smallest);

@@ -21,9 +21,9 @@ const INTERVAL: (f64, f64) = (-0.25, 1.25);
 const CLOSE: f64 = 0.25;
 /// Roundings by which the separation of a kink may be off.
 const ROUNDINGS: f64 = 16.0;
-/// How far beside a kink its sides are, as a share of its place.
+/// Distance of the sides of a kink from it, as a share of its place.
 const BESIDE: f64 = 1e-13;
-/// Separations that curves are interpolated between are at most so many asperity height deviations apart.
+/// Largest distance of separations that curves are interpolated between, in asperity height deviations.
 const SPACING: f64 = 0.06;
 /// A jump of at most this share of the largest is rounding.
 const NO_JUMP: f64 = 1e-11;
@@ -190,7 +190,7 @@ fn fall(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> f64 {
     fall
 }
 
-/// How far a force is off what is interpolated, with the kink anywhere nearby.
+/// The error of interpolating a force, with the kink anywhere nearby.
 fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
     Stray {
         samples: stray_of(force, kink, width, interpolated_from_samples, SPACES, 1.0),
@@ -199,8 +199,8 @@ fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
     }
 }
 
-/// How far a force is off what is interpolated in one way with the kink between two places, in widths: at
-/// most, and the root of the mean square over so many widths.
+/// The error of interpolating a force by one rule with the kink between two places, in widths: at most, and
+/// the root of the mean square over `widths` widths.
 fn stray_of(
     force: &dyn Fn(&[f64]) -> Vec<f64>,
     kink: f64,
@@ -232,7 +232,7 @@ pub(super) fn solver(law: &dyn Law) -> impl Fn(&[f64]) -> Vec<f64> {
     }
 }
 
-/// The same without the jumps of its kinks.
+/// External forces, N, of an asperity at interferences δ, m, rising, without the jumps of its kinks.
 fn continuous(law: &dyn Law, kinks: &[Kink]) -> impl Fn(&[f64]) -> Vec<f64> {
     let solved = solver(law);
     move |interferences| {

@@ -207,8 +207,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Has the replicas come in whole groups: the last replicas would otherwise be in the means, but in no
-    /// standard error and no test.
+    /// Requires that the replicas come in whole groups: the last replicas would otherwise be in the means,
+    /// but in no standard error and no test.
     ///
     /// # Panics
     /// When they do not; scenes are refused before ([`SamplingScheme::check`]).

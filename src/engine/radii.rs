@@ -8,9 +8,9 @@ use super::search::{Curve, Passing, Stray};
 use crate::asperity::{Loop, SolverStats};
 use crate::surface::Surface;
 
-/// How many times the stray and the fall of a kink of the typical asperity those of another may be.
+/// Largest ratio of the stray and the fall of a kink of another asperity to the typical asperity's.
 const UNLIKE: f64 = 2.0;
-/// Roundings of a recovery and of its inverse in those of a height.
+/// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
 
 /// The way of the asperities: that of the job, or retraction along a loop.
@@ -152,7 +152,7 @@ impl<'a> PolydisperseCurve<'a> {
         }
     }
 
-    /// The same on retraction.
+    /// The steps of the curve at the places of passings of some asperities on retraction.
     fn steps_back(&mut self, asperities: &[u32], passings: &mut [Passing]) {
         let beside = self.rounding();
         for passing in passings {

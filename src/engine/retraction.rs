@@ -9,9 +9,9 @@ use std::ops::Range;
 
 /// The index of asperities that have flowed.
 const FLOWED: usize = ContactHistory::Flowed as usize;
-/// Roundings of a recovery and of its inverse in those of a height.
+/// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
-/// How many times the stray of a kink those of flattened tops of the same radius may be.
+/// Largest ratio of the strays of flattened tops of the same radius to the stray of a kink.
 const UNLIKE: f64 = 1.5;
 /// Kinks of a top that has a radius of its own, and which of them is the end of contact.
 const OF_TOP: usize = 4;
@@ -45,7 +45,7 @@ pub(super) struct Released {
     number: usize,
     /// m.
     height: f64,
-    /// By how much it springs back, m.
+    /// The distance that it springs back, m.
     recovery: f64,
     /// The index of its history.
     history: usize,
@@ -126,7 +126,7 @@ impl<'a> Retracted<'a> {
         self.from + asperity.recovery - self.kinks[asperity.history][number].interference
     }
 
-    /// How many kinks asperities of a history have at most.
+    /// The largest number of kinks of asperities of a history.
     fn count(&self, history: usize) -> usize {
         if self.is_flattened(history) { OF_TOP } else { self.kinks[history].len() }
     }

@@ -50,8 +50,8 @@ pub(super) fn draw_of(job: &Job<'_>, index: u64, heights: &mut Vec<f64>, radii: 
     draw(job.surface, job.seed, job.scheme, index, heights, radii);
 }
 
-/// Draws asperities, unsorted, by a scheme under which those of one group of replicas depend on each other,
-/// asperity by asperity.
+/// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on each
+/// other, asperity by asperity.
 ///
 /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
 /// an asperity in the order of heights; radii that scatter independently of the height are independent.

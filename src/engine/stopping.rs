@@ -15,9 +15,9 @@ use super::scalars::SCALARS;
 use crate::math::control_variates::controlled_means;
 use crate::math::proportion::agreeing;
 
-/// Replicas that agree are enough for a target where at most so many of all outcomes may differ.
+/// Replicas that agree are enough for a target where at most this share of all outcomes may differ.
 const DIFFERING: f64 = 0.05;
-/// From one look to the next the replicas grow by one part in so many, and to whole batches.
+/// From one look to the next the replicas grow by one part in this number, and to whole batches.
 const GROWTH: u64 = 10;
 
 /// The mean that a target is for.

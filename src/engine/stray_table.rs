@@ -14,14 +14,15 @@ use crate::math::interpolation::lagrange;
 /// Spaces between the samples of a polynomial before the space that it is used in, and with that.
 const BEFORE: usize = 2;
 const SAMPLES: usize = 2 * BEFORE + 2;
-/// Places at which what the table leaves out is looked at, in spaces, and how far beside a kink.
+/// Places in a space at which what the table leaves out is looked at, and the spaces that these go beyond the
+/// samples around a kink.
 const LOOKS: usize = 9;
 const BESIDE: f64 = 0.5;
 
 /// The error of the force of one asperity where it is interpolated, N.
 #[derive(Debug, Default)]
 pub(super) struct StrayTable {
-    /// How far apart samples are, m.
+    /// Distance between samples, m.
     width: f64,
     windows: Vec<Window>,
 }

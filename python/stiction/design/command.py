@@ -35,7 +35,7 @@ def _parser() -> argparse.ArgumentParser:
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--maximise", metavar="KEY", help="the number of which the largest value is looked for, or pull_off_force")
     which.add_argument("--minimise", metavar="KEY", help="the number of which the smallest value is looked for, or pull_off_force")
-    parser.add_argument("--probability", type=float, metavar="P", help="how probable the patches may be at most")
+    parser.add_argument("--probability", type=float, metavar="P", help="largest probability of the patches")
     parser.add_argument("--error", type=float, default=0.1, metavar="E",
                         help="relative standard error of each probability; by default 0.1")  # fmt: skip
     parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
@@ -114,5 +114,5 @@ def _best(found: Best, given: argparse.Namespace) -> str:
 
 
 _RARER = "none, or rarer than 10⁻¹⁸"
-# What is not a number of the scene but what its patches do.
+# Not a number of the scene but what its patches do.
 _FORCE = "pull_off_force"

@@ -25,7 +25,7 @@ class Quadrature:
 
     def __init__(self, heights: Any, low: float, high: float, size: int) -> None:
         self.z = np.linspace(low, high, size)
-        # Of each point the probability of its cell, so that kinks and ends of the law lose nothing.
+        # For each point the probability of its cell, so that kinks and ends of the law lose nothing.
         edges = np.concatenate([[low], 0.5 * (self.z[1:] + self.z[:-1]), [high]])
         middle = float(heights.median())
         self.weights = np.where(

@@ -489,6 +489,6 @@ class Splitting:
         return runs
 
     def _copies(self, at: Whole) -> Whole:
-        """As many patches as in a run, each of some of them as often as the others or once more."""
+        """Patches, as many as in a run, each of some of them as often as the others or once more."""
         times, rest = divmod(_PATCHES, at.size)
         return np.concatenate([np.repeat(at, times), self.rng.choice(at, rest, replace=False)])

@@ -181,7 +181,7 @@ def _head(path: Path, cell: str) -> tuple[str, float, str]:
         factor, si = quantities.parsed(f"{path}: the column {name}", f"1 {unit}")
     except ValueError as error:
         raise FileError(str(error)) from None
-    # Of one dimension, but stiffnesses are not given as energies.
+    # N/m and J/m² have one dimension, but stiffnesses are not given as energies.
     return name, factor, "N/m" if unit.endswith("N/m") else si
 
 

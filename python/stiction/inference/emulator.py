@@ -34,7 +34,7 @@ _LEAST_LOG = -700.0
 _PARTS, _DEGREE = 6, 2
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
-# What a patch far from the posterior counts, against one that is there.
+# Weight of a patch far from the posterior, against one that is there.
 _FAR = 0.02
 # Standard deviations of the posterior within which patches count fully, to a Gaussian's shoulder.
 _NEAR = 3.0

@@ -104,7 +104,7 @@ def sample(
         sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, vectorize=True, moves=moves)
         begin = _spread(log_probability, start, walkers, dimensions, random)
         state = emcee.State(begin, random_state=np.random.RandomState(random.integers(2**31)).get_state())
-        # What walkers need to forget where they began.
+        # Steps that walkers need to forget where they began.
         states.append(sampler.run_mcmc(state, 100, store=False, skip_initial_state_check=True))
         samplers.append(sampler)
     draws = 0

@@ -142,7 +142,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean(axis=1) - _pairs(a.mean(axis=1), b.mean(axis=1))
     ends = np.stack([a, b], axis=2)
     scatter = ends.var(axis=-1, ddof=1).mean(axis=(1, 2))
-    # Of each block; indices are of their means.
+    # One row for each block; indices are of their means.
     parts = np.concatenate([first, total, np.stack([of_mean, scatter], axis=1)], axis=1)
 
     found = _indices(parts.mean(axis=0))

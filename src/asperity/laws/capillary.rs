@@ -124,7 +124,7 @@ pub struct Parts {
     bridge: Bridge,
     /// K, Pa.
     stiffness: f64,
-    /// Of the energy W_SLS; none where it is not above 0.
+    /// Scale of the energy W_SLS; none where that is not above 0.
     solid: Option<Scale>,
     path: Path,
     bridges: Bridges,
@@ -145,7 +145,7 @@ impl Parts {
         let work = dry.work_of_adhesion();
         let range = dry.equilibrium_spacing() / STRESS_RATIO;
         let share = meniscus.solid_energy(work, range) / work;
-        // W_SLS of so small a λ is nothing beside γs.
+        // W_SLS of so small a λ is nothing next to γs.
         let is_some = share > 0.0 && dry.lambda * libm::pow(share, 2.0 / 3.0) >= LAMBDA_RANGE.0;
         let solid = is_some.then(|| dry.with_energy(share, range));
         let stress = meniscus.pressure() * meniscus.share_beyond(range);
@@ -359,7 +359,7 @@ struct WetContact {
     parts: Parts,
     /// The end of contact under the bridge alone of the asperity of ρ = 1.
     last: Last,
-    /// Its angles over the root of δ beyond that, m, from which solves start.
+    /// Angles of that contact over the root of δ beyond its end, m, from which solves start.
     starts: Piecewise,
     /// The contact of the solids in the liquid.
     solid: Option<MaugisContact>,
@@ -392,8 +392,7 @@ impl WetContact {
         }
     }
 
-    /// What there is under bridges alone, and δ₁, of asperities by their ρ, with the ends
-    /// of their contacts.
+    /// Responses under bridges alone, and δ₁, of asperities by their ρ, with the ends of their contacts.
     fn bridges(
         &self,
         of: impl Fn(usize) -> (f64, Last),

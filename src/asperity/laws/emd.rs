@@ -170,8 +170,8 @@ impl Interaction for Attraction {
     }
 }
 
-/// Of the attraction within an interval, m: it may be left there for another branch at the end of one, which is a fold, or
-/// for the outer branch, whose fold is `behind`.
+/// Smoothness of the attraction within an interval, m: it may be left there for another branch at the end of
+/// one, which is a fold, or for the outer branch, whose fold is `behind`.
 fn smoothness(split: Option<f64>, behind: Option<f64>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
     let Some(place) = split.filter(|place| within.start < *place && *place < within.end) else {
         return (Vec::new(), vec![Smoothness::Smooth]);

@@ -39,7 +39,7 @@ const HARDNESS: f64 = 2.84;
 const HARDEST: f64 = 0.5;
 /// x up to which there are tables.
 const TABULATED: f64 = 1e3;
-/// Relative accuracy of tables: a few roundings, as those of exponentials and products.
+/// Relative accuracy of tables: a few roundings, as in exponentials and products.
 const TABLE_TOLERANCE: f64 = 8e-15;
 
 /// The law `jg`.

@@ -35,7 +35,7 @@ const SECOND_END: f64 = 110.0;
 const ELASTIC_ORDER: i32 = 10;
 /// Loads and areas are those at ω_c, which are proportional to R² as ω_c is to R, times functions of δ/ω_c.
 pub const OF_CRITICAL: Similarity = Similarity::new(1.0, 2.0);
-/// Relative accuracy of tabulated powers: a few roundings, as those of a library's power and of a product.
+/// Relative accuracy of tabulated powers: a few roundings, as in a library's power and a product.
 const TABLE_TOLERANCE: f64 = 2e-15;
 
 /// The law `ke`.

@@ -116,7 +116,7 @@ impl PlasticContact {
 /// [`LawError`] for a λ that is not solved; [`LawError::Elastic`] and [`LawError::Hardness`] as the plastic contact.
 pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result<Box<dyn Law>, LawError> {
     parameters.plastic("md_plastic")?;
-    // The elastic contact and its tables go as deep as those of `md`.
+    // The elastic contact and its tables go as deep as in `md`.
     let elastic = LawParameters { critical_interference: f64::INFINITY, ..*parameters };
     let (before, maugis) = emd::rows_before(&elastic)?;
     let around = Around { scale: parameters.scale, bridge: None };
@@ -161,7 +161,7 @@ pub(super) fn contact_rows(
 struct Flow {
     /// The plastic contact without adhesion.
     law: Box<dyn Law>,
-    /// Its last elastic regime.
+    /// The last elastic regime of that contact.
     onset: usize,
     around: Around,
     /// Where contact begins or ends by the history.

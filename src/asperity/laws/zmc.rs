@@ -30,7 +30,7 @@ use crate::asperity::table::{Row, Table};
 const FIRST_PRESSURE: f64 = 0.4;
 /// ω₂/ω₁.
 const FULLY_PLASTIC: f64 = 54.0;
-/// Relative accuracy of the table of the load: a few roundings, as those of its products.
+/// Relative accuracy of the table of the load: a few roundings, as in its products.
 const TABLE_TOLERANCE: f64 = 4e-15;
 
 /// The law `zmc`.

@@ -121,7 +121,7 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
     };
     for (q, values) in samples.into_iter().enumerate() {
         let mut chebyshev = chebyshev::coefficients(values);
-        // The nodes rise, so they are those of −v: odd coefficients change their sign.
+        // The nodes rise, so they are the nodes of −v: odd coefficients change their sign.
         chebyshev.iter_mut().skip(1).step_by(2).for_each(|coefficient| *coefficient = -*coefficient);
         let allowed = TAIL * tolerance * scale[q];
         let mut tail = 0.0;

@@ -174,7 +174,7 @@ impl MomentSums {
     }
 }
 
-/// Moments of periods from those of their bins.
+/// Moments of periods from the moments of their bins.
 #[inline(always)]
 fn merge(geometry: &Geometry, terms: usize, bins: &[[Lanes; TERMS]], periods: &mut [[Lanes; TERMS]]) {
     for (bins, period) in bins.chunks_exact(geometry.segments()).zip(periods) {

@@ -16,7 +16,7 @@ const MARGIN: f64 = 1.0;
 /// polynomial through these by more than this share of their spread.
 const UNRESOLVED: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 12;
-/// How often a minimum between kinks is sought again in a third of the angle.
+/// Times that a minimum between kinks is sought again in a third of the angle.
 const THIRDS: usize = 3;
 
 /// An interval of separations, m, and the smooth part of the curve at its points.

@@ -106,18 +106,18 @@ impl Stray {
     }
 }
 
-/// The errors that kinks leave in what is interpolated have either sign: their sum stays within so many times
-/// the root of the sum of squares, and the largest of them.
+/// The errors that kinks leave in what is interpolated have either sign: their sum stays within this multiple
+/// of the root of the sum of squares, and the largest of them.
 const DEVIATIONS: f64 = 3.5;
 /// Samples on either side of an interval that it is interpolated from, its ends included.
 const SAMPLES: usize = 3;
 /// A place that is less deep than the deepest by this share is not looked for, nor what is lost in the
 /// rounding of the largest sample.
 const SHARE: (f64, f64) = (1e-8, 1e-14);
-/// Places are remembered that are less deep by no more than so many times this.
+/// Places are remembered that are less deep by no more than this multiple of the tolerance.
 const DOUBT: f64 = 1e2;
-/// The whole curve is evaluated at the deepest places, until the next would have to be deeper than it was
-/// found by so many times the largest surprise so far to be the deepest of all, and at most at so many.
+/// The whole curve is evaluated at the deepest places, at most at `MOST_SOLVED`, until the next would have to
+/// be deeper than it was found by this multiple of the largest surprise so far to be the deepest of all.
 const SURPRISES: f64 = 6.0;
 const MOST_SOLVED: usize = 8;
 /// Places are next to each other that are no further apart than this share of the space between samples.
@@ -166,7 +166,7 @@ fn within(passings: &[Passing], low: f64, high: f64) -> &[Passing] {
     &passings[first..end.max(first)]
 }
 
-/// How far what is interpolated may be off by strays nearby, at most and the root of the mean square, of
+/// The error of what is interpolated by strays nearby, given at most and as the root of the mean square, of
 /// which a `share` counts.
 fn margin(nearby: impl Iterator<Item = (f64, f64)>, share: f64) -> f64 {
     let (mut most, mut square) = (0.0, 0.0);
@@ -194,7 +194,7 @@ struct Search<'a, C: Curve> {
     /// The smallest value so far, and where others are that may be as small.
     deepest: f64,
     places: Vec<(f64, f64)>,
-    /// How far apart places are that are looked at each, m.
+    /// The distance beyond which places are looked at each, m.
     apart: f64,
     /// The width that strays of passings belong to, m.
     spacing: f64,
@@ -256,7 +256,7 @@ impl<'a, C: Curve> Search<'a, C> {
         Extremum { place: deepest.0, value: deepest.1, at_edge: ends.contains(&deepest.0) }
     }
 
-    /// How much further on than h the curve is looked at, m.
+    /// The largest distance beyond h at which the curve is looked at, m.
     fn largest_shift(&self) -> f64 {
         self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift))
     }
@@ -328,7 +328,7 @@ impl<'a, C: Curve> Search<'a, C> {
         passings
     }
 
-    /// The passings, of those of the curve, that the sought function has in `low..=high`, h in m.
+    /// The passings, out of the curve's, that the sought function has in `low..=high`, h in m.
     fn shifted(&self, passings: &[Passing], low: f64, high: f64) -> Vec<Passing> {
         let mut all = Vec::new();
         for (shift, sign) in self.shifts {

@@ -7,9 +7,9 @@ use crate::math::interpolation::{lagrange, linear};
 use crate::math::polynomials::horner;
 use std::ops::Range;
 
-/// Steps of independent asperities in an interval do not all come at its beginning: their sum stays within so
-/// many times the root of the sum of their squares of a straight line, by Kolmogorov's distribution but for 6
-/// of 10⁵ intervals.
+/// Steps of independent asperities in an interval do not all come at its beginning: their sum stays within
+/// this multiple of the root of the sum of their squares of a straight line, by Kolmogorov's distribution but
+/// for 6 of 10⁵ intervals.
 const DEVIATION: f64 = 2.2;
 /// Spaces around one between samples in which kinks are counted for how many there are in a space.
 const AROUND: f64 = 1.0;
@@ -21,7 +21,7 @@ const NARROWEST: f64 = 1.0 / 64.0;
 const UNEVEN: f64 = 1e-6;
 /// Intervals that are judged together first.
 const TOGETHER: usize = 8;
-/// Looks at the curve in parts of so many of a space.
+/// Parts of a space in which the curve is looked at.
 const LOOKS: f64 = 8.0;
 
 /// Parts of a space between samples, m, none of which is wider than `spacing`, m.
@@ -42,7 +42,7 @@ fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
 pub(super) struct Guess {
     /// The smallest value.
     pub lowest: f64,
-    /// How far it may be off.
+    /// The error that it may have.
     margin: f64,
     /// Where the space begins and ends, h in m.
     ends: (f64, f64),
@@ -278,7 +278,7 @@ struct Interpolated {
     spaces: Vec<Between>,
 }
 
-/// The same between two samples.
+/// A continuous curve between two samples.
 struct Between {
     curve: Quartic,
     /// The terms to be added at even places.
@@ -297,7 +297,7 @@ impl Interpolated {
         self.spaces[self.space(h)].value(h)
     }
 
-    /// Adds the curve at separations h, m, rising, each `shift`, m, further on, so many times to values there.
+    /// Adds the curve at separations h, m, rising, each `shift`, m, further on, times `times`, to values.
     fn add_values(&self, shift: f64, times: f64, separations: &[f64], values: &mut [f64]) {
         let mut begin = 0;
         while begin < separations.len() {

@@ -12,7 +12,7 @@ use crate::asperity::stats::SolverStats;
 
 /// Displacements of a range: residuals vary fastest at first touch.
 const POINTS: usize = 2001;
-/// How far before contact the range of f_snc begins, in equilibrium spacings.
+/// Distance before contact at which the range of f_snc begins, in equilibrium spacings.
 const FURTHEST: f64 = 10.0;
 
 /// The direct law of a setting on the ranges of the fits, scaled.

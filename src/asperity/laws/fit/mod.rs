@@ -41,7 +41,7 @@ const TABLE: &str = include_str!("table_3.csv");
 const ORDER: i32 = 10;
 /// Accuracy of tabulated powers, relative to the magnitudes of their terms: a few roundings.
 const TABLE_TOLERANCE: f64 = 4e-15;
-/// How closely an asperity has to be one of Table 3, relative.
+/// Relative difference within which an asperity is one of Table 3.
 const SAME: f64 = 1e-6;
 
 /// The law `fit:paper`.

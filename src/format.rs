@@ -2,30 +2,58 @@
 
 use std::ops::Range;
 
+/// SI prefixes with their powers of ten.
+const PREFIXES: [(&str, i32); 10] = [
+    ("f", -15),
+    ("p", -12),
+    ("n", -9),
+    ("µ", -6),
+    ("m", -3),
+    ("", 0),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+];
+
+/// The SI prefix with which a value is from 1 to 1000, and its factor; none beyond them.
+fn prefix(value: f64) -> Option<(&'static str, f64)> {
+    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
+    let (prefix, power) = PREFIXES.iter().find(|(_, power)| *power == exponent)?;
+    Some((prefix, 10f64.powi(*power)))
+}
+
 /// A quantity with an SI prefix and four significant digits.
 pub(crate) fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(&str, i32); 10] = [
-        ("f", -15),
-        ("p", -12),
-        ("n", -9),
-        ("µ", -6),
-        ("m", -3),
-        ("", 0),
-        ("k", 3),
-        ("M", 6),
-        ("G", 9),
-        ("T", 12),
-    ];
     if value == 0.0 || !value.is_finite() {
         return format!("{value} {unit}");
     }
-    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
-    match PREFIXES.iter().find(|(_, power)| *power == exponent) {
-        Some((prefix, power)) => {
-            format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power)))
-        }
+    match prefix(value) {
+        Some((prefix, factor)) => format!("{} {prefix}{unit}", significant(value / factor)),
         None => format!("{value:.3e} {unit}"),
     }
+}
+
+/// A quantity and its error in one unit, to two digits of the error; without it where it is not known.
+pub(crate) fn si_with_error(value: f64, error: f64, unit: &str) -> String {
+    match prefix(value) {
+        Some((prefix, factor)) if error > 0.0 && error.is_finite() => {
+            let digits = (1.0 - (error / factor).log10().floor()).clamp(0.0, 6.0) as usize;
+            let [value, error] = [value, error].map(|value| format!("{:.digits$}", value / factor));
+            format!("{value} ± {error} {prefix}{unit}")
+        }
+        _ => si(value, unit),
+    }
+}
+
+/// Quantities in one unit, that of the largest, four significant digits each.
+pub(crate) fn si_all(values: &[f64], joint: &str, unit: &str) -> String {
+    let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let Some((prefix, factor)) = prefix(largest) else {
+        return values.iter().map(|value| si(*value, unit)).collect::<Vec<String>>().join(joint);
+    };
+    let shown: Vec<String> = values.iter().map(|value| significant(value / factor)).collect();
+    format!("{} {prefix}{unit}", shown.join(joint))
 }
 
 /// Four significant digits for values from 1 to 1000.

@@ -1,6 +1,6 @@
 //! Snaps of the replicas of a run, for the summary.
 
-use super::rows::row;
+use super::rows::{labelled, row};
 use crate::experiment::results::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
@@ -9,7 +9,7 @@ use crate::integral::substrate_stiffness;
 use crate::scene::Scene;
 
 /// Most stiffnesses of which the summary tells.
-const SHOWN: usize = 8;
+const SHOWN: usize = 2;
 
 /// Rows of the summary: how often surfaces snap in, and after each turn how hard they are pulled off and how
 /// often they snap off.
@@ -26,15 +26,15 @@ pub(super) fn instability(results: &Results) -> String {
         let (counts, stiffness) =
             (snaps.counts(snaps.place_in(i)), spring(&results.scene, loading.stiffness[i]));
         let replicas = results.scene.replicas;
-        text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
+        text += &labelled(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
     }
     for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
-        text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
+        text += &labelled(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
         let taken = snaps.pull_off(turn).count();
         for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
             let counts = snaps.counts(snaps.place_off(p, i));
             let stiffness = spring(&results.scene, loading.stiffness[i]);
-            text += &row(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
+            text += &labelled(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
         }
     }
     if loading.stiffness.len() > shown.len() {

@@ -6,7 +6,7 @@ use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::validation::{Cumulants, JointTest, Probe, z_scores};
 
-/// Mean curves beside the integral, of a loop both ways one behind the other.
+/// Mean curves compared with the integral; of a loop, each way behind the one before.
 pub struct CrossCheck {
     pub h_star: Vec<f64>,
     /// Mean, expectation and standard deviation of one group of adhesion force and external force.
@@ -91,7 +91,7 @@ fn probes(run: &StoredRun<'_>) -> Result<Vec<Probe>, OutputError> {
     Ok(pairs.map(|(adhesion_force, external_force)| Probe { adhesion_force, external_force }).collect())
 }
 
-/// At most so many of the values of a dataset, all of which have to be finite.
+/// The first `count` values of a dataset, all of which have to be finite.
 fn finite(run: &StoredRun<'_>, name: &str, count: usize) -> Result<Vec<f64>, OutputError> {
     let mut values = run.values(name)?;
     values.truncate(count);

@@ -28,7 +28,7 @@ pub struct Checked {
 
 /// The content of a file, with the cross-checks that were computed anew.
 pub enum Content {
-    /// One scene, which has curves of so many ways.
+    /// One scene, and the number of ways that it has curves of.
     Run { cross_check: Box<CrossCheck>, ways: usize },
     /// Points along keys.
     Sweep { keys: String, points: Vec<SweptPoint> },
@@ -36,9 +36,9 @@ pub enum Content {
     Comparison { laws: Vec<String>, p_values: Vec<f64> },
     /// Patches of several sizes, with the p-value of each as the file has it.
     FiniteSize { p_values: Vec<f64> },
-    /// So many asperities of a measured surface.
+    /// The number of asperities of a measured surface.
     Asperities(usize),
-    /// So many replicas of a run.
+    /// The number of replicas of a shard.
     Shard(u64),
 }
 

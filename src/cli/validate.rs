@@ -66,7 +66,7 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
         text += &format!("{:>10.3} {}{way}\n", h_star[k], cells.join(" "));
     }
     let shown = if step > 1 {
-        format!("every {step}th of {} separations is shown", h_star.len())
+        format!("one in {step} of {} separations is shown", h_star.len())
     } else {
         "all separations are shown".to_owned()
     };

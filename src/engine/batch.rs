@@ -177,7 +177,12 @@ impl Ensemble {
     /// # Ok::<(), stiction::asperity::LawError>(())
     /// ```
     pub fn external_force_quantiles(&self, probabilities: &[f64]) -> Vec<Vec<f64>> {
-        quantiles(&self.first_curves, self.curves[0].mean().len(), probabilities)
+        self.quantiles_in(0..self.curves[0].mean().len(), probabilities)
+    }
+
+    /// Quantiles of the external force in some of the states.
+    pub(crate) fn quantiles_in(&self, states: Range<usize>, probabilities: &[f64]) -> Vec<Vec<f64>> {
+        quantiles(&self.first_curves, self.curves[0].mean().len(), states, probabilities)
     }
 
     /// Moments of the curves of independent asperities, by [`Quantity::index`], each over the states: what the
@@ -212,21 +217,21 @@ impl Ensemble {
     }
 }
 
-/// Quantiles of curves over so many states, row-major, in each state: a row for each probability, NaN of fewer than
+/// Quantiles of curves of a length, row-major, in some states: a row for each probability, NaN of fewer than
 /// [`FEWEST_CURVES`].
-fn quantiles(curves: &[f64], states: usize, probabilities: &[f64]) -> Vec<Vec<f64>> {
-    let count = curves.len() / states.max(1);
-    let mut rows = vec![vec![f64::NAN; states]; probabilities.len()];
+fn quantiles(curves: &[f64], length: usize, states: Range<usize>, probabilities: &[f64]) -> Vec<Vec<f64>> {
+    let count = curves.len() / length.max(1);
+    let mut rows = vec![vec![f64::NAN; states.len()]; probabilities.len()];
     if count < FEWEST_CURVES {
         return rows;
     }
     let mut forces = Vec::with_capacity(count);
-    for state in 0..states {
+    for (place, state) in states.enumerate() {
         forces.clear();
-        forces.extend(curves.chunks_exact(states).map(|curve| curve[state]));
+        forces.extend(curves.chunks_exact(length).map(|curve| curve[state]));
         forces.sort_unstable_by(f64::total_cmp);
         for (row, probability) in rows.iter_mut().zip(probabilities) {
-            row[state] = quantile(&forces, *probability);
+            row[place] = quantile(&forces, *probability);
         }
     }
     rows

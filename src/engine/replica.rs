@@ -142,7 +142,7 @@ impl Workspace {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// The same, until `ends` is true, which is looked at before surfaces are drawn, and for coupled ones before each
+    /// The same, until `ends` is true, which is looked at between large surfaces, and for coupled ones before each
     /// separation: then the replica at hand is not visited, nor any further one. Whether all were visited.
     pub fn replicas_until(
         &mut self,
@@ -158,7 +158,7 @@ impl Workspace {
         let all = self.independent(job, replicas, ends, |index, kept, curves| {
             independent.push((index, kept, curves.clone()))
         });
-        // They take seconds each: those of a batch do not wait for each other.
+        // Each takes seconds, so the replicas of a batch are computed side by side.
         let of = (job, substrate, ends);
         let coupled: Vec<_> = independent.into_par_iter().map(|replica| coupled(of, replica)).collect();
         for coupled in coupled {
@@ -170,7 +170,7 @@ impl Workspace {
     }
 
     /// Draws replicas, sums them as independent ones, and visits each with its index, what is kept of it and its curves,
-    /// until `ends` is true. Whether all were visited.
+    /// until `ends` is true, which is looked at between those that take seconds. Whether all were visited.
     fn independent(
         &mut self,
         job: &Job<'_>,
@@ -180,7 +180,7 @@ impl Workspace {
     ) -> bool {
         let mut first = replicas.start;
         while first < replicas.end {
-            if ends() {
+            if job.surface.asperity_count > MANY && ends() {
                 return false;
             }
             let at_once = (replicas.end - first).min(self.heights.len() as u64);

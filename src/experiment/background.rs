@@ -25,7 +25,6 @@ pub(crate) fn write_backgrounds<'a>(
     if all.clone().next().is_none() {
         return Ok(());
     }
-    writer.group("background")?;
     for (name, of) in COLUMNS {
         let rows = all.clone().flat_map(|own| separations.iter().map(move |&h| area * of(own, h)));
         writer.dataset(&format!("/background/{name}"), &rows.collect::<Vec<f64>>())?;

@@ -2,7 +2,9 @@
 up. Rules go by names, so that a new dataset has one; only one of either sign or with gaps needs a word here."""
 
 import re
+import shutil
 import subprocess
+from pathlib import Path
 
 import numpy
 import pytest
@@ -16,7 +18,7 @@ SCENES = sorted(CONFIGS.glob("*.toml")) + sorted(CONFIGS.glob("[ps]*/*.toml")) +
 FEW = {"separation.h_star": "{ from = 1.0, to = 8.0, count = 15 }", "surface.nominal_area": '"10 um^2"'}
 COSTLY = "humidity instability loop preload slider voltage coupled sweep_flattened sweep_plastic"
 SHORT = {name: FEW for name in COSTLY.split()} | {
-    "patches": FEW | {"sweep": '{ "substrate.coupling" = ["none", "patch"] }'}
+    "patches": {"sweep": '{ "substrate.coupling" = ["none", "patch"] }'} | FEW
 }
 ROUNDING = 1e-9
 
@@ -33,6 +35,7 @@ SIGNED = re.compile(
     r"pull_off|secant|peak|height|offset|energy|shift|kurtosis|bias|approach|highest|h_star|/background/|"
     r"preload|independent_from|control$|spread_force|contour_force|interference|step_count|jump_"
 )
+COUPLED = re.compile(r"^/coupling/|/independent_|/mean_field_|largest_crowding")
 RISING = "separation h_star asperity_separation step quantile replica avalanche_size energy_class".split()
 SHARES = re.compile(r"_share$|probability|p_value$|most_differing")
 FLAGS = re.compile(r"/tested_|/in_contact|/has_touched|/at_rest|_at_edge$|target_met|/snap_(in|off)$")
@@ -42,10 +45,15 @@ WAYS = ("", "retraction_", "reapproach_")
 @pytest.fixture(scope="module", params=SCENES, ids=lambda scene: f"{scene.parent.name}/{scene.stem}")
 def tree(request, tmp_path_factory):
     """What a scene writes of three replicas."""
-    output = tmp_path_factory.mktemp("run") / "out.h5"
+    folder, scene = tmp_path_factory.mktemp("run"), request.param
+    output = folder / "out.h5"
+    if "polished.h5" in scene.read_text():
+        search = [PROGRAM, "asperities", CONFIGS / "maps/polished.txt", "-o", folder / "polished.h5"]
+        subprocess.run(search, check=True, capture_output=True)
+        scene = Path(shutil.copy(scene, folder))
     overrides = SHORT.get(request.param.stem, {})
     sets = [word for key, value in overrides.items() for word in ("--set", f"{key}={value}")]
-    command = [PROGRAM, "run", request.param, "--quiet", "-o", output, "--replicas", "3", *sets]
+    command = [PROGRAM, "run", scene, "--quiet", "-o", output, "--replicas", "3", *sets]
     subprocess.run(command, check=True, capture_output=True, cwd=CONFIGS)
     with xarray.open_datatree(output, engine="h5netcdf") as opened:
         yield opened.load()
@@ -63,7 +71,9 @@ def numbers(tree):
 def test_numbers_are_finite_and_of_their_sign(tree):
     wrong = []
     for path, values in numbers(tree):
-        there = values.values if not GAPS.search(path) else values.values[~numpy.isnan(values.values)]
+        # Points of a sweep without coupling have none of it.
+        is_gap = GAPS.search(path) or (COUPLED.search(path) and "sweep_keys" in tree.attrs)
+        there = values.values if not is_gap else values.values[~numpy.isnan(values.values)]
         largest = numpy.abs(there[numpy.isfinite(there)]).max(initial=0.0)
         does = numpy.isfinite(there) if not INFINITE.search(path) else ~numpy.isnan(there)
         if not SIGNED.search(path) or re.search("_std$|standard_error|regime_count|regime_adhesion", path):
@@ -157,6 +167,9 @@ def test_pull_offs_are_no_less_than_those_of_the_curves(tree):
 
 
 def test_loops_lose_energy(tree):
+    # The adhesion of other laws jumps where surfaces turn back: docs/plastic.md.
+    if tree.attrs["law"] != "md_plastic" or "model.law" in tree.attrs.get("sweep_keys", ""):
+        return
     for name in ("dissipated_energy", "repeated_dissipated_energy"):
         energy = tree["replicas"].get(name)
         if energy is not None:

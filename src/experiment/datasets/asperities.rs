@@ -65,8 +65,7 @@ fn of_history(history: History) -> Vec<Dataset> {
         dataset(history, name, (units, words), of)
     };
     let flag = |name: &str, k: usize, words: &str| {
-        let meaning = format!("whether each asperity {words}{{}} (1) or not (0)");
-        dataset(history, name, ("1", &meaning), move |state: &AsperityState| state.flags[k].clone())
+        dataset(history, name, ("1", words), move |state: &AsperityState| state.flags[k].clone())
     };
     vec![
         own("interference", "m", "interference of each asperity{}", |state| state.interference.clone()),
@@ -75,19 +74,9 @@ fn of_history(history: History) -> Vec<Dataset> {
         }),
         own("contact_force", "N", "contact force of each asperity{}", |state| state.contact.clone()),
         own("contact_area", "m2", "contact area of each asperity{}", |state| state.area.clone()),
-        flag("in_contact", 0, "is in contact"),
-        dataset(
-            history,
-            "has_touched",
-            ("1", "whether each asperity has touched{} and remembers it (1) or not (0)"),
-            |state: &AsperityState| state.flags[1].clone(),
-        ),
-        dataset(
-            history,
-            "at_rest",
-            ("1", "whether each asperity is at rest at a jump of its law{} (1) or not (0)"),
-            |state: &AsperityState| state.flags[2].clone(),
-        ),
+        flag("in_contact", 0, "whether each asperity is in contact{} (1) or not (0)"),
+        flag("has_touched", 1, "whether each asperity has touched{} and remembers it (1) or not (0)"),
+        flag("at_rest", 2, "whether each asperity is at rest at a jump of its law{} (1) or not (0)"),
     ]
 }
 
@@ -109,8 +98,8 @@ where
 
 pub(super) fn scales(writer: &mut Writer<'_>, results: &Results) {
     let states = History::all().next().and_then(|approach| approach.asperities(results));
-    if let Some((states, told)) = states.zip(first(results)) {
+    if let Some((states, asperities)) = states.zip(first(results)) {
         writer.scale(State, &(0..states.len() as u64).collect::<Vec<u64>>());
-        writer.scale(Asperity, &(0..told.heights.len() as u64).collect::<Vec<u64>>());
+        writer.scale(Asperity, &(0..asperities.heights.len() as u64).collect::<Vec<u64>>());
     }
 }

@@ -1,6 +1,6 @@
 //! What coupling makes of an ensemble.
 
-use super::replicas::GROUP as REPLICAS;
+use super::replicas::{GROUP as REPLICAS, per_replica};
 use super::{Dataset, History, Results, Values, path};
 use crate::asperity::Quantity;
 use crate::coupled::{CLASSES, ENERGY_CLASSES, least_energy};
@@ -158,11 +158,6 @@ fn classes<const CLASSES: usize>(
         let add = |sum: Vec<u64>, own: &CoupledReplica| sum.iter().zip(of(own)).map(|(a, b)| a + b).collect();
         Some(replicas.fold(vec![0; CLASSES], add))
     })
-}
-
-/// A value of each replica.
-pub(super) fn per_replica<T>(results: &Results, of: impl Fn(&Replica) -> T) -> Vec<T> {
-    results.ensemble.replicas.iter().map(of).collect()
 }
 
 /// A value of each coupled replica.

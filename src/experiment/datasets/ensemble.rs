@@ -9,7 +9,7 @@ use crate::math::interval::LEVEL;
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::schema::Dimension::{self, Control, RangeEnd, Scalar, Step, Target};
-use crate::output::schema::{OF_ENSEMBLE, quantile, quantities, regimes, scale};
+use crate::output::schema::{OF_ENSEMBLE, Statistic, quantile, quantities, regimes, scale};
 use crate::output::writer::Writer;
 
 const GROUP: &str = "/ensemble";
@@ -22,8 +22,11 @@ pub(super) fn datasets() -> Vec<Dataset> {
     let mut all: Vec<Dataset> = [control].into_iter().chain(of_histories).collect();
     all.extend(of_scalars());
     all.extend(of_targets());
-    all.push(jumps("jump_in", 0, "asperities that come into contact on approach"));
-    all.push(jumps("jump_off", 1, "asperities that lose contact on retraction"));
+    all.extend(jumps(GROUP, OF_ENSEMBLE[0], |results, way| {
+        let (_, states) = results.paths().swap_remove(way);
+        let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
+        Some(counts.map(|row| row[states.clone()].to_vec()).collect())
+    }));
     all
 }
 
@@ -47,9 +50,7 @@ fn of_quantities(history: History) -> Vec<Dataset> {
 
 fn of_quantiles(history: History) -> Dataset {
     Dataset::of(quantile(GROUP, &[], history.direction()), move |results: &Results| {
-        let states = history.states(results)?;
-        let rows = results.ensemble.external_force_quantiles(&QUANTILES);
-        Some(rows.iter().flat_map(|row| row[states.clone()].to_vec()).collect::<Vec<f64>>())
+        Some(results.ensemble.quantiles_in(history.states(results)?, &QUANTILES).concat())
     })
 }
 
@@ -169,21 +170,28 @@ fn of_targets() -> [Dataset; 7] {
     ]
 }
 
-/// How many asperities of a loop come into contact, or lose it, between neighbouring separations.
-fn jumps(name: &str, way: usize, words: &str) -> Dataset {
-    let meaning = OF_ENSEMBLE[0].1.replace("{}", words);
-    Dataset::new(path(GROUP, &format!("{name}_count_mean")), &[Step], "1", meaning, move |results| {
-        results.retraction.as_ref()?;
-        let (_, states) = results.paths().swap_remove(way);
-        let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
-        let rows: Vec<&[f64]> = counts.map(|row| &row[states.clone()]).collect();
-        Some(changes(results, &rows))
-    })
+/// Asperities in each regime on a way of a loop.
+type Counts = fn(&Results, usize) -> Option<Vec<Vec<f64>>>;
+
+/// How many asperities of a loop come into contact, and how many lose it, between neighbouring separations.
+pub(super) fn jumps(group: &str, statistic: Statistic<'_>, counts: Counts) -> [Dataset; 2] {
+    let (suffix, meaning) = statistic;
+    let one = |name: &str, way: usize, words: &str| {
+        let dataset = path(group, &format!("{name}_count{suffix}"));
+        Dataset::new(dataset, &[Step], "1", meaning.replace("{}", words), move |results| {
+            results.retraction.as_ref()?;
+            Some(changes(results, &counts(results, way)?))
+        })
+    };
+    [
+        one("jump_in", 0, "asperities that come into contact on approach"),
+        one("jump_off", 1, "asperities that lose contact on retraction"),
+    ]
 }
 
 /// By how many asperities out of contact become more between neighbouring separations: on one way an asperity
 /// does so once.
-pub(super) fn changes(results: &Results, counts: &[&[f64]]) -> Vec<f64> {
+fn changes(results: &Results, counts: &[Vec<f64>]) -> Vec<f64> {
     let is_contact = |name: &str| Regime::named(name).is_some_and(Regime::is_contact);
     let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));
     let mut changes = vec![0.0; counts[0].len() - 1];

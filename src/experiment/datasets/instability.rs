@@ -113,66 +113,74 @@ where
     })
 }
 
+/// Numbers that are kept of every replica, for each snap or turn.
+#[derive(Clone, Copy)]
+struct Kept {
+    dimensions: &'static [Dimension],
+    places: Places,
+}
+
+const SNAPS_IN: Kept = Kept { dimensions: ND, places: inward };
+const SNAPS_OFF: Kept = Kept { dimensions: NPD, places: off };
+const TURNS: Kept = Kept { dimensions: NP, places: turns };
+
+impl Kept {
+    /// Number `offset` of each.
+    fn number(self, offset: usize, name: &str, units: &'static str, meaning: &str) -> Dataset {
+        Dataset::new(path(REPLICAS, name), self.dimensions, units, meaning, move |results: &Results| {
+            let own = Snaps::of(results);
+            Some(own.table(&(self.places)(&own)?, offset))
+        })
+    }
+}
+
 /// What is kept of the snaps of every replica.
 pub(super) fn of_replicas() -> [Dataset; 9] {
-    let own = |name: &str, dimensions: &[Dimension], units: &'static str, meaning: &str| {
-        // Numbers of a snap, and of a turn, in their order.
-        let (places, offset): (Places, usize) = match name {
-            "snap_in" => (inward, 0),
-            "snap_in_separation" => (inward, 1),
-            "snap_in_distance" => (inward, 2),
-            "snap_off" => (off, 0),
-            "snap_off_separation" => (off, 1),
-            "snap_off_distance" => (off, 2),
-            "preload_separation" => (turns, 0),
-            "pull_off_after_preload" => (turns, 1),
-            _ => (turns, 2),
-        };
-        Dataset::new(path(REPLICAS, name), dimensions, units, meaning, move |results: &Results| {
-            let own = Snaps::of(results);
-            Some(own.table(&places(&own)?, offset))
-        })
-    };
     [
-        own(
+        SNAPS_IN.number(
+            0,
             "snap_in",
-            ND,
             "1",
             "whether the surface snaps in (1) or not (0), NaN where it is unstable at the last separation",
         ),
-        own("snap_in_separation", ND, "m", "separation h where the largest snap-in begins, NaN without one"),
-        own(
+        SNAPS_IN.number(
+            1,
+            "snap_in_separation",
+            "m",
+            "separation h where the largest snap-in begins, NaN without one",
+        ),
+        SNAPS_IN.number(
+            2,
             "snap_in_distance",
-            ND,
             "m",
             "how far the surface snaps in, NaN where nothing within the separations stops it",
         ),
-        own(
+        SNAPS_OFF.number(
+            0,
             "snap_off",
-            NPD,
             "1",
             "whether the surface snaps off (1) or not (0), NaN where it was never retracted or is unstable at the first separation",
         ),
-        own(
+        SNAPS_OFF.number(
+            1,
             "snap_off_separation",
-            NPD,
             "m",
             "separation h where the largest snap-off begins, NaN without one",
         ),
-        own(
+        SNAPS_OFF.number(
+            2,
             "snap_off_distance",
-            NPD,
             "m",
             "how far the surface snaps off, NaN where nothing within the separations stops it",
         ),
-        own(
+        TURNS.number(
+            0,
             "preload_separation",
-            NP,
             "m",
             "separation h where the preload is reached and the surface retracts, NaN where it is not reached",
         ),
-        own("pull_off_after_preload", NP, "N", "pull-off force after that preload"),
-        own("pull_off_after_preload_separation", NP, "m", "separation h at that pull-off"),
+        TURNS.number(1, "pull_off_after_preload", "N", "pull-off force after that preload"),
+        TURNS.number(2, "pull_off_after_preload_separation", "m", "separation h at that pull-off"),
     ]
 }
 

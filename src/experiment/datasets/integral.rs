@@ -1,12 +1,12 @@
 //! Expectations by the integral.
 
-use super::ensemble::{changes, features};
+use super::ensemble::{features, jumps};
 use super::{Dataset, History, Results, path};
 use crate::asperity::Quantity;
 use crate::integral::Expectations;
 use crate::math::extrema::maximum;
 use crate::output::OutputError;
-use crate::output::schema::Dimension::{self, Regime, Separation, Step};
+use crate::output::schema::Dimension::{self, Regime, Separation};
 use crate::output::schema::{OF_INTEGRAL, quantities, regimes};
 use crate::output::writer::Writer;
 
@@ -27,9 +27,10 @@ pub(super) fn datasets() -> Vec<Dataset> {
         at_pull_off("contact_area", &[], "m2", "contact area", |at| {
             at.expected[Quantity::ContactArea.index()].clone()
         }),
-        jumps("jump_in", 0, "asperities that come into contact on approach"),
-        jumps("jump_off", 1, "asperities that lose contact on retraction"),
     ]);
+    all.extend(jumps(GROUP, OF_INTEGRAL[0], |results, way| {
+        Some(results.integrals().nth(way)?.regime_count.clone())
+    }));
     all
 }
 
@@ -62,17 +63,6 @@ fn at_pull_off(
         format!("{words} at pull-off of the integral, or at the smallest separation where nothing pulls");
     Dataset::new(path(GROUP, &format!("pull_off_{name}")), dimensions, units, meaning, move |results| {
         Some(of(&results.at_pull_off))
-    })
-}
-
-/// How many asperities of a loop come into contact, or lose it, between neighbouring separations.
-fn jumps(name: &str, way: usize, words: &str) -> Dataset {
-    let meaning = OF_INTEGRAL[0].1.replace("{}", words);
-    Dataset::new(path(GROUP, &format!("{name}_count")), &[Step], "1", meaning, move |results| {
-        results.retraction.as_ref()?;
-        let rows: Vec<&[f64]> =
-            results.integrals().nth(way)?.regime_count.iter().map(Vec::as_slice).collect();
-        Some(changes(results, &rows))
     })
 }
 

@@ -1,22 +1,26 @@
 //! Numbers of each replica of a run.
 
-use super::coupling::{of_replicas, per_replica};
+use super::coupling::of_replicas;
 use super::instability;
 use super::{Dataset, History, Results, Values, path};
-use crate::engine::{self, Ways};
-use crate::output::schema::Dimension::{Replica, Separation};
+use crate::engine::{self, Replica, Ways};
+use crate::output::schema::Dimension::{self, Separation};
 use crate::output::schema::scalars;
 
 pub(super) const GROUP: &str = "/replicas";
 
 pub(super) fn datasets() -> Vec<Dataset> {
     let mut all = vec![
-        Dataset::new(path(GROUP, "asperity_count"), &[Replica], "1", "number of asperities", |results| {
-            Some(per_replica(results, |replica| replica.asperity_count))
-        }),
+        Dataset::new(
+            path(GROUP, "asperity_count"),
+            &[Dimension::Replica],
+            "1",
+            "number of asperities",
+            |results| Some(per_replica(results, |replica| replica.asperity_count)),
+        ),
         Dataset::new(
             path(GROUP, "highest_asperity"),
-            &[Replica],
+            &[Dimension::Replica],
             "m",
             "highest asperity above the asperity mean plane",
             |results| Some(per_replica(results, |replica| replica.highest_asperity)),
@@ -35,11 +39,16 @@ pub(super) fn datasets() -> Vec<Dataset> {
     all
 }
 
+/// A value of each replica.
+pub(super) fn per_replica<T>(results: &Results, of: impl Fn(&Replica) -> T) -> Vec<T> {
+    results.ensemble.replicas.iter().map(of).collect()
+}
+
 /// Curves of each replica, which are written batch by batch.
 fn curves(history: History) -> [Dataset; 2] {
     [("external_force", ", compressive positive"), ("adhesion_force", "")].map(|(force, sign)| {
         let meaning = format!("{} of each replica{}{sign}", force.replace('_', " "), history.direction().1);
-        let dimensions = &[Replica, Separation];
+        let dimensions = &[Dimension::Replica, Separation];
         Dataset::new(history.path(GROUP, force), dimensions, "N", meaning, |_| None::<Values>)
     })
 }

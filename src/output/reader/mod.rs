@@ -199,7 +199,7 @@ impl Reader {
         let values = |name: &str| -> Result<(String, Vec<f64>), OutputError> {
             let path = format!("{group}/{name}");
             let shown = lossy(path.as_bytes());
-            let refused = |problem: String| self.broken(format!("has a dataset `{shown}` that {problem}"));
+            let refused = |problem: String| self.broken(format!("has a dataset {shown} that {problem}"));
             let dataset = guard::dataset(&self.file, &path).map_err(|problem| self.broken(problem))?;
             is_kind_of::<f64>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(refused)?;
             let values = dataset.read_raw().map_err(|_| refused("is damaged".to_owned()))?;

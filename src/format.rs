@@ -107,12 +107,6 @@ pub(crate) fn signed_percent(deviation: f64) -> String {
     }
 }
 
-/// A factor with two significant digits: of a ratio of variances no more are known.
-pub(crate) fn factor(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if (0.01..10.0).contains(&rounded) { format!("{rounded:.1}") } else { format!("{rounded:.0}") }
-}
-
 /// Bytes with a prefix and three significant digits, or whole below a kilobyte.
 pub(crate) fn bytes(count: f64) -> String {
     const UNITS: [(&str, f64); 5] = [("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
@@ -179,7 +173,6 @@ mod tests {
         assert_eq!(signed_percent(1e12), "x 1.0e12");
         assert_eq!(signed_percent(f64::NAN), "-");
         assert_eq!(pure(0.8985), "0.8985");
-        assert_eq!([45.942, 1.04, 9.96, 1234.0].map(factor), ["46", "1.0", "10", "1200"]);
         assert_eq!(pure(1.5e-7), "1.500e-7");
     }
 }

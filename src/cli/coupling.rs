@@ -30,7 +30,7 @@ pub(super) fn changes(results: &Results) -> String {
         return labelled("coupling", &format!("{name}: pull-off unchanged by it"));
     }
     let change = si_with_error(change, difference.standard_error()[0], "N");
-    labelled("coupling", &format!("{name}: pull-off {} without, changed by {change}", si(without, "N")))
+    labelled("coupling", &format!("{name}: changes the pull-off of {} by {change}", si(without, "N")))
 }
 
 /// States that are no results, and contacts that come too close.
@@ -61,12 +61,22 @@ pub(super) fn troubles(results: &Results) -> String {
     }
     let overlapping = replicas().map(|replica| replica.overlapping).sum();
     let unsettled = replicas().map(|replica| replica.unsettled).sum();
-    text += &counted(results, &coupled.overlapping, overlapping, "have contacts that overlap, and are no results");
-    text + &counted(results, &coupled.unsettled, unsettled, "were not found to be stable")
+    text += &counted(
+        results,
+        &coupled.overlapping,
+        overlapping,
+        ["have contacts that overlap, and are no results", "begin at a larger separation"],
+    );
+    text + &counted(
+        results,
+        &coupled.unsettled,
+        unsettled,
+        ["were not found to be stable", "their numbers are the last of the search"],
+    )
 }
 
 /// How many states there are of a kind, and where; nothing of none.
-fn counted(results: &Results, shares: &Moments, count: u64, what: &str) -> String {
+fn counted(results: &Results, shares: &Moments, count: u64, [what, advice]: [&str; 2]) -> String {
     if count == 0 {
         return String::new();
     }
@@ -76,5 +86,6 @@ fn counted(results: &Results, shares: &Moments, count: u64, what: &str) -> Strin
     let list: Vec<String> = places.iter().take(SHOWN).map(|k| format!("{:.3}", h_star(*k))).collect();
     let more = if places.len() > SHOWN { " …" } else { "" };
     let of = states * results.ensemble.replicas.len();
-    labelled("warning", &format!("{count} of {of} states {what}, at h* = {}{more}", list.join(", ")))
+    let places = list.join(", ");
+    labelled("warning", &format!("{count} of {of} states {what}, at h* = {places}{more}; {advice}"))
 }

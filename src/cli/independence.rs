@@ -24,7 +24,7 @@ pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
     let shift = ratio(own.relative_shift());
     let coupling = scene.substrate.as_ref().map(|substrate| substrate.coupling);
     let advice = match coupling {
-        None => "; [substrate] couples them",
+        None => "; [substrate] couples asperities",
         Some(_) => "",
     };
     let text = match own.verdict() {

@@ -4,25 +4,24 @@ use super::coupling;
 use super::describe::{title, unit};
 use super::independence::independence;
 use super::instability::instability;
-use super::rows::{labelled, row};
-use crate::engine::{Limit, Replica};
+use super::rows::{labelled, paragraph};
+use crate::asperity::{Path, Quantity, Unloading};
+use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
 use crate::experiment::results::{Results, Stopped};
-use crate::format::{duration, percent, si, si_all, si_with_error};
+use crate::format::{duration, percent, si, si_all, si_with_error, signed_percent};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
-use crate::asperity::Unloading;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
-use std::path::Path;
 
 /// Probabilities of the quantiles of single patches.
 const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
-pub(super) fn summary(results: &Results, output: &Path) -> String {
+pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     let mut text = title(&results.scene) + &about(results) + "\n";
     text += &pull_off(results);
     text += &cycle(results);
@@ -33,9 +32,12 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
     text += "\n";
     text += &verdict(&results.joint);
     text += &independence(&results.independence, &results.scene);
+    text += &flowed_tops(results);
+    text += &refused_sums(&results.summation);
     text += &coupling::troubles(results);
+    text += &open_loops(results);
     for warning in &results.warnings {
-        text += &labelled("warning", &format!("{}: {}", warning.finding, warning.explanation()));
+        text += &labelled("warning", &format!("{}; {}", warning.finding, warning.change));
     }
     text + "\n" + &written(results, output)
 }
@@ -44,8 +46,8 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
 fn about(results: &Results) -> String {
     let scene = &results.scene;
     let (patches, asperities) = (scene.replicas, scene.surface.asperity_count);
-    let drawn = format!("{patches} patches of {asperities} asperities, seed {}", scene.seed);
-    row("", &format!("{} on {}", scene.model.name, scene.history_name())) + &row("", &drawn)
+    let law = format!("{} on {}", scene.model.name, scene.history_name());
+    paragraph(&format!("{law}, {patches} patches of {asperities} asperities, seed {}", scene.seed))
 }
 
 fn h_star(results: &Results, separation: f64) -> f64 {
@@ -68,12 +70,11 @@ pub(super) fn at_most(differing: f64) -> String {
     format!("with 95 % confidence at most {} of patches differ", percent(differing))
 }
 
-/// A mean over patches with its error and interval, with control variates where they reduce the variance.
-fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
+/// A mean over patches with its error and interval, by control variates or without.
+fn quoted(mean: &ControlledMean, is_controlled: bool, unit: &str) -> String {
     if let Some(agree) = agreeing(mean.samples, mean.most_differing()) {
         return format!("{}; {agree}", si(mean.mean, unit));
     }
-    let is_controlled = !results.controls.is_empty() && mean.variance_reduction().is_finite();
     let (value, error, interval) = match is_controlled {
         true => (mean.controlled_mean, mean.controlled_standard_error, mean.controlled_interval),
         false => (mean.mean, mean.standard_error, mean.interval),
@@ -82,8 +83,8 @@ fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     if !(interval[1] > interval[0]) {
         return format!("{value}, one group of replicas: no standard error");
     }
-    let few = if mean.samples < FEWEST { " (less than that for so few replicas)" } else { "" };
-    format!("{value}, {:.0} % interval {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
+    let few = if mean.samples < FEWEST { " (less than that: few replicas)" } else { "" };
+    format!("mean {value}, {:.0} % interval {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
 }
 
 /// The pull-off: the number to quote and what it is of, and its scatter.
@@ -93,50 +94,51 @@ fn pull_off(results: &Results) -> String {
     if of_integral.value >= 0.0 && !replicas.iter().any(|replica| replica.pull_off_force > 0.0) {
         return labelled("pull-off", "none: the external force is compressive at all separations");
     }
-    let mut text = labelled("pull-off", &quoted(results, &results.scalars[0], "N"));
+    let own = &results.scalars[0];
+    let is_controlled = !results.controls.is_empty() && own.variance_reduction().is_finite();
+    let mut text = labelled("pull-off", &quoted(own, is_controlled, "N"));
     let is_invalid = results.independence.verdict() == IndependenceVerdict::Invalid;
     if is_invalid && results.scene.substrate.is_none() {
         text += &labelled("", "not to be quoted: see independence");
     }
-    text += &labelled(
-        "",
-        &format!("{}, mean over patches; by the integral {}", history(results), si(-of_integral.value, "N")),
-    );
     let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
     let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
-    let place = format!("at h* = {:.3} on average", h_star(results, separation));
+    let (history, integral) = (history(results), si(-of_integral.value, "N"));
+    text += &paragraph(&format!(
+        "{history}, at h* = {:.3} on average; integral: {integral}",
+        h_star(results, separation)
+    ));
     if std > 0.0 {
         let mut sorted: Vec<f64> = replicas.iter().map(|replica| replica.pull_off_force).collect();
         sorted.sort_by(f64::total_cmp);
         let quantiles = QUANTILES.map(|probability| quantile(&sorted, probability));
-        text += &labelled("patches", &format!("5, 50, 95 % of them: {}", si_all(&quantiles, ", ", "N")));
-        text += &labelled("", &format!("scatter {} from patch to patch, {place}", percent(std / mean.abs())));
-    } else {
-        text += &labelled("patches", &place);
+        let (quantiles, scatter) = (si_all(&quantiles, ", ", "N"), percent(std / mean.abs()));
+        text += &labelled("patches", &format!("5, 50, 95 % below {quantiles}; scatter {scatter}"));
     }
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
-        let advice = "it may lie beyond, widen the separations";
-        text += &labelled("", &format!("{at_edge} have it at the edge of the separations: {advice}"));
+        text += &paragraph(&format!(
+            "{at_edge} have it at the edge of the separations: it may lie beyond, widen [separation]"
+        ));
     }
     text
 }
 
-/// The history and the load that the pull-off belongs to.
+/// The history that the pull-off belongs to, and the load before surfaces are pulled back.
 fn history(results: &Results) -> String {
     let scene = &results.scene;
-    let from = format!("from h* = {:.3}", h_star(results, scene.separations[0]));
-    match (scene.cycle, scene.history_name()) {
-        (true, _) => format!("pulled back {from}"),
-        (false, "approach") => "on approach".to_owned(),
-        (false, name) => format!("on {name} {from}"),
+    if scene.history_name() == Path::Approach.name() {
+        return "on approach".to_owned();
     }
+    let load = results.ensemble.curves[Quantity::ExternalForce.index()].mean()[0];
+    let turn = h_star(results, scene.separations[0]);
+    format!("pulled back from h* = {turn:.3} under {}", si(load, "N"))
 }
 
 /// The energy of a loop.
 fn cycle(results: &Results) -> String {
     let Some(mean) = results.scalar("dissipated_energy") else { return String::new() };
-    let mut text = energy(results, "dissipated", mean);
+    let mut text = energy("dissipated", mean);
     // Beyond chance, where there is an error.
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(
@@ -154,17 +156,17 @@ fn cycle(results: &Results) -> String {
         );
     }
     if let Some(mean) = results.scalar("repeated_dissipated_energy") {
-        text += &energy(results, "further cycles", mean);
+        text += &energy("further cycles", mean);
     }
     text
 }
 
 /// What a cycle dissipates.
-fn energy(results: &Results, label: &str, mean: &ControlledMean) -> String {
+fn energy(label: &str, mean: &ControlledMean) -> String {
     if mean.mean == 0.0 && !(mean.standard_error > 0.0) {
         return labelled(label, "nothing beyond rounding: both ways are one");
     }
-    labelled(label, &format!("{} per cycle", quoted(results, mean, "J")))
+    labelled(label, &format!("per cycle: {}", quoted(mean, false, "J")))
 }
 
 /// How much of a wet surface bridges cover at the pull-off of the integral.
@@ -210,10 +212,38 @@ pub(super) fn verdict(joint: &JointTest) -> String {
     labelled("cross-check", &text)
 }
 
+/// The pull-off with the other radius of tops that have flowed: so uncertain is the model.
+fn flowed_tops(results: &Results) -> String {
+    let by_radius = results.retraction.as_ref().and_then(|retraction| retraction.by_radius);
+    let Some([(_, force), (other, other_force)]) = by_radius.filter(|[(_, force), _]| *force > 0.0) else {
+        return String::new();
+    };
+    let (name, change) = (other.name(), signed_percent(other_force / force - 1.0));
+    labelled("flowed tops", &format!("{change} by the integral with unloaded_radius = \"{name}\""))
+}
+
+/// Why surfaces were summed directly, if sums by moments were asked for.
+fn refused_sums(summation: &Summation) -> String {
+    let Some((tolerance, refusal)) = summation.tolerance.zip(summation.refusal) else { return String::new() };
+    labelled("sums", &format!("direct, although moments to {tolerance:e} were asked for: {refusal}"))
+}
+
+/// Loops that end before contact does.
+fn open_loops(results: &Results) -> String {
+    let separations = &results.scene.separations;
+    let cycles = results.ensemble.replicas.iter().filter_map(|replica| replica.cycle.as_ref());
+    let open = cycles.filter(|kept| kept.detachment_separation > separations[separations.len() - 1]).count();
+    if open == 0 {
+        return String::new();
+    }
+    let of = results.ensemble.replicas.len();
+    let finding = format!("{open} of {of} loops are not closed: contact lasts at the largest separation");
+    labelled("warning", &format!("{finding}; pull back to a larger one by [separation]"))
+}
+
 /// Where the file is, and what it took.
-fn written(results: &Results, output: &Path) -> String {
+fn written(results: &Results, output: &std::path::Path) -> String {
     let seconds = results.seconds.iter().map(|(_, seconds)| seconds).sum();
-    let (path, time) = (output.display(), duration(seconds));
-    row("written", &path.to_string())
-        + &row("", &format!("in {time}; stiction info shows the rest, stiction plot draws it"))
+    labelled("written", &output.display().to_string())
+        + &paragraph(&format!("in {}; the rest: stiction info, figures: stiction plot", duration(seconds)))
 }

@@ -71,7 +71,8 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
         "all separations are shown".to_owned()
     };
     let largest = |z: &[f64]| z.iter().filter(|z| z.is_finite()).map(|z| z.abs()).reduce(f64::max);
-    let [adhesion, external] = [&z[0], &z[1]].map(|z| largest(z).map_or("-".to_owned(), |z| format!("{z:.2}")));
+    let [adhesion, external] =
+        [&z[0], &z[1]].map(|z| largest(z).map_or("-".to_owned(), |z| format!("{z:.2}")));
     text + &verdict(joint)
         + &row("", &format!("largest |z|: adhesion force {adhesion}, external force {external}"))
         + &row("", &shown)

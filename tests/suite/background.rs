@@ -386,7 +386,6 @@ fn files_have_the_background() {
     assert!(told.contains("3.000 V between the mean planes") && told.contains("a gap of 1.500 nm"), "{told}");
     let run = folder.stiction(&["run", "scene.toml", "-o", "run.h5"]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("of the attraction (van der Waals "), "{}", text(&run.stdout));
     assert_exit(&folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,md,gw", "-o", "laws.h5"]), 0);
     let sweep = small()
         + tables

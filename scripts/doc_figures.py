@@ -300,7 +300,7 @@ TABLE = "\n".join(
 
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
-    Block("docs/tutorial.md", "  lambda ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
+    Block("docs/tutorial.md", "  pull-off ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
     Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
           ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
     Figure(

@@ -2,30 +2,58 @@
 
 use std::ops::Range;
 
+/// SI prefixes with their powers of ten.
+const PREFIXES: [(&str, i32); 10] = [
+    ("f", -15),
+    ("p", -12),
+    ("n", -9),
+    ("µ", -6),
+    ("m", -3),
+    ("", 0),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+];
+
+/// The SI prefix with which a value is from 1 to 1000, and its factor; none beyond them.
+fn prefix(value: f64) -> Option<(&'static str, f64)> {
+    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
+    let (prefix, power) = PREFIXES.iter().find(|(_, power)| *power == exponent)?;
+    Some((prefix, 10f64.powi(*power)))
+}
+
 /// A quantity with an SI prefix and four significant digits.
 pub(crate) fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(&str, i32); 10] = [
-        ("f", -15),
-        ("p", -12),
-        ("n", -9),
-        ("µ", -6),
-        ("m", -3),
-        ("", 0),
-        ("k", 3),
-        ("M", 6),
-        ("G", 9),
-        ("T", 12),
-    ];
     if value == 0.0 || !value.is_finite() {
         return format!("{value} {unit}");
     }
-    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
-    match PREFIXES.iter().find(|(_, power)| *power == exponent) {
-        Some((prefix, power)) => {
-            format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power)))
-        }
+    match prefix(value) {
+        Some((prefix, factor)) => format!("{} {prefix}{unit}", significant(value / factor)),
         None => format!("{value:.3e} {unit}"),
     }
+}
+
+/// A quantity and its error in one unit, to two digits of the error; without it where it is not known.
+pub(crate) fn si_with_error(value: f64, error: f64, unit: &str) -> String {
+    match prefix(value) {
+        Some((prefix, factor)) if error > 0.0 && error.is_finite() => {
+            let digits = (1.0 - (error / factor).log10().floor()).clamp(0.0, 6.0) as usize;
+            let [value, error] = [value, error].map(|value| format!("{:.digits$}", value / factor));
+            format!("{value} ± {error} {prefix}{unit}")
+        }
+        _ => si(value, unit),
+    }
+}
+
+/// Quantities in one unit, that of the largest, four significant digits each.
+pub(crate) fn si_all(values: &[f64], joint: &str, unit: &str) -> String {
+    let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let Some((prefix, factor)) = prefix(largest) else {
+        return values.iter().map(|value| si(*value, unit)).collect::<Vec<String>>().join(joint);
+    };
+    let shown: Vec<String> = values.iter().map(|value| significant(value / factor)).collect();
+    format!("{} {prefix}{unit}", shown.join(joint))
 }
 
 /// Four significant digits for values from 1 to 1000.
@@ -77,12 +105,6 @@ pub(crate) fn signed_percent(deviation: f64) -> String {
         d if d < 999.0 => format!("x {:.3}", 1.0 + d),
         d => format!("x {:.1e}", 1.0 + d),
     }
-}
-
-/// A factor with two significant digits: of a ratio of variances no more are known.
-pub(crate) fn factor(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if (0.01..10.0).contains(&rounded) { format!("{rounded:.1}") } else { format!("{rounded:.0}") }
 }
 
 /// Bytes with a prefix and three significant digits, or whole below a kilobyte.
@@ -151,7 +173,6 @@ mod tests {
         assert_eq!(signed_percent(1e12), "x 1.0e12");
         assert_eq!(signed_percent(f64::NAN), "-");
         assert_eq!(pure(0.8985), "0.8985");
-        assert_eq!([45.942, 1.04, 9.96, 1234.0].map(factor), ["46", "1.0", "10", "1200"]);
         assert_eq!(pure(1.5e-7), "1.500e-7");
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes and plans of runs on the terminal, for every command that shows them.
 
 use super::instability::held;
-use super::rows::row;
+use super::rows::{COLUMNS, broken, row};
 use crate::asperity::scale::Scale;
 use crate::background::NamedForce;
 use crate::engine::{Limit, SCALARS, Stopping, Target};
@@ -78,7 +78,8 @@ fn sampling(scheme: SamplingScheme) -> String {
 
 /// The title, or that there is none.
 pub(super) fn title(scene: &Scene) -> String {
-    format!("{}\n", if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) })
+    let title = if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) };
+    broken(&title, COLUMNS).join("\n") + "\n"
 }
 
 /// The forces between the mean planes.

@@ -1,6 +1,6 @@
 //! Whether asperities may be taken as independent, on the terminal.
 
-use super::rows::row;
+use super::rows::labelled;
 use crate::format::{percent, si};
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::Scene;
@@ -19,50 +19,23 @@ pub(super) fn ratio(value: f64) -> String {
     }
 }
 
-/// The verdict on a scene with what it means, and the figures behind it: it is of the surface as a patch, which a repeated
-/// square is not.
+/// The verdict on a scene with what to do: it is of the surface as a patch, which a repeated square is not.
 pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
     let shift = ratio(own.relative_shift());
-    let place = if own.shift < 0.0 { "at pull-off" } else { "where closest" };
-    let verdict = own.verdict();
-    let meaning = match verdict {
-        IndependenceVerdict::Good => format!("the substrate gives way by {shift} σ {place}{}", range(own)),
-        IndependenceVerdict::Shift => format!("forces are at h - F/k_s, {shift} σ off {place}{}", range(own)),
-        IndependenceVerdict::Invalid => reason(own),
-    };
-    let mut figures = format!(
-        "attraction {} k_s, fluctuation {} σ",
-        ratio(own.relative_attractive_stiffness()),
-        ratio(own.relative_fluctuation())
-    );
-    if own.attractive_stiffness > 0.0 {
-        let [longest, side] = [own.longest_stable_wavelength(), own.patch_side].map(|length| si(length, "m"));
-        let widest = si(own.patch_side / own.relative_attractive_stiffness(), "m");
-        figures += &format!(", patches stable to {widest}, waves to {longest} (side {side})");
-    }
-    if verdict == IndependenceVerdict::Invalid {
-        figures += &format!(", F/k_s {shift} σ {place}");
-    }
     let coupling = scene.substrate.as_ref().map(|substrate| substrate.coupling);
-    let of = if coupling == Some(Coupling::Periodic) { " for a patch alone" } else { "" };
-    row("independence", &format!("{}{of}: {meaning}", verdict.name())) + &row("", &figures)
-}
-
-/// Where the shift comes to its limit, and the largest of it when the surfaces are pressed together.
-fn range(own: &Independence) -> String {
-    let [limit, ..] = Independence::LIMITS;
-    let (from, closest) = (own.independent_from / own.surface_height_std, own.relative_closest_shift());
-    if from.is_nan() {
-        return format!(", above {} σ at every separation", limit.good);
-    }
-    if closest.abs() <= limit.good && own.verdict() == IndependenceVerdict::Good {
-        return format!(", nowhere by more than {} σ", limit.good);
-    }
-    let pressed = match own.shift < 0.0 && closest.abs() > limit.good {
-        true => format!(", {} σ where closest", ratio(closest)),
-        false => String::new(),
+    let advice = match coupling {
+        None => "; [substrate] couples asperities",
+        Some(_) => "",
     };
-    format!(", {} σ at h* = {from:.3}{pressed}", limit.good)
+    let text = match own.verdict() {
+        IndependenceVerdict::Good => format!("good: the substrate gives way by {shift} σ at pull-off"),
+        IndependenceVerdict::Shift => {
+            format!("a shift: read forces at h - F/k_s, {shift} σ off at pull-off{advice}")
+        }
+        IndependenceVerdict::Invalid => format!("invalid: {}{advice}", reason(own)),
+    };
+    let of = if coupling == Some(Coupling::Periodic) { " (for a patch alone)" } else { "" };
+    labelled("independence", &format!("{text}{of}"))
 }
 
 /// The figure that is beyond its limit.

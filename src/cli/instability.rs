@@ -1,6 +1,6 @@
 //! Snaps of the replicas of a run, for the summary.
 
-use super::rows::row;
+use super::rows::{labelled, paragraph, row};
 use crate::experiment::results::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
@@ -8,82 +8,88 @@ use crate::format::{percent, si};
 use crate::integral::substrate_stiffness;
 use crate::scene::Scene;
 
-/// Most stiffnesses of which the summary tells.
-const SHOWN: usize = 8;
+/// The replicas that take a way, and the separation where it begins.
+struct Way {
+    replicas: u64,
+    begin: &'static str,
+}
 
-/// Rows of the summary: how often surfaces snap in, and after each turn how hard they are pulled off and how
-/// often they snap off.
+/// How often surfaces snap in; after the first and the last preload that is reached how hard they are pulled off, and
+/// how often they snap off.
 pub(super) fn instability(results: &Results) -> String {
-    let snaps = Snaps::of(results);
+    let (scene, snaps) = (&results.scene, Snaps::of(results));
     let loading = snaps.loading;
     if loading.length() == 0 {
         return String::new();
     }
-    let label = |line: usize, label: &str| if line == 0 { label.to_owned() } else { String::new() };
+    let all = 0..loading.stiffness.len();
     let mut text = String::new();
-    let shown = shown(loading.stiffness.len());
-    for (line, &i) in shown.iter().enumerate().filter(|_| loading.ways.0) {
-        let (counts, stiffness) =
-            (snaps.counts(snaps.place_in(i)), spring(&results.scene, loading.stiffness[i]));
-        let replicas = results.scene.replicas;
-        text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
+    if loading.ways.0 {
+        let counts: Vec<Counts> = all.clone().map(|i| snaps.counts(snaps.place_in(i))).collect();
+        text +=
+            &labelled("snap-in", &snapping(scene, &counts, &Way { replicas: scene.replicas, begin: "last" }));
     }
-    for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
-        text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
-        let taken = snaps.pull_off(turn).count();
-        for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
-            let counts = snaps.counts(snaps.place_off(p, i));
-            let stiffness = spring(&results.scene, loading.stiffness[i]);
-            text += &row(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
-        }
+    let turns: Vec<(usize, usize)> = snaps.places_of_turns().into_iter().enumerate().collect();
+    let is_reached = |(_, turn): &&(usize, usize)| snaps.pull_off(*turn).count() > 0;
+    let (first, last) = (turns.iter().find(is_reached), turns.iter().rfind(is_reached));
+    for (p, turn) in first.into_iter().chain(last.filter(|last| first != Some(last))) {
+        let turned = turned(&snaps, *p, *turn, scene.replicas);
+        let counts: Vec<Counts> = all.clone().map(|i| snaps.counts(snaps.place_off(*p, i))).collect();
+        let way = Way { replicas: snaps.pull_off(*turn).count(), begin: "first" };
+        text += &match counts.is_empty() {
+            true => labelled("preload", &turned),
+            false => labelled("preload", &format!("{turned}; snap-off {}", snapping(scene, &counts, &way))),
+        };
     }
-    if loading.stiffness.len() > shown.len() {
-        text += &row(
-            "",
-            &format!("{} of {} stiffnesses; all are in /instability", shown.len(), loading.stiffness.len()),
-        );
+    let reached = turns.iter().filter(is_reached).count();
+    if turns.len() > reached.min(2) {
+        let all = turns.len();
+        text += &paragraph(&format!("{reached} of {all} preloads are reached; all are in /instability"));
     }
     text
 }
 
-/// Indices of so many stiffnesses, spread over all, that the summary tells of.
-fn shown(all: usize) -> Vec<usize> {
-    let count = all.min(SHOWN);
-    (0..count).map(|i| i * (all - 1) / (count - 1).max(1)).collect()
-}
-
-/// Where the replicas turn back, and what pulls them off.
+/// What pulls surfaces off that turned back.
 fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> String {
     let taken = snaps.pull_off(turn);
     let (mean, std, count) = (taken.mean()[0], taken.std()[0], taken.count());
     let place = match snaps.loading.preload.get(retraction) {
-        Some(preload) => format!("at {}, which {count} of {replicas} replicas reach", si(*preload, "N")),
-        None => "at the smallest separation".to_owned(),
+        Some(preload) => si(*preload, "N"),
+        None => "to the smallest separation".to_owned(),
     };
-    if count == 0 {
-        return place;
-    }
+    let of =
+        if count < replicas { format!(" ({count} of {replicas} replicas reach it)") } else { String::new() };
     let scatter =
         if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() };
-    format!("{place}; pull-off {}{scatter}", si(mean, "N"))
+    format!("{place}{of}: pull-off {}{scatter}", si(mean, "N"))
 }
 
-/// How many of the replicas that took a way snap, held by a stiffness. One that is unstable where the
-/// separations begin, the first or the last of them, would have snapped beyond.
-fn held_by(counts: Counts, stiffness: &str, taken: u64, begin: &str) -> String {
-    let unknown = taken - counts.known;
-    if counts.known == 0 {
-        return format!("not known held by {stiffness}: all are unstable at the {begin} separation");
+/// How many replicas snap, held by the two stiffnesses between which half of them do, or by one if it is the same for
+/// all. A replica that is unstable where the separations begin, the first or the last of them, would have snapped
+/// beyond.
+fn snapping(scene: &Scene, counts: &[Counts], way: &Way) -> String {
+    let is_known = |i: &usize| counts[*i].known > 0;
+    let most = (0..counts.len()).filter(is_known).rfind(|i| counts[*i].share() >= 0.5);
+    let least = (0..counts.len()).filter(is_known).find(|i| counts[*i].share() < 0.5);
+    let shown: Vec<String> =
+        most.into_iter().chain(least).map(|i| held_by(scene, i, counts[i], way)).collect();
+    if shown.is_empty() {
+        return format!("not known: all are unstable at the {} separation", way.begin);
     }
+    shown.join(", ")
+}
+
+/// How many replicas snap that a stiffness holds.
+fn held_by(scene: &Scene, stiffness: usize, counts: Counts, way: &Way) -> String {
     let (low, high) = counts.interval();
-    let share =
-        format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high));
+    let [share, low, high] = [counts.share(), low, high].map(|share| format!("{:.0}", 100.0 * share));
     let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
-    let left_out = match unknown {
+    let left_out = match way.replicas - counts.known {
         0 => String::new(),
-        _ => format!(", but for {unknown} that are unstable at the {begin} separation"),
+        unknown => format!(", {unknown} unstable at the {} separation", way.begin),
     };
-    format!("{share} held by {stiffness}{flies}{left_out}")
+    let stiffness = spring(scene, loading(scene).stiffness[stiffness]);
+    format!("{share} % at {stiffness} ({low} to {high} %{flies}{left_out})")
 }
 
 /// A stiffness, or load control.

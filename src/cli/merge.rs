@@ -3,7 +3,7 @@
 use super::arguments::Execution;
 use super::failure::Failure;
 use super::progress::Progress;
-use super::rows::row;
+use super::rows::labelled;
 use super::session::Session;
 use super::summary::summary;
 use super::sweep::told;
@@ -64,5 +64,5 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
 /// Lists what is not there of a run.
 fn missing(missing: &[String]) -> String {
     let label = |i: usize| if i == 0 { "incomplete" } else { "" };
-    missing.iter().enumerate().map(|(i, what)| row(label(i), what)).collect()
+    missing.iter().enumerate().map(|(i, what)| labelled(label(i), what)).collect()
 }

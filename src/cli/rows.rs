@@ -5,22 +5,42 @@ pub(super) fn row(label: &str, text: &str) -> String {
     format!("  {label:<18}{text}\n")
 }
 
-/// Characters of a line of a paragraph, that of a terminal less the labels.
-const LINE: usize = 88;
+/// Columns of a terminal.
+pub(super) const COLUMNS: usize = 80;
+/// Columns behind the labels.
+const LINE: usize = COLUMNS - 20;
 
 /// A text as unlabelled lines, broken between words.
 pub(super) fn paragraph(text: &str) -> String {
-    let mut lines = vec![String::new()];
+    labelled("", text)
+}
+
+/// A text as lines of which the first is labelled, broken between words.
+pub(super) fn labelled(label: &str, text: &str) -> String {
+    let label = |i: usize| if i == 0 { label } else { "" };
+    broken(text, LINE).iter().enumerate().map(|(i, line)| row(label(i), line)).collect()
+}
+
+/// A text as lines of at most so many columns, a number on a line with its unit; a word that is longer stands alone.
+pub(super) fn broken(text: &str, columns: usize) -> Vec<String> {
+    let mut pieces: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.is_empty() => line.push_str(word),
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= LINE => {
-                *line += &format!(" {word}")
-            }
-            _ => lines.push(word.to_owned()),
+        match pieces.last_mut() {
+            Some(number) if number.parse::<f64>().is_ok() => *number += &format!(" {word}"),
+            _ => pieces.push(word.to_owned()),
         }
     }
-    lines.iter().map(|line| row("", line)).collect()
+    let mut lines = vec![String::new()];
+    for piece in pieces {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => *line = piece,
+            Some(line) if line.chars().count() + 1 + piece.chars().count() <= columns => {
+                *line += &format!(" {piece}")
+            }
+            _ => lines.push(piece),
+        }
+    }
+    lines
 }
 
 #[cfg(test)]
@@ -31,7 +51,7 @@ mod tests {
     fn paragraphs_are_broken_between_words() {
         let text = "word ".repeat(40);
         let lines: Vec<String> = paragraph(&text).lines().map(|line| line.trim().to_owned()).collect();
-        assert_eq!(lines.iter().map(String::len).collect::<Vec<_>>(), [84, 84, 29]);
+        assert_eq!(lines.iter().map(String::len).collect::<Vec<_>>(), [59, 59, 59, 19]);
         assert_eq!(lines.join(" "), text.trim());
     }
 }

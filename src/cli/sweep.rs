@@ -1,17 +1,17 @@
 //! `stiction run` of a sweep: its points, one file of them all, and a table.
 
 use super::arguments::RunArguments;
+use super::describe::title;
 use super::failure::Failure;
-use super::rows::row;
+use super::rows::{COLUMNS, labelled, paragraph};
 use super::session::{Session, points};
 use super::summary::at_most;
 use super::terminal::{complete_before, print_of};
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
-use crate::format::si;
+use crate::format::{si, si_with_error};
 use crate::output::OutputLock;
-use crate::scene::echo::one_line;
-use crate::scene::{Scene, Sweep};
+use crate::scene::{Axis, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 
@@ -32,12 +32,8 @@ pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, F
     Ok(title(&points.scene(0)?) + &described(sweep) + "\n" + &table(sweep, rows) + &written_to(output))
 }
 
-fn title(scene: &Scene) -> String {
-    format!("{}\n", if scene.title.is_empty() { "Untitled sweep".to_owned() } else { one_line(&scene.title) })
-}
-
 fn written_to(output: &Path) -> String {
-    row("written", &output.display().to_string())
+    labelled("written", &output.display().to_string())
 }
 
 /// Describes what is swept.
@@ -50,68 +46,87 @@ pub(super) fn described(sweep: &Sweep) -> String {
             1 => format!("{} = {}", key.name, ends[0]),
             count => format!("{}: {count} values, {} to {}", key.name, ends[0], ends[1]),
         };
-        text += &row(if i == 0 { "sweep" } else { "" }, &said);
+        text += &labelled(if i == 0 { "sweep" } else { "" }, &said);
     }
     let numbers =
         if sweep.common_random_numbers { "the same random numbers" } else { "random numbers of its own" };
-    text + &row("", &format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
+    text + &paragraph(&format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
 }
 
-/// The points, a line each, and the verdict on all of them.
+/// A column of a table: its head and a cell for each point.
+type Column = Vec<String>;
+
+/// Most characters of the head of a column; the whole key stands above the table.
+const HEAD: usize = 12;
+
+/// The points, a line each, and the verdict on all of them. Where a terminal is too narrow for every column, the integral
+/// is left out; where that does not do, points have numbers and not values.
 fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
-    let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
-    let mut lines: Vec<Vec<String>> = vec![sweep.axes.iter().map(|axis| axis.key.name.to_owned()).collect()];
-    let heads = [
-        "pull-off",
-        "standard error",
-        "integral",
-        "to the first",
-        "standard error",
-        "variance",
-        "p",
-        "independence",
-    ];
-    lines[0].extend(heads.map(str::to_owned));
-    for (point, row) in rows.iter().enumerate() {
-        let values = sweep.values(point);
-        let mut line: Vec<String> =
-            sweep.axes.iter().zip(values).map(|(axis, v)| axis.key.shown(v)).collect();
-        let difference = &row.differences[0];
-        line.extend([si(row.pull_off[0], "N"), error(row.pull_off[1]), si(row.integral, "N")]);
-        line.extend(match point {
-            0 => ["-", "-", "-"].map(str::to_owned),
-            _ => {
-                let ratio = difference.variance_ratio;
-                let ratio = match ratio {
-                    ratio if !ratio.is_finite() => "-".to_owned(),
-                    ratio if ratio < 1e4 => format!("/ {ratio:.2}"),
-                    ratio => format!("/ {ratio:.0e}"),
-                };
-                [si(difference.mean, "N"), error(difference.standard_error), ratio]
-            }
-        });
-        let mark = if disagree[point] { " *" } else { "" };
-        line.push(if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) });
-        line.push(row.independence.map_or("-", |own| own.verdict().name()).to_owned());
-        lines.push(line);
+    let (values, numbers, mut results) = (values(sweep), [numbers(rows.len())], results(rows));
+    let mut shown = aligned(&values, &results);
+    if is_wide(&shown) {
+        results.remove(1);
+        shown = aligned(&values, &results);
     }
-    let width =
-        |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default();
-    let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
-    let shown = |line: &Vec<String>| {
-        let cells: Vec<String> =
-            line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
-        format!("  {}\n", cells.join("  "))
-    };
-    lines.iter().map(shown).collect::<String>()
-        + "\n"
-        + &agreeing(rows)
-        + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
+    if is_wide(&shown) {
+        shown = aligned(&numbers, &results);
+    }
+    shown + "\n" + &agreeing(rows) + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
 }
 
-/// A standard error; a dash where it is not known.
-fn error(error: f64) -> String {
-    if error.is_finite() { si(error, "N") } else { "-".to_owned() }
+fn is_wide(text: &str) -> bool {
+    text.lines().any(|line| line.chars().count() > COLUMNS)
+}
+
+/// The values of the keys.
+fn values(sweep: &Sweep) -> Vec<Column> {
+    let column = |(i, axis): (usize, &Axis)| {
+        let name = axis.key.name.rsplit('.').next().unwrap_or_default();
+        let is_long = name.chars().count() > HEAD;
+        let head =
+            if is_long { name.chars().take(HEAD - 1).chain(['…']).collect() } else { name.to_owned() };
+        let cells = (0..sweep.count()).map(|point| axis.key.shown(sweep.values(point)[i]));
+        std::iter::once(head).chain(cells).collect()
+    };
+    sweep.axes.iter().enumerate().map(column).collect()
+}
+
+/// The numbers of the points.
+fn numbers(points: usize) -> Column {
+    std::iter::once("point".to_owned()).chain((1..=points).map(|point| point.to_string())).collect()
+}
+
+/// Pull-off by the ensemble and by the integral, its difference to the first point, the cross-check, and whether
+/// asperities are independent.
+fn results(rows: &[SweepPoint]) -> Vec<Column> {
+    let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
+    let mut columns =
+        ["pull-off", "integral", "to the first", "p", "asperities"].map(|head| vec![head.to_owned()]);
+    for (point, row) in rows.iter().enumerate() {
+        let difference = &row.differences[0];
+        let to_first = match point {
+            0 => "-".to_owned(),
+            _ => si_with_error(difference.mean, difference.standard_error, "N"),
+        };
+        let mark = if disagree[point] { " *" } else { "" };
+        let p = if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) };
+        let verdict = row.independence.map_or("-", |own| own.verdict().name()).to_owned();
+        let [mean, error] = row.pull_off;
+        let cells = [si_with_error(mean, error, "N"), si(row.integral, "N"), to_first, p, verdict];
+        columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
+    }
+    columns.into()
+}
+
+/// Columns side by side.
+fn aligned(left: &[Column], right: &[Column]) -> String {
+    let widths = left.iter().chain(right).map(|column| column.iter().map(|cell| cell.chars().count()).max());
+    let widths: Vec<usize> = widths.map(Option::unwrap_or_default).collect();
+    let line = |i: usize| {
+        let cells = left.iter().chain(right).zip(&widths);
+        cells.map(|(column, width)| format!("  {:>width$}", column[i])).collect::<String>() + "\n"
+    };
+    (0..right[0].len()).map(line).collect()
 }
 
 /// What is known where pull-offs, or their differences to the first point, are alike in all replicas.
@@ -122,10 +137,10 @@ fn agreeing(rows: &[SweepPoint]) -> String {
     let none = |own: Difference| own.mean == 0.0 && own.most_differing.is_finite();
     let mut text = String::new();
     if differences().any(none) {
-        text += &row("0 N", "to the first: no more than the rounding of the sums");
+        text += &labelled("0 N", "to the first: no more than the rounding of the sums");
     }
     if most.is_finite() {
-        text += &row("-", &format!("all replicas agree, and there is no error: {}", at_most(most)));
+        text += &labelled("no ±", &format!("all replicas agree, and there is no error: {}", at_most(most)));
     }
     text
 }
@@ -146,6 +161,6 @@ pub(super) fn together(p_values: &[f64]) -> String {
             )
         }
     };
-    row("cross-check", &text)
-        + &row("", &format!("significance {SIGNIFICANCE} for all points together, by Holm's method"))
+    let level = format!("significance {SIGNIFICANCE} for all points together, by Holm's method");
+    labelled("cross-check", &text) + &paragraph(&level)
 }

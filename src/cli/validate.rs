@@ -70,7 +70,12 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
     } else {
         "all separations are shown".to_owned()
     };
-    text + &verdict(joint, z, &shown)
+    let largest = |z: &[f64]| z.iter().filter(|z| z.is_finite()).map(|z| z.abs()).reduce(f64::max);
+    let [adhesion, external] =
+        [&z[0], &z[1]].map(|z| largest(z).map_or("-".to_owned(), |z| format!("{z:.2}")));
+    text + &verdict(joint)
+        + &row("", &format!("largest |z|: adhesion force {adhesion}, external force {external}"))
+        + &row("", &shown)
 }
 
 /// A z-score; a dash where nothing varies.

@@ -12,7 +12,7 @@ use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
 use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
-use crate::estimate::{Estimate, Plan};
+use crate::estimate::Estimate;
 use crate::integral::{Expectations, controls};
 use crate::math::control_variates::controlled_means;
 use crate::output::partial::Functionals;
@@ -151,7 +151,6 @@ impl SceneLaws {
 pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
-    plan: Plan,
     warnings: Vec<Warning>,
     integral: Integral,
     functionals: Functionals,
@@ -178,7 +177,6 @@ impl PreparedRun {
     ) -> Self {
         let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
-        let plan = Plan::new(&scene, law);
         let (integral, warnings) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, &scene.model, law);
@@ -190,7 +188,7 @@ impl PreparedRun {
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.paths().flat_map(force).collect();
         let expected = functionals.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, plan, warnings, integral, functionals, expected }
+        Self { scene, laws, warnings, integral, functionals, expected }
     }
 
     /// The ensemble.
@@ -261,15 +259,8 @@ impl PreparedRun {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self {
-            scene,
-            laws: SceneLaws { law, cycle, .. },
-            plan,
-            warnings,
-            integral,
-            functionals,
-            expected,
-        } = self;
+        let Self { scene, laws: SceneLaws { law, cycle, .. }, warnings, integral, functionals, expected } =
+            self;
         let Functionals { basis, controls, .. } = functionals;
         phases.phase("cross-check");
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
@@ -297,7 +288,6 @@ impl PreparedRun {
         Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             scene,
-            plan,
             warnings,
             expectations,
             retraction,

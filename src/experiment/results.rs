@@ -3,7 +3,6 @@
 use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
-use crate::estimate::Plan;
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
@@ -16,7 +15,6 @@ use std::time::Duration;
 /// Everything that a run has found out.
 pub(crate) struct Results {
     pub scene: Scene,
-    pub plan: Plan,
     pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
     pub expectations: Expectations,

@@ -1,7 +1,7 @@
 //! Ranges of what is known of materials and surfaces: what is outside of one is likely a wrong unit.
 
 use super::definition::Scene;
-use super::warning::Warning;
+use super::warning::{Warning, units};
 
 /// Moduli from soft gels to diamond against a rigid body, Pa.
 const MODULI: [f64; 2] = [1e3, 1.2e12];
@@ -126,7 +126,7 @@ impl Range {
         let (unit, size) = self.unit;
         let shown = |value: f64| format!("{} {unit}", number(value / size)).trim_end().to_owned();
         let finding = format!("{} = {} is {side} {}", self.name, shown(self.value), shown(limit));
-        Some(Warning::new(finding, self.reason, self.keys))
+        Some(Warning::new(finding, self.reason, units(self.keys)))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
-use super::warning::{Expected, Reading, Warning, WhatIsRead};
+use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
 use crate::asperity::models::{
     Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity, SMALLEST_JKR_LAMBDA,
 };
@@ -73,7 +73,9 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
 /// Limits of λ and ψ of σ_s of a law that a scene exceeds.
 fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
     let exceeded = model.validity.exceeded(scene.scale().lambda, scene.plasticity_index()).into_iter();
-    exceeded.map(|(finding, reason)| Warning::new(finding, reason, &[])).collect()
+    exceeded
+        .map(|(finding, reason)| Warning::new(finding, reason, "law = \"md_plastic\" has no such limit"))
+        .collect()
 }
 
 /// Lengths that are too large or too small relative to others, under a law that may take the asperities as
@@ -87,7 +89,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     if largest > LARGEST_CONTACT {
         warnings.push(Warning::new(format!(
                 "contacts of the highest asperities are {largest:.2} of their radius wide at the closest separation, more than {LARGEST_CONTACT}"
-            ), "the laws take contacts as small against the radius (Johnson 1985, section 4.2)", &["asperity_radius", "surface_height_std", "separation"]));
+            ), "the laws take contacts as small against the radius (Johnson 1985, section 4.2)", units(&["asperity_radius", "surface_height_std", "separation"])));
     }
     let adhesive = scene.scale().radius / asperity.radius;
     if adhesive > LARGEST_CONTACT {
@@ -96,7 +98,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
                 "adhesion makes contacts {adhesive:.2} of their radius wide, more than {LARGEST_CONTACT}"
             ),
             "the laws take contacts as small against the radius (Maugis 1995)",
-            &["reduced_modulus", "work_of_adhesion", "asperity_radius"],
+            units(&["reduced_modulus", "work_of_adhesion", "asperity_radius"]),
         ));
     }
     if sigma < asperity.equilibrium_spacing {
@@ -107,7 +109,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
                 1e9 * asperity.equilibrium_spacing
             ),
             "such a surface is rough by atoms, not by asperities (Luan and Robbins 2005)",
-            &["surface_height_std", "asperity_height_std", "equilibrium_spacing"],
+            units(&["surface_height_std", "asperity_height_std", "equilibrium_spacing"]),
         ));
     }
     if asperity.lubricant_thickness > sigma && !dry {
@@ -119,12 +121,12 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
             ),
             "sub-boundary lubrication is that of films thinner than the roughness, without menisci \
                      (Stanley, Etsion and Bogy 1990)",
-            &["lubricant_thickness", "surface_height_std"],
+            units(&["lubricant_thickness", "surface_height_std"]),
         ));
     }
     if surface.asperity_count < FEWEST_ASPERITIES {
         warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
-                     the size of its mean", &["nominal_area", "asperity_density"]));
+                     the size of its mean", units(&["nominal_area", "asperity_density"])));
     }
     warnings
 }
@@ -135,7 +137,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let Some(meniscus) = scene.model.meniscus().filter(|_| model.is_wet()) else { return warnings };
     let kelvin = meniscus.kelvin_radius;
-    let keys: &'static [&'static str] = match scene.draining_film {
+    let keys: &[&str] = match scene.draining_film {
         Some(_) => &["film_thickness", "asperity_radius"],
         None => &["relative_humidity", "asperity_radius"],
     };
@@ -143,7 +145,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
         warnings.push(Warning::new(
             format!("the Kelvin radius is {}, below {}", si(kelvin, "m"), si(SMALLEST_MENISCUS, "m")),
             "a meniscus of a few molecules is no surface of a liquid (Fisher and Israelachvili 1981)",
-            &keys[..1],
+            units(&keys[..1]),
         ));
     }
     let share = meniscus.shortening(scene.surface.asperity_radius);
@@ -155,7 +157,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
                 100.0 * LARGEST_SHORTENING
             ),
             "forces of bridges have it to first order, and are off by some four times its square from Young and Laplace",
-            if scene.draining_film.is_some() { keys } else { &["relative_humidity", "contact_angles", "asperity_radius"] },
+            units(if scene.draining_film.is_some() { keys } else { &["relative_humidity", "contact_angles", "asperity_radius"] }),
         ));
     }
     let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion, scene.asperity.attraction_range());
@@ -167,7 +169,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
                 si(meniscus.energy(), "J/m^2")
             ),
             "the liquid comes between such solids (Young and Dupre), which are computed without adhesion of their own in it",
-            &["work_of_adhesion", "contact_angles"],
+            units(&["work_of_adhesion", "contact_angles"]),
         ));
     }
     warnings
@@ -196,7 +198,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
                     "{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"
                 ),
                 "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them",
-                &["separation", "hardness"],
+                units(&["separation", "hardness"]),
             ))
         }
         Unloading::Secant => None,
@@ -206,7 +208,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             (onset < 0.0 && deeper(onset).is_some()).then(|| Warning::new(
                 format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
                 "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
-                &["hardness", "work_of_adhesion"],
+                units(&["hardness", "work_of_adhesion"]),
             ))
         }
         Unloading::MesarovicJohnson | Unloading::ThorntonNing => {
@@ -215,7 +217,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             (lambda < SMALLEST_JKR_LAMBDA && flows).then(|| Warning::new(
                 format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
                 "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
-                &["unloading"],
+                "change model.unloading",
             ))
         }
     }
@@ -236,7 +238,7 @@ fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
                 100.0 * (1.0 - plastic / flowed)
             ),
             "the unloading of Mesarovic and Johnson (2000) is for full plasticity; its tops are too flat for those",
-            &[],
+            "change model.unloading",
         )
     })
 }
@@ -259,9 +261,8 @@ fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning>
     let shares = told_of(scene, readings, LARGEST_FLOWED, |reading| reading.flowed_adhesion, words)?;
     Some(Warning::new(
         format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
-        "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow; law = \
-         \"md_plastic\" is continuous there",
-        &[],
+        "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow",
+        "law = \"md_plastic\" is continuous there",
     ))
 }
 
@@ -292,7 +293,7 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             format!("what rests on them has a relative error of {:.0} % (Poisson)", 100.0 / contacts.sqrt()),
         )
     };
-    Some(Warning::new(finding, reason, &["separation", "surface_height_std"]))
+    Some(Warning::new(finding, reason, units(&["separation", "surface_height_std"])))
 }
 
 /// The readings that have more than `largest` of something, in words by `told` from the share and its place.
@@ -323,7 +324,7 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         format!("{shares}: more than {:.0} %", 100.0 * LARGEST_SHARE),
         "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
                  random one in three overlaps",
-        &[],
+        "turn at a larger separation; at pull-off no key helps",
     ))
 }
 
@@ -335,9 +336,8 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
         let more = signed_percent(more);
         Warning::new(
             format!("surfaces that have touched are pulled off with {touched}, not {on_approach} ({more})"),
-            "contact lasts beyond first touch (Maugis 1992): history = \"approach\" is of surfaces that never \
-                     touched, \"loop\" or \"retraction\" of those that did",
-            &[],
+            "contact lasts beyond first touch (Maugis 1992): history = \"approach\" is of surfaces that never touched",
+            "history = \"loop\" or \"retraction\" is of those that did",
         )
     })
 }
@@ -350,8 +350,8 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
         Warning::new(
             format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
             "tops that have flowed are flatter (Greenwood and Williamson 1966): history = \"approach\" is of the first \
-                     touch; law = \"md_plastic\" on a \"loop\" with [instability] preload is of surfaces in use",
-            &[],
+                     touch",
+            "for surfaces in use law = \"md_plastic\", history = \"loop\", [instability] preload",
         )
     })
 }
@@ -364,11 +364,9 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     };
     let missed = told_of(scene, readings, LARGEST_MISSED, |reading| reading.missed, told)?;
     let resolving = RESOLVING * scene.surface.heights.std / scene.surface.surface_height_std;
-    let why = format!(
-        "curves, scores and control variates are known at the separations only; steps of {resolving:.2} in h* resolve what \
-         the integral expects"
-    );
-    Some(Warning::new(format!("the separations are too coarse: the curves miss {missed}"), &why, &[]))
+    let why = "curves, scores and control variates are known at the separations only";
+    let steps = format!("[separation] with steps of {resolving:.2} in h* has what the integral expects");
+    Some(Warning::new(format!("the separations are too coarse: the curves miss {missed}"), why, steps))
 }
 
 /// Whether the half-space both couples the asperities and is a spring that holds the surface.
@@ -378,9 +376,8 @@ fn twice(scene: &Scene) -> Option<Warning> {
     (is_patch && scene.instability.stiffness.contains(&stiffness)).then(|| {
         Warning::new(
             "the half-space of the patch gives way twice: under the asperities, and as the spring that holds them".to_owned(),
-            "instability.stiffness = \"patch\" is for surfaces whose mean plane is held, independent ones and \
-                     coupling = \"periodic\"; by coupling = \"patch\" the half-space is there already",
-            &[],
+            "by coupling = \"patch\" the half-space is there already",
+            "instability.stiffness = \"patch\" is for independent asperities and coupling = \"periodic\"",
         )
     })
 }
@@ -400,7 +397,7 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
             format!("the gaps between the mean planes are taken as normal, not {}", surface.heights.law.about()),
             "forces between them know the standard deviation of all points of the surface, not their law; the heights \
              of the scene are heights of asperities",
-            &[],
+            "surface.heights.law = \"gaussian\" has normal gaps",
         ));
     }
     let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
@@ -409,8 +406,8 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
     if is_patch && shift.abs() > LARGEST_SHIFT {
         warnings.push(Warning::new(
             format!("the pressure between the mean planes would bend the patch by {shift:.2} sigma"),
-            "it is added to the force and bends nothing; by coupling = \"periodic\" it could not bend the surface",
-            &[],
+            "it is added to the force and bends nothing",
+            "coupling = \"periodic\" is of a surface that it could not bend",
         ));
     }
     warnings
@@ -422,7 +419,7 @@ fn inaccurate(error: f64) -> Option<Warning> {
         Warning::new(
             format!("the integral may be off by {error:.1e} of itself, more than {LARGEST_ERROR:.0e}"),
             "what is compared with it, or corrected by it as a control variate, is off by as much",
-            &[],
+            "change model.law",
         )
     })
 }

@@ -7,23 +7,24 @@ pub struct Warning {
     pub finding: String,
     /// Reason for the limit, and its source.
     pub reason: String,
-    /// Keys of the scene whose units may be wrong; empty where that is not likely.
-    pub keys: &'static [&'static str],
+    /// What to change of the scene.
+    pub change: String,
 }
 
 impl Warning {
-    pub(super) fn new(finding: String, reason: impl Into<String>, keys: &'static [&'static str]) -> Self {
-        Self { finding, reason: reason.into(), keys }
+    pub(super) fn new(finding: String, reason: impl Into<String>, change: impl Into<String>) -> Self {
+        Self { finding, reason: reason.into(), change: change.into() }
     }
 
-    /// The reason, and the keys to look at.
+    /// The reason, and what to change.
     pub fn explanation(&self) -> String {
-        let keys = match self.keys {
-            [] => String::new(),
-            keys => format!("; check the units of {}", keys.join(", ")),
-        };
-        format!("{}{keys}", self.reason)
+        format!("{}; {}", self.reason, self.change)
     }
+}
+
+/// Advice where the units of some keys may be wrong.
+pub(super) fn units(keys: &[&str]) -> String {
+    format!("check the units of {}", keys.join(", "))
 }
 
 /// The findings of warnings, a line each.

@@ -62,6 +62,29 @@ pub fn small() -> String {
     QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
 }
 
+/// The rows of a summary that have a label, each as one line.
+pub fn labelled(summary: &str, label: &str) -> Vec<String> {
+    let mut rows: Vec<String> = Vec::new();
+    let mut is_one = false;
+    for line in summary.lines() {
+        match line.strip_prefix("  ").map(|line| line.split_at_checked(18).unwrap_or((line, ""))) {
+            Some((own, text)) if own.trim() == label => rows.push(text.to_owned()),
+            Some((own, text)) if own.trim().is_empty() && is_one => {
+                rows.last_mut().unwrap().push_str(&format!(" {text}"));
+                continue;
+            }
+            _ => {}
+        }
+        is_one = line.get(2..20).is_some_and(|own| own.trim() == label);
+    }
+    rows
+}
+
+/// A text with single spaces in the place of line breaks.
+pub fn unbroken(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<&str>>().join(" ")
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }

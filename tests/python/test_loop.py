@@ -241,9 +241,7 @@ def test_validate_and_summary_speak_of_both_ways(result):
     path, summary = result
     validate = subprocess.run([PROGRAM, "validate", path], capture_output=True, text=True)
     assert validate.returncode == 0 and "on retraction" in validate.stdout
-    for part in ["md_plastic on loop", "dissipated", "snap-in", "snap-off", "held by a constant load", "fly off",
-                 "not known held by a constant load: all are unstable at the last separation", "turn",
-                 "which 0 of 48 replicas reach", "preload", "per cycle"]:
+    for part in ["md_plastic on loop", "per cycle: mean", "snap-in", "snap-off", "2 of 3 preloads are reached"]:
         assert part in summary, part
     check = subprocess.run([PROGRAM, "check", path.parent / "scene.toml"], capture_output=True, text=True)
     assert "held by" in check.stdout and "3 values from 100.0 µN to 1.000 kN" in check.stdout
@@ -269,8 +267,9 @@ def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
 
 def test_short_snaps_need_not_count(tmp_path, file):
     """0.5 nm is two steps and a half: what is shorter is none, and what is longer is as it was."""
-    path, summary = run_program(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
-    assert "of at least 500.0 pm" in summary
+    path, _ = run_program(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
+    check = subprocess.run([PROGRAM, "check", path.parent / "scene.toml"], capture_output=True, text=True)
+    assert "of at least 500.0 pm" in check.stdout
     with h5py.File(path, "r") as other:
         assert other["instability"].attrs["smallest_snap"] == 0.5e-9
         for name in ["snap_in", "snap_off"]:

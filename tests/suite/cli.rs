@@ -2,7 +2,7 @@
 
 mod pages;
 
-use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
+use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told, unbroken};
 use crate::common::unlocked;
 use std::path::Path;
 
@@ -15,20 +15,14 @@ fn a_run_leaves_one_file_and_a_summary() {
     assert_eq!(told(&run), "", "no progress where standard error is no terminal");
     let summary = text(&run.stdout);
     for part in [
-        "lambda",
-        "psi of sigma_s",
-        "psi of sigma ",
-        "skipped",
+        "hybrid on approach",
         "pull-off",
-        "standard error",
-        "patch to patch",
-        "of the mean curve",
+        "95 % interval",
+        "scatter",
+        "cross-check",
+        "independence",
+        "scene.h5",
     ] {
-        assert!(summary.contains(part), "{part}: {summary}");
-    }
-    for part in
-        ["of the integral", "stiffest point", "at pull-off", "cross-check", "nominal area", "scene.h5"]
-    {
         assert!(summary.contains(part), "{part}: {summary}");
     }
     let info = folder.stiction(&["info", "scene.h5"]);
@@ -42,6 +36,46 @@ fn a_run_leaves_one_file_and_a_summary() {
     assert!(text(&validate.stdout).contains("agree"));
 }
 
+/// Summaries of shipped scenes, with a few replicas: lines of at most 80 characters, and about 15 of them, of points of
+/// sweeps, of snaps and of warnings more.
+fn summaries_fit_a_terminal(scenes: &[(&str, &str)]) {
+    let folder = Folder::new("");
+    for (name, replicas) in scenes {
+        let scene = format!("{}/configs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let output = format!("{}.h5", name.replace('/', "_"));
+        let run = folder.stiction(&["run", &scene, "--replicas", replicas, "-o", &output]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert!(summary.lines().all(|line| line.chars().count() <= 80), "{name}: {summary}");
+        let mut label = "";
+        let counted = summary.lines().filter(|line| {
+            label = line.get(2..20).map(str::trim).filter(|label| !label.is_empty()).unwrap_or(label);
+            line.trim() != line.trim_end() && !["warning", "snap-in", "preload"].contains(&label)
+        });
+        assert!(counted.count() <= 18, "{name}: {summary}");
+    }
+}
+
+#[test]
+fn summaries_of_a_patch_and_of_a_sweep_fit_a_terminal() {
+    summaries_fit_a_terminal(&[("quick", "16"), ("coupled", "2"), ("voltage", "4"), ("instability", "2")]);
+}
+
+#[test]
+#[ignore = "slow: twenty seconds"]
+fn summaries_of_other_shipped_scenes_fit_a_terminal() {
+    summaries_fit_a_terminal(&[
+        ("case_iii", "8"),
+        ("loop", "8"),
+        ("preload", "4"),
+        ("humidity", "4"),
+        ("sweep_roughness", "4"),
+        ("surfaces/poisson", "8"),
+        ("coupled/patches", "2"),
+        ("target", "16"),
+    ]);
+}
+
 /// Five separations say of the integral's pull-off and stiffest point what ninety-one do, and tell the shares
 /// at pull-off, not those at the separation next to it: the same as a polynomial through what the fine ones
 /// have around it.
@@ -51,14 +85,12 @@ fn coarse_separations_tell_the_same_of_the_integral() {
         let folder = Folder::new(&QUICK.replace("count = 91", &format!("count = {count}")));
         let run = folder.stiction(&["run", "scene.toml", "--replicas", "20"]);
         assert_exit(&run, 0);
-        let summary = text(&run.stdout);
+        let summary = unbroken(&text(&run.stdout));
         assert_eq!(
             summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"),
             count == 5,
             "{summary}"
         );
-        let told =
-            summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
         let file = unlocked::open(folder.path("scene.h5"));
         let model = file.group("integral").unwrap();
         let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
@@ -69,10 +101,9 @@ fn coarse_separations_tell_the_same_of_the_integral() {
         let shares: Vec<f64> = shares.iter().flat_map(|name| values(&format!("/integral/{name}"))).collect();
         let curves = ["regime_count", "regime_adhesion_force", "contact_area"];
         let curves: Vec<f64> = curves.iter().flat_map(|name| values(&format!("/integral/{name}"))).collect();
-        (told.unwrap().to_owned(), read, shares, values("/ensemble/separation"), curves)
+        (read, shares, values("/ensemble/separation"), curves)
     });
-    let [(told, read, shares, ..), (of_fine, read_of_fine, shares_of_fine, separations, curves)] = results;
-    assert_eq!(told, of_fine);
+    let [(read, shares, ..), (read_of_fine, shares_of_fine, separations, curves)] = results;
     for (coarse, fine) in read.iter().zip(&read_of_fine) {
         assert!((coarse / fine - 1.0).abs() < 1e-4, "{coarse:e} {fine:e}");
     }
@@ -318,13 +349,9 @@ fn sampling_schemes_are_honoured() {
             folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "1", "-o", "1.h5"]);
         assert_exit(&run, 0);
         let summary = text(&run.stdout);
-        assert!(summary.contains("with the integral as control variate, variance reduced"), "{summary}");
         let p =
             |text: &str| text.split("p = ").nth(1).map(|rest| rest.split('\n').next().unwrap().to_owned());
         assert!(p(&summary).is_some(), "{summary}");
-        let largest = |text: &str| {
-            text.split("largest |z|").nth(1).map(|rest| rest.split(';').next().unwrap().to_owned())
-        };
         assert_exit(
             &folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "3", "-o", "3.h5"]),
             0,
@@ -333,7 +360,7 @@ fn sampling_schemes_are_honoured() {
         let validate = folder.stiction(&["validate", "1.h5"]);
         assert_exit(&validate, 0);
         let validated = text(&validate.stdout);
-        assert_eq!((p(&validated), largest(&validated)), (p(&summary), largest(&summary)), "{scheme}");
+        assert_eq!(p(&validated), p(&summary), "{scheme}");
         let info = text(&folder.stiction(&["info", "1.h5"]).stdout);
         let line = info.lines().find(|line| line.trim_start().starts_with("sampling ")).unwrap_or_default();
         assert!(line.ends_with(scheme), "{info}");
@@ -353,7 +380,7 @@ fn one_group_has_no_standard_error() {
             && summary.contains("ensemble and integral agree"),
         "{summary}"
     );
-    assert!(!summary.contains("NaN") && !summary.contains("control variate"), "{summary}");
+    assert!(!summary.contains("NaN") && !summary.contains('±'), "{summary}");
     assert!(text(&folder.stiction(&["validate", "scene.h5"]).stdout).contains("ensemble and integral agree"));
 }
 
@@ -393,7 +420,7 @@ h = {{ from = "-1 um", to = "6 um", count = 101 }}
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 0);
         let percent = 100.0 * (1.0 - 0.05_f64.powf(1.0 / f64::from(replicas)));
-        let summary = text(&run.stdout);
+        let summary = unbroken(&text(&run.stdout));
         let agree = format!("all {replicas} replicas agree: with 95 % confidence at most {percent:.3}");
         assert!(
             summary.contains("125.7 nN") && summary.contains(&agree[..agree.len() - 2]),
@@ -664,15 +691,15 @@ fn a_loop_that_gives_out_energy_is_no_result() {
     let joined = scene.replace("history = \"approach\"", "history = \"loop\"\nunloading = \"secant\"");
     let summary = Folder::new(&joined).stiction(&["run", "scene.toml"]);
     assert_exit(&summary, 0);
-    let summary = text(&summary.stdout);
-    assert!(summary.contains(words) && summary.contains("dissipated        -"), "{summary}");
+    let summary = unbroken(&text(&summary.stdout));
+    assert!(summary.contains(words) && summary.contains("dissipated per cycle: mean -"), "{summary}");
     let own = scene.replace("law = \"hybrid\"\nhistory = \"approach\"", "history = \"loop\"");
     let folder = Folder::new(&own);
     let summary = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&summary, 0);
-    let summary = text(&summary.stdout);
-    assert!(summary.contains("model             md_plastic on loop"), "{summary}");
-    assert!(!summary.contains(words) && !summary.contains("dissipated        -"), "{summary}");
+    let summary = unbroken(&text(&summary.stdout));
+    assert!(summary.contains("md_plastic on loop"), "{summary}");
+    assert!(!summary.contains(words) && !summary.contains("dissipated per cycle: mean -"), "{summary}");
     let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
     assert!(info.contains("plastic_contact") && info.contains("flattened_top"), "{info}");
 }

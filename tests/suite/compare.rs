@@ -183,17 +183,14 @@ fn what_is_not_known_is_a_dash() {
     assert!(row(&folder, "all.h5", "integral/pull_off_deviation", 1, 2)[0].is_nan());
 }
 
-/// The summary of a run without adhesion has no pull-off, no stiffest point and no shares of nothing.
+/// The summary of a run without adhesion has no pull-off.
 #[test]
 fn a_run_without_adhesion_says_so() {
     let folder = Folder::new(&small().replace("\"hybrid\"", "\"gw\""));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     let summary = text(&run.stdout);
-    for part in ["pull-off          none", "stiffest point    none", "at h* = -1.000", "elastic"] {
-        assert!(summary.contains(part), "{part}: {summary}");
-    }
-    assert!(!summary.contains("NaN") && !summary.contains("of adhesion\n"), "{summary}");
+    assert!(summary.contains("pull-off          none") && !summary.contains("NaN"), "{summary}");
 }
 
 /// A law that ends somewhere, and fits that are off, are said not to be valid.

@@ -1,6 +1,6 @@
 //! Coupled asperities where the answer is known: one alone, springs and curves by mean field; places of their own.
 
-use crate::common::program::{Folder, assert_exit, text};
+use crate::common::program::{Folder, assert_exit, text, unbroken};
 use crate::common::unlocked;
 use crate::coupled::scene;
 use rand::RngExt;
@@ -16,7 +16,7 @@ fn springs_may_be_as_stiff_as_what_a_patch_stands_on() {
     std::fs::write(folder.path("sweep.toml"), scene(more) + sweep).unwrap();
     let run = folder.stiction(&["run", "scene.toml", "-o", "one.h5"]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("(what a patch stands on)"), "{}", text(&run.stdout));
+    assert!(unbroken(&text(&run.stdout)).contains("(what a patch stands on)"), "{}", text(&run.stdout));
     assert_exit(&folder.stiction(&["run", "sweep.toml", "-o", "two.h5"]), 0);
     let c = 4.0 / PI * ((1.0 + 2_f64.sqrt()).ln() + (1.0 - 2_f64.sqrt()) / 3.0);
     let of_patch = |area: f64| 85.29e9 * area.sqrt() / c;
@@ -50,7 +50,6 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
     std::fs::write(folder.path("scene.toml"), dense("periodic", "approach")).unwrap();
     let run = folder.stiction(&["run", "scene.toml", "-o", "periodic.h5"]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("a repeated square keeps its mean plane"), "{}", text(&run.stdout));
     let values = |name: &str, path: &str| {
         unlocked::open(folder.path(name)).dataset(path).unwrap().read_raw::<f64>().unwrap()
     };
@@ -196,7 +195,6 @@ fn energies_lost_are_counted_by_classes() {
     let folder = Folder::new(&text_of);
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("avalanches lose"), "{}", text(&run.stdout));
     let name = folder.path("scene.h5");
     {
         let file = unlocked::open(&name);

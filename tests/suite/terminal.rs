@@ -2,6 +2,7 @@
 //! is so.
 
 use crate::common::program::{Folder, assert_exit, small, text, told};
+use crate::common::unlocked;
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
 
@@ -146,7 +147,8 @@ fn threads_beyond_use_are_not_started() {
     let output = folder.stiction(&["run", "scene.toml", "--quiet", "--threads", "4096"]);
     assert_exit(&output, 0);
     let most = 8 * processors;
-    assert!(text(&output.stdout).contains(&format!("on {most} threads")), "{}", text(&output.stdout));
+    let file = unlocked::open(folder.path("scene.h5"));
+    assert_eq!(file.dataset("/diagnostics/threads").unwrap().read_raw::<u64>().unwrap(), [most as u64]);
     let said = format!("--threads 4096: {most} are taken, as there are {processors} processors");
     assert!(text(&output.stderr).contains(&said), "{}", text(&output.stderr));
 }

@@ -1,7 +1,7 @@
 //! What `check`, `run` and `compare` warn of: one change of the quick scene each, most of them the slip of a
 //! unit.
 
-use crate::common::program::{Folder, QUICK, assert_exit, small, text};
+use crate::common::program::{Folder, QUICK, assert_exit, labelled, small, text};
 use std::path::Path;
 use stiction::asperity::models::model;
 
@@ -366,10 +366,8 @@ fn runs_and_comparisons_repeat_warnings() {
         let output = folder.stiction(command);
         assert_exit(&output, 0);
         let said = text(&output.stdout);
-        let lines: Vec<&str> = said
-            .lines()
-            .filter(|line| line.trim_start().starts_with("warning ") && !line.contains(PRESSED))
-            .collect();
+        let lines = labelled(&said, "warning");
+        let lines: Vec<&String> = lines.iter().filter(|line| !line.contains(PRESSED)).collect();
         assert_eq!(lines.len(), 2, "{said}");
         assert!(lines[0].contains("the lubricant of 5.000 nm is thicker than sigma = 1.619 nm"), "{said}");
         assert!(lines[1].contains("the separations are too coarse") && !said.contains("Bogy 1990"), "{said}");

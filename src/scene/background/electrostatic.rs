@@ -10,7 +10,7 @@ use crate::scene::keys::Value::{Number, OneOrMore, Quantity, Table, Various};
 use crate::scene::keys::key;
 use crate::scene::reader::{Entry, Section};
 use crate::scene::units::Dimension as Of;
-use crate::scene::warning::Warning;
+use crate::scene::warning::{Warning, units};
 use std::ops::Bound::{Included, Unbounded};
 use std::sync::Arc;
 use toml::de::DeValue;
@@ -89,7 +89,7 @@ impl GivenForce for Electrostatic {
                 format!("the field at the closest separation is {field}, more than {largest}"),
                 "gaps of 0.1 to 1 um in air break down there, by field emission (Peschot et al. 2014); none of it is \
                  in the model",
-                &["voltage", "dielectric_thickness", "separation"],
+                units(&["voltage", "dielectric_thickness", "separation"]),
             ));
         }
         let voltage = self.voltage.abs();
@@ -97,7 +97,7 @@ impl GivenForce for Electrostatic {
             warnings.push(Warning::new(
                 format!("a voltage of {} is above {LARGEST_VOLTAGE} V", si(voltage, "V")),
                 "the least that breaks down air, across 7.5 um (Paschen); no discharge is in the model",
-                &["voltage"],
+                units(&["voltage"]),
             ));
         }
         warnings

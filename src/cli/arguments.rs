@@ -1,13 +1,14 @@
 //! Arguments that several commands have.
 
 use super::failure::Failure;
+use super::info::of_result;
 use super::progress::Display;
 use super::source::SceneArguments;
 use crate::engine::Shard;
 use crate::experiment::checkpoint::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// How a command runs, whatever it computes.
@@ -83,6 +84,9 @@ pub(super) struct RunArguments {
     /// with .I-of-N.shard
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
+    /// Print behind the summary what `stiction info` prints of the result
+    #[arg(long, conflicts_with = "shard")]
+    verbose: bool,
     #[command(flatten)]
     pub options: RunOptions,
 }
@@ -94,6 +98,14 @@ impl RunArguments {
     /// [`Failure::Usage`] where neither has a name.
     pub fn output(&self, extension: &str) -> Result<PathBuf, Failure> {
         self.scene.output(self.output.as_deref(), extension)
+    }
+
+    /// What stands behind the summary of a result.
+    ///
+    /// # Errors
+    /// [`Failure`] where the result cannot be read.
+    pub fn rest(&self, output: &Path) -> Result<String, Failure> {
+        if self.verbose { Ok(format!("\n{}", of_result(output)?)) } else { Ok(String::new()) }
     }
 }
 

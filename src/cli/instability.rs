@@ -14,8 +14,8 @@ struct Way {
     begin: &'static str,
 }
 
-/// How often surfaces snap in; after the first and the last preload that is reached how hard they are pulled off, and
-/// how often they snap off.
+/// How often surfaces snap in; after the first and the last preload that is reached how hard they are pulled off,
+/// and how often they snap off.
 pub(super) fn instability(results: &Results) -> String {
     let (scene, snaps) = (&results.scene, Snaps::of(results));
     let loading = snaps.loading;
@@ -64,9 +64,8 @@ fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> S
     format!("{place}{of}: pull-off {}{scatter}", si(mean, "N"))
 }
 
-/// How many replicas snap, held by the two stiffnesses between which half of them do, or by one if it is the same for
-/// all. A replica that is unstable where the separations begin, the first or the last of them, would have snapped
-/// beyond.
+/// How many replicas snap, held by the two stiffnesses between which half of them do, or by one if it is the same
+/// for all. A replica that is unstable where the separations begin would have snapped beyond.
 fn snapping(scene: &Scene, counts: &[Counts], way: &Way) -> String {
     let is_known = |i: &usize| counts[*i].known > 0;
     let most = (0..counts.len()).filter(is_known).rfind(|i| counts[*i].share() >= 0.5);

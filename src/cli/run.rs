@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         SceneLaws::fitting(&scene, scene.replicas, &task, &session, session.pool.current_num_threads());
     let laws = laws.map_err(|error| error.in_scene(arguments.scene.path()))?;
     match run_scene(scene, laws, &task, &session, &mut Progress::new(session.display))? {
-        Some(results) => print_of(&output, &summary(&results, &output)),
+        Some(results) => print_of(&output, &(summary(&results, &output) + &arguments.rest(&output)?)),
         None => complete_before(&output),
     }
 }

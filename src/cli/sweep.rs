@@ -21,7 +21,7 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
     let lock = OutputLock::new(&output, &arguments.scene.inputs(first))?;
     let points = points(sweep, arguments.scene.path(), &lock, &arguments.options, &session, None);
     match run_sweep(&points)? {
-        Some(rows) => print_of(&output, &told(&points, &rows)?),
+        Some(rows) => print_of(&output, &(told(&points, &rows)? + &arguments.rest(&output)?)),
         None => complete_before(&output),
     }
 }
@@ -59,8 +59,8 @@ type Column = Vec<String>;
 /// Most characters of the head of a column; the whole key stands above the table.
 const HEAD: usize = 12;
 
-/// The points, a line each, and the verdict on all of them. Where a terminal is too narrow for every column, the integral
-/// is left out; where that does not do, points have numbers and not values.
+/// The points, a line each, and the verdict on all of them. Where a terminal is too narrow for every column, the
+/// integral is left out; where that does not do, points have numbers and not values.
 fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
     let (values, numbers, mut results) = (values(sweep), [numbers(rows.len())], results(rows));
     let mut shown = aligned(&values, &results);
@@ -96,8 +96,8 @@ fn numbers(points: usize) -> Column {
     std::iter::once("point".to_owned()).chain((1..=points).map(|point| point.to_string())).collect()
 }
 
-/// Pull-off by the ensemble and by the integral, its difference to the first point, the cross-check, and whether
-/// asperities are independent.
+/// Pull-off by the ensemble and by the integral, its difference to the first point, the cross-check, and
+/// whether asperities are independent.
 fn results(rows: &[SweepPoint]) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let mut columns =

@@ -28,16 +28,15 @@ fn a_run_leaves_one_file_and_a_summary() {
     let info = folder.stiction(&["info", "scene.h5"]);
     assert_exit(&info, 0);
     assert!(
-        text(&info.stdout).contains("format_version")
-            && text(&info.stdout).contains("/ensemble/external_force_mean")
+        text(&info.stdout).contains("format_version") && text(&info.stdout).contains("external_force_mean")
     );
     let validate = folder.stiction(&["validate", "scene.h5"]);
     assert_exit(&validate, 0);
     assert!(text(&validate.stdout).contains("agree"));
 }
 
-/// Summaries of shipped scenes, with a few replicas: lines of at most 80 characters, and about 15 of them, of points of
-/// sweeps, of snaps and of warnings more.
+/// Summaries of shipped scenes, with a few replicas: lines of at most 80 characters, and about 15 of them, of
+/// points of sweeps, of snaps and of warnings more.
 fn summaries_fit_a_terminal(scenes: &[(&str, &str)]) {
     let folder = Folder::new("");
     for (name, replicas) in scenes {
@@ -604,6 +603,42 @@ fn files_that_scenes_name_are_not_shown() {
         assert!(message.contains("private"), "{message}");
         assert!(!["root", "secret", "hidden"].iter().any(|word| message.contains(word)), "{message}");
     }
+}
+
+/// `info` shows the values of datasets that have one, or a few with names, with errors and units as the file has
+/// them, and the shape of others; `run --verbose` prints it behind the summary.
+#[test]
+fn info_has_values_and_a_verbose_run_all_of_it() {
+    let folder = Folder::new(&small());
+    let run = folder.stiction(&["run", "scene.toml", "--verbose"]);
+    assert_exit(&run, 0);
+    let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
+    let printed = text(&run.stdout);
+    assert!(printed.contains("  cross-check") && printed.ends_with(&format!("\n\n{info}")), "{printed}");
+    let row = |name: &str| -> Vec<&str> {
+        let rows = info.lines().filter_map(|line| line.trim_start().strip_prefix(name)?.strip_prefix(' '));
+        rows.last().unwrap_or_else(|| panic!("{name}: {info}")).split_whitespace().collect()
+    };
+    let file = unlocked::open(folder.path("scene.h5"));
+    let of = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];
+    let [mean, sign, error, unit] = row("scalar_mean[pull_off_force]")[..] else { panic!("{info}") };
+    let is_near = |shown: &str, value: f64, digits: f64| {
+        (shown.parse::<f64>().unwrap() / value - 1.0).abs() <= 0.5 * 10f64.powf(1.0 - digits)
+    };
+    assert!(is_near(mean, of("/ensemble/scalar_mean"), 6.0) && sign == "±" && unit == "N", "{info}");
+    assert!(is_near(error, of("/ensemble/scalar_standard_error"), 2.0), "{info}");
+    assert!(is_near(row("shift")[0], of("/independence/shift"), 6.0) && row("shift")[1] == "m", "{info}");
+    assert!(!info.contains("scalar_standard_error") && !info.contains("scalar_units"), "{info}");
+    let interval = file.dataset("/ensemble/scalar_interval").unwrap().read_raw::<f64>().unwrap();
+    for (name, unit, ends) in [("pull_off_force", "N", 0), ("peak_secant_stiffness", "N", 4)] {
+        let shown = row(&format!("scalar_interval[{name}]"));
+        assert!(
+            is_near(shown[0], interval[ends], 6.0) && is_near(shown[2], interval[ends + 1], 6.0),
+            "{info}"
+        );
+        assert!(shown[1] == "to" && shown[3] == unit, "{info}");
+    }
+    assert_eq!(row("external_force_quantile"), ["5", "x", "16", "(quantile,", "separation)"]);
 }
 
 /// What is told of a result stands in two columns, however long its names are.

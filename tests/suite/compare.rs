@@ -88,8 +88,7 @@ fn a_law_of_a_comparison_is_its_run() {
     let info = folder.stiction(&["info", "all.h5"]);
     assert_exit(&info, 0);
     assert!(
-        text(&info.stdout).contains("stiction-comparison")
-            && text(&info.stdout).contains("/fit/coefficients")
+        text(&info.stdout).contains("stiction-comparison") && text(&info.stdout).contains("coefficients")
     );
     let validate = folder.stiction(&["validate", "all.h5"]);
     assert_exit(&validate, 0);

@@ -454,7 +454,7 @@ fn terminals_are_not_steered() {
     let check = folder.stiction(&["check", "title.toml"]);
     assert_exit(&check, 0);
     let shown = text(&check.stdout);
-    assert!(shown.starts_with("\\u{1b}[2J\\u{a}  cross-check"), "{shown}");
+    assert!(shown.starts_with("\\u{1b}[2J\\u{a} cross-check"), "{shown}");
     for (from, to) in
         [("3.33 um", "3.33 \\u001b[2J"), ("hardness =", "\"\\u001b[2J\" ="), ("hybrid", "\\u001b[2J\\n")]
     {

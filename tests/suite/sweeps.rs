@@ -367,7 +367,7 @@ fn validate_sees_a_point_that_disagrees() {
     assert!(said.lines().any(|line| line.contains("1, 0") && line.ends_with("disagree")), "{said}");
     let info = folder.stiction(&["info", "scene.h5"]);
     assert_exit(&info, 0);
-    for part in ["stiction-sweep", "sweep_keys", "/differences/pull_off_force_mean", "2 x 2"] {
+    for part in ["stiction-sweep", "sweep_keys", "/differences\n", "pull_off_force_mean", "2 x 2"] {
         assert!(text(&info.stdout).contains(part), "{part}");
     }
 }

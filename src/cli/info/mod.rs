@@ -3,7 +3,9 @@
 
 mod csv;
 mod json;
+mod rows;
 
+use self::rows::Row;
 use super::failure::Failure;
 use super::rows::row;
 use super::terminal::print;
@@ -64,32 +66,15 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
             return points(&folder);
         }
     }
+    print(&of_result(path)?)
+}
+
+/// All that is in a result but for the values of large datasets, which `run --verbose` prints, too.
+pub(super) fn of_result(path: &Path) -> Result<String, Failure> {
     let reader = Reader::open(path, &LAYOUTS)?;
-    let mut text = format!("{}\n", one_line(&path.display().to_string()));
-    text += &completeness(&reader)?;
-    let mut scene = String::new();
-    for (name, value) in reader.attributes("/")? {
-        if name == "scene" {
-            scene = value;
-        } else {
-            text += &wide(&name, &value);
-        }
-    }
-    for group in reader.groups() {
-        let attributes = reader.attributes(group)?;
-        if !attributes.is_empty() {
-            text += &format!("/{group}\n");
-        }
-        for (name, value) in attributes {
-            text += &wide(&name, &value);
-        }
-    }
-    text += "datasets\n";
-    for (path, shape) in reader.datasets() {
-        let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
-        text += &wide(path, &if shape.is_empty() { "scalar".to_owned() } else { shape.join(" x ") });
-    }
-    print(&(text + &scene_text(&scene)))
+    let scene = reader.optional_text("/", "scene")?.unwrap_or_default();
+    let rows = rows::rows(&reader, completeness(&reader)?)?;
+    Ok(format!("{}\n", one_line(&path.display().to_string())) + &rows + &scene_text(&scene))
 }
 
 /// A result for programs.
@@ -111,13 +96,14 @@ fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Lists what is there of a run that is not complete; nothing of others.
-fn completeness(reader: &Reader) -> Result<String, Failure> {
+/// What is there of a run that is not complete; nothing of others.
+fn completeness(reader: &Reader) -> Result<Option<Row>, Failure> {
+    let row = |text: &str| Ok(Some(["incomplete", text].map(str::to_owned)));
     if !reader.has_attribute("/", "partial")? {
-        return Ok(String::new());
+        return Ok(None);
     }
     if reader.layout().format == SWEEP.format {
-        return Ok(wide("incomplete", "replica_count says how many replicas of each point are there"));
+        return row("replica_count says how many replicas of each point are there");
     }
     let (there, all) = (
         reader.values::<u64>(reader.coordinate("replica"))?,
@@ -126,7 +112,7 @@ fn completeness(reader: &Reader) -> Result<String, Failure> {
     let ranges = there.chunk_by(|one, next| one.checked_add(1) == Some(*next));
     let named = ranges.map(|range| format!("{} to {}", range[0], range[range.len() - 1])).take(MOST_PIECES);
     let named: Vec<String> = named.collect();
-    Ok(wide("incomplete", &format!("replicas {} of 0 to {}", named.join(", "), all.saturating_sub(1))))
+    row(&format!("replicas {} of 0 to {}", named.join(", "), all.saturating_sub(1)))
 }
 
 /// Shows what is kept of the points of a sweep, or of a shard of one.

@@ -30,6 +30,8 @@ pub struct Checked {
 pub enum Content {
     /// One scene, and the number of ways that it has curves of.
     Run { cross_check: Box<CrossCheck>, ways: usize },
+    /// The integral of one scene alone.
+    Integral,
     /// Points along keys.
     Sweep { keys: String, points: Vec<SweptPoint> },
     /// Laws on common asperities, with the p-value of each as the file has it.
@@ -46,7 +48,7 @@ pub enum Content {
 pub struct SweptPoint {
     /// Its index along each dimension of the points.
     pub place: Vec<usize>,
-    /// Its test, where its replicas are there.
+    /// Its test, where replicas of it are there.
     pub joint: Option<JointTest>,
 }
 

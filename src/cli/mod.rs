@@ -13,6 +13,7 @@ mod finite_size;
 mod independence;
 mod info;
 mod instability;
+mod integral;
 mod merge;
 mod parent;
 mod progress;

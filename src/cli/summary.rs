@@ -426,7 +426,7 @@ pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> Strin
 
 /// The bound of the integral's relative error, which rounding alone keeps from being smaller than the
 /// machine's precision.
-fn error_bound(error: f64) -> String {
+pub(super) fn error_bound(error: f64) -> String {
     if error.is_nan() {
         return "the error is unknown: the law is not a number somewhere".to_owned();
     }

@@ -29,7 +29,9 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
 /// The summary of a sweep that is complete.
 pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
     let (sweep, output) = (points.sweep, points.lock.output());
-    Ok(title(&points.scene(0)?) + &described(sweep) + "\n" + &table(sweep, rows) + &written_to(output))
+    let scene = points.scene(0)?;
+    let table = table(sweep, rows, scene.replicas > 0);
+    Ok(title(&scene) + &described(sweep) + "\n" + &table + &written_to(output))
 }
 
 fn title(scene: &Scene) -> String {
@@ -57,21 +59,24 @@ pub(super) fn described(sweep: &Sweep) -> String {
     text + &row("", &format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
 }
 
-/// The points, a line each, and the verdict on all of them.
-fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
+/// Columns of numbers of each point, and those of the integral alone.
+const HEADS: [&str; 8] = [
+    "pull-off",
+    "standard error",
+    "integral",
+    "to the first",
+    "standard error",
+    "variance",
+    "p",
+    "independence",
+];
+const OF_INTEGRAL: [usize; 2] = [2, 7];
+
+/// The points, a line each, and the verdict on all of them where they have replicas.
+fn table(sweep: &Sweep, rows: &[SweepPoint], has_replicas: bool) -> String {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let mut lines: Vec<Vec<String>> = vec![sweep.axes.iter().map(|axis| axis.key.name.to_owned()).collect()];
-    let heads = [
-        "pull-off",
-        "standard error",
-        "integral",
-        "to the first",
-        "standard error",
-        "variance",
-        "p",
-        "independence",
-    ];
-    lines[0].extend(heads.map(str::to_owned));
+    lines[0].extend(HEADS.map(str::to_owned));
     for (point, row) in rows.iter().enumerate() {
         let values = sweep.values(point);
         let mut line: Vec<String> =
@@ -95,6 +100,14 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
         line.push(row.independence.map_or("-", |own| own.verdict().name()).to_owned());
         lines.push(line);
     }
+    if !has_replicas {
+        let keys = sweep.axes.len();
+        for line in &mut lines {
+            let of_integral = OF_INTEGRAL.map(|column| line[keys + column].clone());
+            line.truncate(keys);
+            line.extend(of_integral);
+        }
+    }
     let width =
         |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default();
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
@@ -103,10 +116,11 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
             line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         format!("  {}\n", cells.join("  "))
     };
-    lines.iter().map(shown).collect::<String>()
-        + "\n"
-        + &agreeing(rows)
-        + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
+    let table = lines.iter().map(shown).collect::<String>() + "\n";
+    if !has_replicas {
+        return table;
+    }
+    table + &agreeing(rows) + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
 }
 
 /// A standard error; a dash where it is not known.

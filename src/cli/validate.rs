@@ -20,6 +20,7 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     let checked = check(path)?;
     let content = match &checked.content {
         Content::Run { cross_check, ways } => table(cross_check, *ways),
+        Content::Integral => "the integral alone, no replicas\n".to_owned(),
         Content::Sweep { keys, points } => swept(keys, points),
         Content::Comparison { laws, p_values } => {
             let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();

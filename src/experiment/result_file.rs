@@ -41,6 +41,10 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     }
     let separation = |&place: &usize| scene.separations[place % scene.separations.len()];
     writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>());
+    if scene.replicas == 0 {
+        return Ok(());
+    }
+    writer.group("ensemble")?;
     writer.scale_in("/ensemble", Dimension::Control)
 }
 

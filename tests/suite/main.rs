@@ -21,6 +21,7 @@ mod hostile_files;
 mod hybrid;
 mod independence;
 mod instruction_sets;
+mod integral_alone;
 mod interruption;
 mod large_surfaces;
 mod laws;

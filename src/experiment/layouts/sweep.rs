@@ -14,7 +14,7 @@ pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
     version: [4, 5],
-    groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
+    groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),

@@ -68,14 +68,19 @@ impl Layout {
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
 
-    /// Where a coordinate is read, a scale or what stands beside one: its copy in the first group that has
-    /// it.
+    /// The copy of a coordinate, a scale or what stands beside one, in the first group that may have it.
     ///
     /// # Panics
     /// When the layout has no such coordinate, which is an error in this program.
     pub fn coordinate(&'static self, name: &str) -> &'static str {
-        let found = self.known().find(|variable| variable.is_coordinate() && variable.name() == name);
-        &found.unwrap_or_else(|| panic!("no coordinate {name} in the layout")).path
+        let found = self.coordinates(name).next();
+        found.unwrap_or_else(|| panic!("no coordinate {name} in the layout"))
+    }
+
+    /// All copies of a coordinate.
+    pub fn coordinates(&'static self, name: &str) -> impl Iterator<Item = &'static str> {
+        let own = self.known().filter(move |variable| variable.is_coordinate() && variable.name() == name);
+        own.map(|variable| variable.path.as_str())
     }
 }
 

@@ -26,7 +26,6 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
             let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();
             format!("laws {}\n", names.join(", ")) + &together(p_values)
         }
-        Content::FiniteSize { p_values } => format!("{} sizes\n", p_values.len()) + &together(p_values),
         Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
         Content::Shard(replicas) => format!("a shard of {replicas} replicas\n"),
     };

@@ -15,7 +15,6 @@ mod coupled_limits;
 mod cycles;
 mod ensemble;
 mod extremes;
-mod finite_size;
 mod forest;
 mod hostile_files;
 mod hybrid;

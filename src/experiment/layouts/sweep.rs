@@ -106,6 +106,7 @@ const NUMBERS: &[Row] = &[
     ("asperity_height_std", NONE, "m", "standard deviation of the asperity heights"),
     ("mean_plane_offset", NONE, "m", "asperity mean plane above the surface mean plane"),
     ("asperity_radius", NONE, "m", "radius of the asperities, the mean one where radii differ"),
+    ("asperity_density", NONE, "m-2", "asperities per nominal area"),
     ("nominal_area", NONE, "m2", "nominal area"),
 ];
 

@@ -30,7 +30,7 @@ use std::sync::LazyLock;
 /// let run: &Layout = &RUN;
 /// assert_eq!(run.command, "stiction run");
 /// assert!(run.variables.iter().any(|variable| variable.path == "/ensemble/adhesion_force_mean"));
-/// assert_eq!(LAYOUTS.len(), 5);
+/// assert_eq!(LAYOUTS.len(), 4);
 /// ```
 #[derive(Debug)]
 pub struct Layout {
@@ -143,12 +143,8 @@ pub enum Dimension {
     Stiffness,
     /// External forces at which the surfaces turn back, N.
     Preload,
-    /// Numbers of asperities.
-    AsperityCount,
     /// Probabilities of quantiles.
     Quantile,
-    /// Relative accuracies.
-    Accuracy,
 }
 
 impl Dimension {
@@ -202,9 +198,7 @@ impl Dimension {
                 "N",
                 "external force at which the surface turns back, NaN for the smallest separation",
             ),
-            Self::AsperityCount => ("asperity_count", "1", "number N of asperities of a patch"),
             Self::Quantile => ("quantile", "1", "probability of a quantile"),
-            Self::Accuracy => ("accuracy", "1", "relative accuracy"),
         }
     }
 

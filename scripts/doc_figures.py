@@ -255,10 +255,12 @@ def surface_energy(program):
 
 
 def sizes(program):
-    """The sizes of case II at which the bias is 10 and 5 %, between three sizes of the default ones."""
-    run = program.file("finite-size", ROOT / "configs/case_ii.toml", "--counts", "1000,3162,10000")
-    accuracies = list(np.round(run["accuracy"][:], 4))
-    return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]
+    """Of case II, the sizes at which the bias is 10 and 5 %, between three sizes of the default ones."""
+    from stiction import finite_size
+
+    os.environ["STICTION"] = str(program.path)
+    study = finite_size.study(finite_size.run(ROOT / "configs/case_ii.toml", "1000,3162,10000", progress=False))
+    return [power(float(study["count_at_accuracy"].sel(accuracy=accuracy))) for accuracy in (0.1, 0.05)]
 
 
 def scientific(value):

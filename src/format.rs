@@ -77,21 +77,6 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// A positive bound with one significant digit, rounded up.
-pub(crate) fn bound(value: f64) -> String {
-    let nearest = format!("{value:.0e}");
-    match nearest.split_once('e') {
-        Some((digit, exponent)) if nearest.parse::<f64>().is_ok_and(|nearest| nearest < value) => {
-            match digit.parse() {
-                Ok(9) => format!("1e{}", exponent.parse::<i32>().unwrap_or_default() + 1),
-                Ok(digit) => format!("{}e{exponent}", digit + 1),
-                Err(_) => nearest,
-            }
-        }
-        _ => nearest,
-    }
-}
-
 /// A pure number with four decimals, or in powers of ten where they would hide it.
 pub(crate) fn pure(value: f64) -> String {
     if (1e-2..1e5).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.3e}") }
@@ -145,15 +130,6 @@ mod tests {
         assert_eq!(si(2.5e9, "Pa"), "2.500 GPa");
         assert_eq!(si(0.0, "N"), "0 N");
         assert_eq!(si(1e-20, "N"), "1.000e-20 N");
-    }
-
-    #[test]
-    fn bounds_are_rounded_up() {
-        for (value, text) in
-            [(1.2e-13, "2e-13"), (2e-13, "2e-13"), (9.3e-14, "1e-13"), (9.7e-14, "1e-13"), (3.01, "4e0")]
-        {
-            assert_eq!(bound(value), text);
-        }
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //!
 //! # What there is
 //! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`,
-//! [`finite_size()`] patches of several sizes, [`compare()`] laws on the same asperities, and [`integrate`]
+//! [`compare()`] laws on the same asperities, and [`integrate`]
 //! the integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`]
 //! reads scenes, and [`output`] reads files of results back.
 //!
@@ -86,8 +86,8 @@ pub use experiment::layouts;
 #[cfg(feature = "hdf5")]
 #[doc(inline)]
 pub use experiment::{
-    Builder, ComparedLaw, Comparison, Error, FiniteSize, Integral, Mean, Observer, PatchSize, PathIntegral,
-    RunResult, SweepPoint, builder, compare, finite_size, integrate, run, sweep,
+    Builder, ComparedLaw, Comparison, Error, Integral, Mean, Observer, PathIntegral, RunResult, SweepPoint,
+    builder, compare, integrate, run, sweep,
 };
 #[cfg(feature = "hdf5")]
 #[doc(inline)]

@@ -1,6 +1,6 @@
 """Adhesion of rough surfaces from explicit ensembles of asperities.
 
-`run`, `sweep`, `compare`, `finite_size`, `integral` and `check` take a scene: the path of a TOML file, or a dict of its tables.
+`run`, `sweep`, `compare`, `integral` and `check` take a scene: the path of a TOML file, or a dict of its tables.
 `asperity` solves a single asperity, `find_asperities` reads a measured surface, `open_run` opens any result. `stiction.plot` draws
 results, `stiction.report` makes a page of them.
 """
@@ -8,9 +8,9 @@ results, `stiction.report` makes a page of them.
 from importlib.metadata import PackageNotFoundError, version
 
 from .errors import FileError, SceneError, StictionError
-from .experiments import check, compare, finite_size, integral, run, sweep
+from .experiments import check, compare, integral, run, sweep
 from .maps import find_asperities
-from .results import Asperities, Comparison, CrossCheck, FiniteSize, PullOff, Result, Run, Sweep, open_run
+from .results import Asperities, Comparison, CrossCheck, PullOff, Result, Run, Sweep, open_run
 from .single import asperity
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "Comparison",
     "CrossCheck",
     "FileError",
-    "FiniteSize",
     "PullOff",
     "Result",
     "Run",
@@ -29,7 +28,6 @@ __all__ = [
     "check",
     "compare",
     "find_asperities",
-    "finite_size",
     "integral",
     "open_run",
     "run",

@@ -1,4 +1,4 @@
-"""Experiments: runs, sweeps, comparisons, the integral alone, patches of several sizes."""
+"""Experiments: runs, sweeps, comparisons, the integral alone."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import xarray
 
 from . import program
 from .errors import SceneError
-from .results import Comparison, FiniteSize, Place, Sweep
+from .results import Comparison, Place, Run, Sweep
 from .scenes import Scene, Source
 
-__all__ = ["check", "compare", "finite_size", "integral", "run", "sweep"]
+__all__ = ["check", "compare", "integral", "run", "sweep"]
 
 
 def run(
@@ -39,7 +39,7 @@ def run(
     output : path, optional
         Where the result goes. Without it the file is temporary, and there as long as the result is; ``result.save(path)`` keeps it.
     replicas, seed : int, optional
-        In the place of the scene's.
+        In the place of the scene's; 0 replicas are the integral alone.
     threads : int, optional
         One per core by default. They do not change the result.
     resume : bool
@@ -173,7 +173,8 @@ def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
     -------
     xarray.Dataset
         `external_force`, `adhesion_force`, `contact_force` (N) and `contact_area` (m²) over `separation` (m), with `h_star` to
-        select by; `pull_off_force` (N) and its place `pull_off_separation` (m).
+        select by; `pull_off_force` (N) and its place `pull_off_separation` (m). Of a loop they are on approach, with
+        `retraction_` before their names on retraction, where the surfaces are pulled off.
 
     Examples
     --------
@@ -182,44 +183,11 @@ def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
     >>> f"{float(curve.pull_off_force):.3e} N"
     '5.622e-04 N'
     """
-    comparison = compare(scene, progress=False, **overrides)
-    return comparison.integral.isel(law=0)
-
-
-def finite_size(
-    scene: Scene,
-    counts: Sequence[int] | str | None = None,
-    output: str | Path | None = None,
-    *,
-    replicas: int | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-    resume: bool = False,
-    force: bool = False,
-    progress: bool | None = None,
-    **overrides: Any,
-) -> FiniteSize:
-    """Finds how the pull-off of a finite patch goes to the integral's as its asperities become more.
-
-    The other arguments are those of `run`.
-
-    Parameters
-    ----------
-    counts : sequence of int, or str, optional
-        Numbers of asperities, or ``"FROM:TO:COUNT"`` spaced by equal factors; 10:1e6:11 by default.
-
-    Examples
-    --------
-    >>> import stiction
-    >>> patches = stiction.finite_size("configs/case_ii.toml", [30, 100, 300], replicas=20)
-    >>> bool(patches.sizes["bias"][0] > patches.sizes["bias"][2])
-    True
-    """
-    _named(output, resume=resume)
-    listed = counts if counts is None or isinstance(counts, str) else ",".join(str(count) for count in counts)
-    options = program.options(counts=listed, replicas=replicas, seed=seed, threads=threads, resume=resume)
-    result: FiniteSize = _computed("finite-size", scene, output, overrides, [*options], force, progress)
-    return result
+    alone = run(scene, replicas=0, progress=False, **overrides)
+    if not isinstance(alone, Run):
+        raise SceneError("the scene has a table [sweep], which `run` computes: leave it out")
+    attrs = alone.tree["integral"].attrs
+    return alone.integral.assign({name: attrs[name] for name in ("pull_off_force", "pull_off_separation")})
 
 
 class Text(str):

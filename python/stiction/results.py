@@ -8,7 +8,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import h5py
 import numpy as np
@@ -25,7 +25,6 @@ __all__ = [
     "Asperities",
     "Comparison",
     "CrossCheck",
-    "FiniteSize",
     "Place",
     "PullOff",
     "Result",
@@ -219,7 +218,7 @@ class Result:
         """Closes the file."""
         self.tree.close()
 
-    def __enter__(self) -> Result:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -252,6 +251,11 @@ _IN_MEMORY = 100_000_000
 
 class _Curves(Result):
     """A result with an ensemble and an integral."""
+
+    @property
+    def has_replicas(self) -> bool:
+        """Whether there are replicas, and not the integral alone."""
+        return "ensemble" in self.tree.children
 
     @cached_property
     def ensemble(self) -> xarray.Dataset:
@@ -339,6 +343,10 @@ class Run(_Curves):
         return CrossCheck(str(attrs["verdict"]), *(float(attrs[name]) for name in names))
 
     def _summary(self) -> list[tuple[str, str]]:
+        if not self.has_replicas:
+            force = float(self.tree["integral"].attrs["pull_off_force"])
+            told = f"{quantities.si(force, 'N')}, of the integral alone" if force > 0.0 else "none: nothing pulls"
+            return [("law", f"{self.attrs['law']}, {self.attrs['history']}"), ("pull-off", told)]
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
@@ -399,7 +407,12 @@ class Sweep(_Curves):
 
     @cached_property
     def pull_off(self) -> xarray.Dataset:
-        """The pull-off force of each point: `mean`, `standard_error`, `interval` and that `of_integral`, N."""
+        """The pull-off force of each point: `mean`, `standard_error`, `interval` and that `of_integral`, N.
+
+        Without replicas there is that of the integral alone.
+        """
+        if not self.has_replicas:
+            return xarray.Dataset({"of_integral": self.tree["integral"]["pull_off_force"]})
         force = self.group("ensemble").sel(scalar="pull_off_force")
         names = {"mean": "mean", "standard_error": "standard_error", "interval": "interval"}
         quoted = {name: force[f"scalar_controlled_{of}"] for name, of in names.items()}
@@ -408,15 +421,17 @@ class Sweep(_Curves):
         return whole.drop_vars([name for name in whole.coords if name not in kept])
 
     def _summary(self) -> list[tuple[str, str]]:
-        means = self.pull_off["mean"]
+        means = self.pull_off["mean" if self.has_replicas else "of_integral"]
         low, high = (quantities.si(value, "N") for value in (means.min(), means.max()))
         shape = " x ".join(f"{size} of {name}" for name, size in self.points.sizes.items())
-        return [
+        rows = [
             ("law", f"{self.attrs['law']}, {self.attrs['history']}"),
             ("points", shape),
-            ("pull-off", f"{low} to {high}"),
-            ("cross-check", str(self.tree["validation"].attrs["overall_verdict"])),
+            ("pull-off", f"{low} to {high}{'' if self.has_replicas else ', of the integral alone'}"),
         ]
+        if self.has_replicas:
+            rows += [("cross-check", str(self.tree["validation"].attrs["overall_verdict"]))]
+        return rows
 
 
 class Comparison(_Curves):
@@ -433,30 +448,6 @@ class Comparison(_Curves):
     def _summary(self) -> list[tuple[str, str]]:
         forces = self.integral["pull_off_force"]
         return [(law, quantities.si(force, "N")) for law, force in zip(self.laws, forces.values, strict=True)]
-
-
-class FiniteSize(Result):
-    """A result of `stiction finite-size`: patches along `asperity_count`."""
-
-    kind, format, major_version = "finite_size", "stiction-finite-size", 2
-    made_by = "stiction finite-size"
-
-    @cached_property
-    def sizes(self) -> xarray.Dataset:
-        """Pull-off per asperity, its bias against the integral and its scatter, over `asperity_count`."""
-        return self.tree.to_dataset(inherit=False)
-
-    def _summary(self) -> list[tuple[str, str]]:
-        sizes = self.sizes
-        return [
-            (f"{int(count)} asperities", f"bias {100 * float(bias):.3g} %, scatter {100 * float(std):.3g} %")
-            for count, bias, std in zip(
-                sizes["asperity_count"].values,
-                sizes["bias"].values,
-                sizes["relative_std"].values,
-                strict=True,
-            )
-        ]
 
 
 class Asperities(Result):
@@ -518,9 +509,7 @@ class Asperities(Result):
         ]
 
 
-_KINDS: dict[str, type[Result]] = {
-    kind.format: kind for kind in (Run, Sweep, Comparison, FiniteSize, Asperities)
-}
+_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Comparison, Asperities)}
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
@@ -529,11 +518,11 @@ def open_run(path: str | os.PathLike[str]) -> Any:
     Parameters
     ----------
     path : str or pathlib.Path
-        What `stiction run`, `compare`, `finite-size` or `asperities` left.
+        What `stiction run`, `compare` or `asperities` left.
 
     Returns
     -------
-    Run, Sweep, Comparison, FiniteSize or Asperities
+    Run, Sweep, Comparison or Asperities
         By the root attribute `format` of the file.
 
     Raises

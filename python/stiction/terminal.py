@@ -36,8 +36,8 @@ def ended(name: str, work: Callable[[], None]) -> int:
         return 0
     except StictionError as error:
         code, said = error.exit_code, str(error)
-    except KeyboardInterrupt:
-        code, said = _INTERRUPTED, "interrupted"
+    except KeyboardInterrupt as interruption:
+        code, said = _INTERRUPTED, str(interruption) or "interrupted"
     except MemoryError:
         code, said = 1, "not enough memory"
     except OSError as error:
@@ -45,7 +45,7 @@ def ended(name: str, work: Callable[[], None]) -> int:
         is_of_output = error.errno is not None and error.filename is None
         code, said = 1, f"cannot write to standard output: {error}" if is_of_output else str(error)
         _silence()
-    line = " ".join(said.replace("force=True", "--force").split())
+    line = " ".join(said.replace("force=True", "--force").replace("resume=True", "--resume").split())
     if sys.stderr is not None:
         print(f"{name}: {''.join(one if one.isprintable() else '�' for one in line)}", file=sys.stderr)
     return code

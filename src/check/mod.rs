@@ -7,7 +7,7 @@ mod sweep;
 
 pub use cross_check::CrossCheck;
 
-use crate::experiment::layouts::{COMPARISON, FINITE_SIZE, LAYOUTS, SWEEP};
+use crate::experiment::layouts::{COMPARISON, LAYOUTS, SWEEP};
 use crate::format::replicas as shown;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
@@ -31,12 +31,12 @@ pub struct Checked {
 pub enum Content {
     /// One scene, and the number of ways that it has curves of.
     Run { cross_check: Box<CrossCheck>, ways: usize },
+    /// The integral of one scene alone.
+    Integral,
     /// Points along keys.
     Sweep { keys: String, points: Vec<SweptPoint> },
     /// Laws on common asperities, with the p-value of each as the file has it.
     Comparison { laws: Vec<String>, p_values: Vec<f64> },
-    /// Patches of several sizes, with the p-value of each as the file has it.
-    FiniteSize { p_values: Vec<f64> },
     /// The number of asperities of a measured surface.
     Asperities(usize),
     /// The number of replicas of a shard.
@@ -47,7 +47,7 @@ pub enum Content {
 pub struct SweptPoint {
     /// Its index along each dimension of the points.
     pub place: Vec<usize>,
-    /// Its test, where its replicas are there.
+    /// Its test, where replicas of it are there.
     pub joint: Option<JointTest>,
 }
 
@@ -71,10 +71,6 @@ pub fn check(path: &Path) -> Result<Checked, OutputError> {
                 false => vec![f64::NAN; laws.len()],
             };
             as_stored(overall(&p_values), Content::Comparison { laws, p_values })
-        }
-        () if is(&FINITE_SIZE) => {
-            let p_values: Vec<f64> = reader.values("/p_value")?;
-            as_stored(overall(&p_values), Content::FiniteSize { p_values })
         }
         () if is(&ASPERITIES) => {
             as_stored(Verdict::NotTested, Content::Asperities(reader.length(Dimension::Asperity)?))

@@ -2,7 +2,7 @@
 
 use super::cross_check::CrossCheck;
 use super::stored::StoredRun;
-use super::{Checked, Content, refused};
+use super::{Checked, Content, as_stored, refused};
 use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
@@ -13,12 +13,15 @@ use crate::validation::Verdict;
 pub(super) fn check(reader: &Reader) -> Result<Checked, OutputError> {
     let scheme = scheme(reader)?;
     let (replicas, group): (u64, u64) = (reader.number("/", "replicas")?, scheme.group());
+    if replicas == 0 && !reader.has(reader.coordinate("replica")) {
+        return Ok(as_stored(Verdict::NotTested, Content::Integral));
+    }
     let there = reader.length(Dimension::Replica)? as u64;
     if replicas != there {
         let problem = format!("has replicas = {replicas}, but the dimension `replica` has {there}");
         return Err(refused(reader.path(), &problem));
     }
-    if replicas == 0 || !replicas.is_multiple_of(group) {
+    if !replicas.is_multiple_of(group) {
         let problem = format!("has replicas = {replicas}, which is no number of {} ones", scheme.name());
         return Err(refused(reader.path(), &problem));
     }

@@ -19,11 +19,13 @@ pub(super) fn check(reader: &Reader) -> Result<Checked, OutputError> {
         return Err(refused(reader.path(), &problem));
     };
     let scheme = scheme(reader)?;
-    let stored = reader.texts("/validation/verdict")?;
+    // Of the integral alone nothing is tested.
+    let has_replicas = reader.number::<u64>("/", "replicas")? > 0;
+    let stored = if has_replicas { reader.texts("/validation/verdict")? } else { Vec::new() };
     let (mut points, mut contradictions) = (Vec::with_capacity(count), Vec::new());
     for point in 0..count {
         let place = place(point, &shape);
-        let joint = joint_test(reader, scheme, &place)?;
+        let joint = if has_replicas { joint_test(reader, scheme, &place)? } else { None };
         if let Some(joint) = joint {
             let stored = stored.get(point).map_or("", String::as_str);
             let own = contradiction("verdict", stored, joint.verdict);
@@ -33,8 +35,10 @@ pub(super) fn check(reader: &Reader) -> Result<Checked, OutputError> {
     }
     let p_value = |point: &SweptPoint| point.joint.map_or(f64::NAN, |joint| joint.p_value);
     let verdict = overall(&points.iter().map(p_value).collect::<Vec<f64>>());
-    let stored = reader.optional_text("/validation", "overall_verdict")?.unwrap_or_default();
-    contradictions.extend(contradiction("overall_verdict", &stored, verdict));
+    if has_replicas {
+        let stored = reader.optional_text("/validation", "overall_verdict")?.unwrap_or_default();
+        contradictions.extend(contradiction("overall_verdict", &stored, verdict));
+    }
     let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
     Ok(Checked { content: Content::Sweep { keys, points }, verdict, contradictions })
 }

@@ -51,8 +51,8 @@ impl Execution {
 /// How ensembles are computed that may be interrupted.
 #[derive(Args)]
 pub(super) struct RunOptions {
-    /// Number of replicas, of each point where there are several, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    /// Number of replicas, of each point where there are several, instead of the scene's; 0 for the integral alone
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=1_000_000_000_000))]
     pub replicas: Option<u64>,
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]

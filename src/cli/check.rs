@@ -127,7 +127,7 @@ fn cost(estimate: &Estimate) -> String {
         threads => format!("{threads} threads"),
     };
     let busy = estimate.workers();
-    let idle = if busy < estimate.threads {
+    let idle = if busy > 0.0 && busy < estimate.threads {
         let part = if estimate.is_coupled() { "replica" } else { "batch of replicas" };
         format!("; only {busy} have a {part}")
     } else {

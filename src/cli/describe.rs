@@ -31,6 +31,9 @@ pub(super) fn facts(scene: &Scene) -> String {
     text += &numbers(scene);
     text += &held(scene);
     let most = if scene.stopping.is_some() { "at most " } else { "" };
+    if scene.replicas == 0 {
+        return text + &row("replicas", "none: the integral alone");
+    }
     text += &row("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
     text += &scene.stopping.as_ref().map(targets).unwrap_or_default();
     text + &row("sampling", &sampling(scene.sampling))

@@ -9,10 +9,10 @@ mod coupling;
 mod describe;
 mod external;
 mod failure;
-mod finite_size;
 mod independence;
 mod info;
 mod instability;
+mod integral;
 mod merge;
 mod parent;
 mod progress;
@@ -32,7 +32,6 @@ use self::asperities::AsperitiesArguments;
 use self::asperity::AsperityArguments;
 use self::compare::CompareArguments;
 use self::failure::Failure;
-use self::finite_size::FiniteSizeArguments;
 use self::info::InfoArguments;
 use self::merge::MergeArguments;
 use self::source::SceneArguments;
@@ -53,7 +52,7 @@ const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the comm
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.
 
-Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings plot and report, and \
+Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings finite-size, plot and report, and \
 `pip install stiction[inference]` infer, sensitivity and design.";
 
 /// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.
@@ -79,11 +78,6 @@ enum Command {
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
     #[command(after_help = "Example:\n  stiction compare configs/case_ii.toml --laws hybrid,emd,isbl,sbl")]
     Compare(CompareArguments),
-    /// Find how the pull-off of a finite patch goes to the integral's as its asperities become more
-    #[command(
-        after_help = "Example:\n  stiction finite-size configs/case_ii.toml --counts 10:1e5:9 --replicas 200"
-    )]
-    FiniteSize(FiniteSizeArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
     #[command(
         after_help = "Example:\n  stiction check configs/case_ii.toml\n  stiction check configs/case_ii.toml --set 'material.work_of_adhesion=\"0.1 J/m^2\"'"
@@ -178,7 +172,6 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
-        Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check(scene) => check::check(&scene),
         Command::Validate { file } => validate::validate(&file),
         Command::Info(arguments) => info::info(&arguments),

@@ -2,6 +2,7 @@
 
 use super::arguments::RunArguments;
 use super::failure::Failure;
+use super::integral::of_integral;
 use super::progress::Progress;
 use super::session::Session;
 use super::summary::summary;
@@ -15,6 +16,10 @@ use crate::scene::Document;
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let document = arguments.scene.document()?;
     if let Some(shard) = arguments.shard {
+        if arguments.options.replicas.unwrap_or(document.scene.replicas) == 0 {
+            let problem = "--shard: replicas = 0 is the integral alone, which is not divided; leave it out";
+            return Err(Failure::Usage(problem.to_owned()));
+        }
         return shard::run(shard, document, arguments);
     }
     let Document { mut scene, sweep } = document;
@@ -31,7 +36,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         SceneLaws::fitting(&scene, scene.replicas, &task, &session, session.pool.current_num_threads());
     let laws = laws.map_err(|error| error.in_scene(arguments.scene.path()))?;
     match run_scene(scene, laws, &task, &session, &mut Progress::new(session.display))? {
-        Some(results) => print_of(&output, &(summary(&results, &output) + &arguments.rest(&output)?)),
+        Some(results) => {
+            let text = if results.scene.replicas == 0 { of_integral } else { summary };
+            print_of(&output, &(text(&results, &output) + &arguments.rest(&output)?))
+        }
         None => complete_before(&output),
     }
 }

@@ -16,6 +16,7 @@ use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
+use crate::scene::Warning;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 
 /// Probabilities of the quantiles of single patches.
@@ -36,10 +37,13 @@ pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     text += &refused_sums(&results.summation);
     text += &coupling::troubles(results);
     text += &open_loops(results);
-    for warning in &results.warnings {
-        text += &labelled("warning", &format!("{}; {}", warning.finding, warning.change));
-    }
-    text + "\n" + &written(results, output)
+    text + &warned(results) + "\n" + &written(results, output)
+}
+
+/// The warnings, each with what to change.
+pub(super) fn warned(results: &Results) -> String {
+    let line = |warning: &Warning| labelled("warning", &format!("{}; {}", warning.finding, warning.change));
+    results.warnings.iter().map(line).collect()
 }
 
 /// The law, the history and what is drawn.
@@ -242,7 +246,7 @@ fn open_loops(results: &Results) -> String {
 }
 
 /// Where the file is, and what it took.
-fn written(results: &Results, output: &std::path::Path) -> String {
+pub(super) fn written(results: &Results, output: &std::path::Path) -> String {
     let seconds = results.seconds.iter().map(|(_, seconds)| seconds).sum();
     labelled("written", &output.display().to_string())
         + &paragraph(&format!("in {}; the rest: stiction info, figures: stiction plot", duration(seconds)))

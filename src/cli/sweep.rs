@@ -29,7 +29,9 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
 /// The summary of a sweep that is complete.
 pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
     let (sweep, output) = (points.sweep, points.lock.output());
-    Ok(title(&points.scene(0)?) + &described(sweep) + "\n" + &table(sweep, rows) + &written_to(output))
+    let scene = points.scene(0)?;
+    let table = table(sweep, rows, scene.replicas > 0);
+    Ok(title(&scene) + &described(sweep) + "\n" + &table + &written_to(output))
 }
 
 fn written_to(output: &Path) -> String {
@@ -59,17 +61,31 @@ type Column = Vec<String>;
 /// Most characters of the head of a column; the whole key stands above the table.
 const HEAD: usize = 12;
 
-/// The points, a line each, and the verdict on all of them. Where a terminal is too narrow for every column, the
+/// Columns of results that follow from the integral alone.
+const OF_INTEGRAL: [usize; 2] = [1, 4];
+
+/// The points, a line each, and the verdict on all of them where they have replicas. Where a terminal is too narrow for every column, the
 /// integral is left out; where that does not do, points have numbers and not values.
-fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
+fn table(sweep: &Sweep, rows: &[SweepPoint], has_replicas: bool) -> String {
     let (values, numbers, mut results) = (values(sweep), [numbers(rows.len())], results(rows));
+    if !has_replicas {
+        results = results
+            .into_iter()
+            .enumerate()
+            .filter(|(i, _)| OF_INTEGRAL.contains(i))
+            .map(|(_, own)| own)
+            .collect();
+    }
     let mut shown = aligned(&values, &results);
-    if is_wide(&shown) {
+    if is_wide(&shown) && has_replicas {
         results.remove(1);
         shown = aligned(&values, &results);
     }
     if is_wide(&shown) {
         shown = aligned(&numbers, &results);
+    }
+    if !has_replicas {
+        return shown + "\n";
     }
     shown + "\n" + &agreeing(rows) + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
 }

@@ -20,12 +20,12 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     let checked = check(path)?;
     let content = match &checked.content {
         Content::Run { cross_check, ways } => table(cross_check, *ways),
+        Content::Integral => "the integral alone, no replicas\n".to_owned(),
         Content::Sweep { keys, points } => swept(keys, points),
         Content::Comparison { laws, p_values } => {
             let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();
             format!("laws {}\n", names.join(", ")) + &together(p_values)
         }
-        Content::FiniteSize { p_values } => format!("{} sizes\n", p_values.len()) + &together(p_values),
         Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
         Content::Shard(replicas) => format!("a shard of {replicas} replicas\n"),
     };

@@ -54,7 +54,7 @@ impl Plan {
 
 /// The regimes of a scene under its law.
 fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
-    let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
+    let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas.max(1) as f64);
     let mut lower = f64::NEG_INFINITY;
     let mut plans = Vec::new();
     for (i, &regime) in law.regimes().iter().enumerate() {

@@ -2,7 +2,6 @@
 
 use super::Error;
 use super::checkpoint::OverwritePolicy;
-use super::finite_size::{FiniteSize, compare_sizes, sweep_of_sizes};
 use super::points::Points;
 use super::prepared::{Session, thread_pool};
 use super::stacked::{SweepPoint, run_sweep};
@@ -40,36 +39,6 @@ pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<Sw
     let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
     let points = points(&sweep, source, &session, &lock);
     run_sweep(&points)?.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
-}
-
-/// Compares patches of several numbers of asperities, rising, with the integral, into one file, on all cores.
-/// What an interrupted comparison into the same file has kept is gone on with.
-///
-/// # Errors
-/// [`Error::NotFor`] for a loop, a scene whose ensemble ends at a target, and one surface of one size;
-/// [`Error::IsSweep`]; [`Error::Output`] when the file exists; as [`run`](fn@super::run).
-///
-/// # Examples
-/// ```no_run
-/// let study = stiction::finite_size("configs/case_ii.toml", &[10, 100, 1000], "sizes.h5")?;
-/// for size in &study.sizes {
-///     println!("{:6} {:+.2} %", size.count, 100.0 * size.bias[0]);
-/// }
-/// # Ok::<(), stiction::Error>(())
-/// ```
-pub fn finite_size(
-    scene: impl AsRef<Path>,
-    counts: &[u64],
-    output: impl AsRef<Path>,
-) -> Result<FiniteSize, Error> {
-    let (source, output) = (scene.as_ref(), output.as_ref());
-    let scene = Scene::from_toml_file(source)?;
-    let sweep = sweep_of_sizes(&scene, counts).map_err(|error| error.in_scene(source))?;
-    let session = session(0)?;
-    let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
-    let points = points(&sweep, source, &session, &lock);
-    let study = compare_sizes(&points, &scene, counts).map_err(|error| error.in_scene(source))?;
-    study.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
 }
 
 /// A session on so many threads, or one for each core with 0, that nobody watches.

@@ -9,7 +9,6 @@ pub(crate) mod coupling;
 mod datasets;
 mod error;
 pub(crate) mod files;
-pub(crate) mod finite_size;
 mod host;
 pub(crate) mod independence;
 pub(crate) mod integral;
@@ -31,8 +30,7 @@ pub(crate) mod stacked;
 
 pub use compare::{ComparedLaw, Comparison, Mean};
 pub use error::Error;
-pub use files::{finite_size, sweep};
-pub use finite_size::{FiniteSize, PatchSize};
+pub use files::sweep;
 pub(crate) use host::Host;
 pub use integral::{Integral, PathIntegral};
 pub use observer::Observer;

@@ -19,6 +19,7 @@ use crate::output::partial::Functionals;
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
+use crate::validation::{Basis, Cumulants};
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -266,12 +267,19 @@ impl PreparedRun {
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-        let mean_fields = session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral));
+        let has_replicas = scene.replicas > 0;
+        let mean_fields = match has_replicas {
+            true => session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral)),
+            false => Vec::new(),
+        };
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main, retraction, reapproach } = integral;
         let PathIntegral { expectations, features: of_integral, .. } = main;
         let (of_mean, retraction) = session.pool.install(|| {
-            let of_mean = mean_features(&scene, law.view(), &ensemble, &expectations);
+            let of_mean = match has_replicas {
+                true => mean_features(&scene, law.view(), &ensemble, &expectations),
+                false => of_integral,
+            };
             (
                 of_mean,
                 cycle
@@ -314,6 +322,10 @@ impl PreparedRun {
 
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> Functionals {
+    if scene.replicas == 0 {
+        let basis = Basis { probes: Vec::new(), cumulants: Cumulants::default(), tested: Default::default() };
+        return Functionals { basis, controls: Vec::new(), fewest_replicas: 0 };
+    }
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
     // Of a loop the way on which the surfaces are pulled off.
@@ -334,7 +346,7 @@ pub(crate) fn write(
 ) -> Result<bool, OutputError> {
     let mut writer = Writer::create(&RUN, task.lock, task.policy.force)?;
     write_head(&mut writer, results)?;
-    if results.scene.curves {
+    if results.scene.curves && results.scene.replicas > 0 {
         write_curves(&writer, results, records, stop)?;
     }
     if stop.load(Ordering::Relaxed) {

@@ -41,6 +41,10 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     }
     let separation = |&place: &usize| scene.separations[place % scene.separations.len()];
     writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>());
+    if scene.replicas == 0 {
+        return Ok(());
+    }
+    writer.group("ensemble")?;
     writer.scale_in("/ensemble", Dimension::Control)
 }
 
@@ -141,6 +145,7 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
     writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
     writer.number("/", "asperity_radius", scene.surface.asperity_radius)?;
+    writer.number("/", "asperity_density", scene.surface.asperity_density)?;
     writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;
     writer.text("/", "heights", &scene.surface.heights.law.about())?;
     writer.text("/", "radii", &scene.surface.radii.about())?;

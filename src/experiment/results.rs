@@ -31,7 +31,8 @@ pub(crate) struct Results {
     pub controls: Vec<usize>,
     /// Means of the scalars of the replicas, in the order of [`crate::engine::scalars`].
     pub scalars: Vec<ControlledMean>,
-    /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
+    /// Pull-off and stiffest point of the mean curve of the external force, without replicas of the integral's, and of the
+    /// integral's.
     pub of_mean: Features,
     pub of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
@@ -89,7 +90,10 @@ impl RetractionResults {
         let model = RetractionModel::new(cycle, &scene.surface, separations[0]).knowing(forces);
         let force = |h: f64| model.external_force(h);
         let mean = &ensemble.curves[q].mean()[separations.len()..2 * separations.len()];
-        let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
+        let of_mean = match ensemble.replicas.is_empty() {
+            true => of_integral,
+            false => near_features(force, scene, mean, &expectations.expected[q]),
+        };
         let by_radius = by_radius(scene, cycle, &of_integral);
         Self { expectations, of_mean, of_integral, by_radius }
     }

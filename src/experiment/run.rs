@@ -121,9 +121,13 @@ impl<'a> Builder<'a> {
     /// Runs the scene.
     ///
     /// # Errors
-    /// As [`run`], and [`Error::Interrupted`].
+    /// As [`run`], [`Error::NotFor`] for a scene of the integral alone, and [`Error::Interrupted`].
     pub fn run(self) -> Result<RunResult, Error> {
         let scene = self.scene;
+        if scene.replicas == 0 {
+            let problem = "replicas = 0 asks for the integral alone, which `integrate` computes";
+            return Err(Error::NotFor(problem.to_owned()));
+        }
         self.with_session(|session, phases| {
             let run = PreparedRun::new(scene.clone(), SceneLaws::new(scene)?, None, session, phases);
             let setup = run.sampling();

@@ -71,11 +71,11 @@ impl Sampling<'_> {
     pub fn summation(&self, pool: &rayon::ThreadPool) -> Summation {
         match self.scene.sum_tolerance {
             // On replicas that are in the result wherever it ends.
-            Some(tolerance) => {
+            Some(tolerance) if self.scene.replicas > 0 => {
                 let job = Job { replicas: self.scene.fewest_replicas(), ..self.job() };
                 pool.install(|| Summation::by_moments(&job, tolerance))
             }
-            None => Summation::direct(),
+            _ => Summation::direct(),
         }
     }
 

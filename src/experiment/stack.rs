@@ -114,6 +114,12 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
     if group.link_exists(variable.name()) { group.dataset(variable.name()).ok() } else { None }
 }
 
+/// Where the scale of a dimension is read: its copy in the first group of the file that has it.
+fn coordinate(file: &File, dimension: Dimension) -> &'static str {
+    let name = dimension.name();
+    RUN.coordinates(name).find(|path| file.link_exists(path)).unwrap_or_else(|| RUN.coordinate(name))
+}
+
 /// Values that the points have in common along each dimension, in the order of the layout; none when told not
 /// to go on.
 fn scales(points: &PointFiles<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
@@ -125,7 +131,7 @@ fn scales(points: &PointFiles<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, Ou
         let file = opened(path)?;
         for variable in RUN.variables.iter() {
             let Some(dimension) = variable.scales() else { continue };
-            let is_read = RUN.coordinate(dimension.name()) == variable.path;
+            let is_read = coordinate(&file, dimension) == variable.path;
             let Some(dataset) = found(&file, variable).filter(|_| is_read) else { continue };
             let own = match dataset.dtype()?.to_descriptor()? {
                 TypeDescriptor::VarLenUnicode => Scale::Names(names(&dataset)?),
@@ -201,7 +207,7 @@ fn indices(
     file: &File,
     dimension: Dimension,
 ) -> Result<Vec<usize>, OutputError> {
-    let own = file.dataset(RUN.coordinate(dimension.name()))?;
+    let own = file.dataset(coordinate(file, dimension))?;
     match scales.iter().find(|(known, _)| *known == dimension) {
         // Targets may have one name.
         Some((_, Scale::Names(all))) if names(&own)? == *all => Ok((0..all.len()).collect()),

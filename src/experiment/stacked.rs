@@ -124,7 +124,8 @@ fn assembled(
     if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
     }
-    let first = files[0].as_deref().map(Compared::read).transpose()?;
+    let has_replicas = scene.replicas > 0;
+    let first = files[0].as_deref().filter(|_| has_replicas).map(Compared::read).transpose()?;
     let (mut rows, mut warned) = (Vec::with_capacity(files.len()), Vec::new());
     for (point, file) in files.iter().enumerate() {
         if !goes_on() {
@@ -133,20 +134,30 @@ fn assembled(
         rows.push(match file {
             Some(file) => {
                 warn(&mut warned, point, file)?;
-                compared(file, first.as_ref(), scene, sweep.common_random_numbers)?
+                match has_replicas {
+                    true => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
+                    false => of_integral(file)?,
+                }
             }
             None => SweepPoint::ABSENT,
         });
     }
-    write_differences(&writer, &rows)?;
     writer.text("/", "warnings", &joined(sweep, &warned))?;
+    if has_replicas {
+        write_comparison(&writer, &rows)?;
+    }
+    writer.finish()?;
+    Ok(Some(rows))
+}
+
+/// Writes the differences of the points to the first, and the verdict on all of them.
+fn write_comparison(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {
+    write_differences(writer, rows)?;
     let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
     writer.number("/ensemble", "interval_level", LEVEL)?;
     writer.number("/validation", "significance", SIGNIFICANCE)?;
     writer.text("/validation", "correction", "Holm")?;
-    writer.text("/validation", "overall_verdict", overall(&p_values).name())?;
-    writer.finish()?;
-    Ok(Some(rows))
+    writer.text("/validation", "overall_verdict", overall(&p_values).name())
 }
 
 /// Findings of the points, and the points that have them.
@@ -254,6 +265,16 @@ impl Compared {
     }
 }
 
+/// The row of a point of the integral alone.
+fn of_integral(file: &Path) -> Result<SweepPoint, OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    Ok(SweepPoint {
+        integral: reader.number("/integral", "pull_off_force")?,
+        independence: Some(read_independence(&reader)?),
+        ..SweepPoint::ABSENT
+    })
+}
+
 /// The row of a point, beside the replicas of the first. Only where all replicas of both are there they
 /// are compared; with targets, which end each point by itself, those that both have.
 fn compared(
@@ -262,8 +283,8 @@ fn compared(
     scene: &Scene,
     common: bool,
 ) -> Result<SweepPoint, OutputError> {
-    let reader = Reader::open(file, &[&RUN])?;
     let own = Compared::read(file)?;
+    let reader = Reader::open(file, &[&RUN])?;
     let group = scene.sampling.group() as usize;
     let are_whole = |point: &Compared| scene.stopping.is_some() || point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
@@ -271,10 +292,9 @@ fn compared(
     Ok(SweepPoint {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
         most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
-        integral: reader.number("/integral", "pull_off_force")?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
-        independence: Some(read_independence(&reader)?),
+        ..of_integral(file)?
     })
 }
 

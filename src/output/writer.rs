@@ -265,6 +265,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn point_dataset<T: H5Type>(&self, path: &str, curves: bool) -> Result<(), OutputError> {
+        self.require_group(path)?;
         let (points, own) = (self.point_shape(), self.shape_of_point(path));
         let shape = [points.as_slice(), &own].concat();
         let dataset = if curves {
@@ -324,6 +325,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn point_texts(&self, path: &str, texts: &[String]) -> Result<(), OutputError> {
+        self.require_group(path)?;
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
         dataset.write_raw(&unicode(&texts))?;

@@ -8,7 +8,7 @@
 //! "surface.lubricant_thickness" = ["0 nm", "0.5 nm", "1 nm"]
 //! ```
 
-use super::axes::{Axis, SweepTable, Sweepable};
+use super::axes::{Axis, SweepTable};
 use super::choices::Mode;
 use super::definition::Scene;
 use super::error::SceneError;
@@ -17,7 +17,7 @@ use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::place;
 use std::sync::Arc;
-use toml_edit::{DocumentMut, Item, value};
+use toml_edit::{DocumentMut, Item};
 
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
@@ -46,38 +46,6 @@ impl Sweep {
             axes,
             text: text.to_owned(),
             template: template(text)?,
-            files,
-        })
-    }
-
-    /// The sweep of one key of a scene that has none, with texts put in the place of some of its keys.
-    ///
-    /// # Errors
-    /// [`SceneError`] when the text is no TOML.
-    ///
-    /// # Panics
-    /// When the key cannot be swept, or has no values.
-    #[doc(hidden)]
-    pub fn along(
-        text: &str,
-        name: &str,
-        values: Vec<f64>,
-        texts: &[(&str, &str)],
-        files: Arc<dyn Files>,
-    ) -> Result<Self, SceneError> {
-        let key = Sweepable::named(name).expect("a key that can be swept");
-        assert!(!values.is_empty(), "a sweep has points");
-        let mut template = template(text)?;
-        for (name, text) in texts {
-            put(&mut template, name, value(*text))?;
-        }
-        let axes = vec![Axis { key, values }];
-        Ok(Self {
-            mode: Mode::Grid,
-            common_random_numbers: true,
-            axes,
-            text: text.to_owned(),
-            template,
             files,
         })
     }
@@ -196,16 +164,6 @@ fn split_mix(state: u64, index: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The text of a scene without its sweep and a table.
-///
-/// # Errors
-/// [`SceneError`] when it cannot be taken apart.
-pub fn without(text: &str, table: &str) -> Result<String, SceneError> {
-    let mut scene = template(text)?;
-    scene.remove(table);
-    Ok(scene.to_string())
-}
-
 /// A scene without its sweep.
 fn template(text: &str) -> Result<DocumentMut, SceneError> {
     let mut template: DocumentMut =
@@ -223,7 +181,7 @@ fn put(scene: &mut DocumentMut, name: &str, value: Item) -> Result<(), SceneErro
 
 #[cfg(test)]
 mod tests {
-    use super::super::axes::SWEEPABLE;
+    use super::super::axes::{SWEEPABLE, Sweepable};
     use super::super::background::FORCES;
     use super::super::units::Dimension;
     use super::*;
@@ -324,10 +282,15 @@ mod tests {
                 Some(Dimension::Temperature) => 300.0,
                 Some(Dimension::MolarVolume) => 1.25e-5,
             };
-            let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles))
-                .unwrap()
-                .scene(0)
-                .unwrap();
+            let sweep = Sweep {
+                mode: Mode::Grid,
+                common_random_numbers: true,
+                axes: vec![Axis { key, values: vec![number] }],
+                text: scene.clone(),
+                template: template(&scene).unwrap(),
+                files: Arc::new(NoFiles),
+            };
+            let swept = sweep.scene(0).unwrap();
             let numbers = |scene: &Scene| {
                 format!(
                     "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?}",

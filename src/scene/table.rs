@@ -475,9 +475,11 @@ static FIRST: &[Key] = &[
         )
         .follows("`equilibrium_spacing`"),
     key("ensemble", "{ replicas = 200 }", Table).what("how many surfaces are drawn, and how"),
-    key("ensemble.replicas", "200", Whole(*REPLICAS.start(), *REPLICAS.end()))
+    key("ensemble.replicas", "200", Whole(0, *REPLICAS.end()))
         .what("number of surfaces")
-        .about("Each is drawn anew. The standard error of a mean falls as 1/√ of it.")
+        .about(
+            "Each is drawn anew. The standard error of a mean falls as 1/√ of it. With 0 the integral alone is computed.",
+        )
         .excludes(&["ensemble.target"]),
     key(
         "ensemble.target",

@@ -129,6 +129,8 @@ pub struct Surface {
     pub count_law: CountLaw,
     /// Whether every replica is the given sample of asperities itself, so that nothing is left to chance.
     pub whole: bool,
+    /// Asperities per area η, 1/m².
+    pub asperity_density: f64,
     /// Nominal area A_n, m².
     pub nominal_area: f64,
     /// The attraction between its mean plane and that of the other surface, if there is one.
@@ -251,6 +253,7 @@ impl Surface {
             asperity_count: count as usize,
             count_law: CountLaw::Fixed,
             whole: false,
+            asperity_density: roughness.asperity_density,
             nominal_area: roughness.nominal_area,
             background: None,
             spread: Spreads::default(),
@@ -269,6 +272,7 @@ impl Surface {
             asperity_count,
             count_law: CountLaw::Fixed,
             whole: false,
+            asperity_density: asperity_count as f64 / nominal_area,
             nominal_area,
             background: None,
             spread: Spreads::default(),

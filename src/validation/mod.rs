@@ -10,7 +10,6 @@
 //! All of it may change with any version.
 
 mod basis;
-pub mod finite_size;
 mod grid;
 mod joint;
 mod null;

@@ -436,7 +436,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "law = \"jg\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"",
         &["line 22", "\"secant\" leaves tops with radii of their own"],
     ),
-    ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
+    ("replicas = 200", "replicas = -1", &["`ensemble.replicas = -1`", "from 0 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     (
         "replicas = 200",

@@ -365,8 +365,7 @@ fn measured_places_say_what_they_allow() {
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
 }
 
-/// A sweep with and without coupling over two sizes has the bits of each by itself, fits together, and its names are
-/// told; patches of several sizes are coupled too, on a lattice where their numbers fit one.
+/// A sweep with and without coupling over two sizes has the bits of each by itself, and the names of the couplings.
 #[test]
 fn sweeps_switch_coupling_on_and_off() {
     let sweep = "\n[sweep]\nsubstrate.coupling = [\"none\", \"patch\"]\n\
@@ -401,22 +400,4 @@ fn sweeps_switch_coupling_on_and_off() {
         }
         assert_eq!(own.iter().any(|(name, _)| name.starts_with("/asperities/")), coupling == "patch");
     }
-    let sizes =
-        |folder: &Folder, counts: &str| folder.stiction(&["finite-size", "scene.toml", "--counts", counts]);
-    std::fs::write(
-        folder.path("scene.toml"),
-        scene("\n[substrate]\ncoupling = \"patch\"\npositions = \"square\"\n"),
-    )
-    .unwrap();
-    let refused = sizes(&folder, "4,20");
-    assert_exit(&refused, 2);
-    assert!(
-        text(&refused.stderr).contains("20 asperities form no such lattice"),
-        "{}",
-        text(&refused.stderr)
-    );
-    let run = sizes(&folder, "4,9");
-    assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("patch, which the integral leaves out"), "{}", text(&run.stdout));
-    assert_exit(&folder.stiction(&["validate", "scene_finite_size.h5"]), 0);
 }

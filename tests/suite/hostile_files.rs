@@ -333,14 +333,13 @@ fn a_changed_bit_is_found() {
     let sweep = curves + "\n[sweep]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]\n";
     std::fs::write(folder.path("sweep.toml"), sweep).unwrap();
     let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
-    let commands: [&[&str]; 4] = [
+    let commands: [&[&str]; 3] = [
         &["run", "sweep.toml", "-o", "sweep.h5"],
         &["compare", "scene.toml", "--laws", "hybrid,gw", "--ensemble", "-o", "laws.h5"],
-        &["finite-size", "scene.toml", "--counts", "7,70", "-o", "sizes.h5"],
         &["asperities", map, "-o", "map.h5"],
     ];
     commands.iter().for_each(|command| assert_exit(&folder.stiction(command), 0));
-    for name in ["scene.h5", "sweep.h5", "laws.h5", "sizes.h5", "map.h5"] {
+    for name in ["scene.h5", "sweep.h5", "laws.h5", "map.h5"] {
         let whole = std::fs::read(folder.path(name)).unwrap();
         assert_exit(&folder.stiction(&["validate", name]), 0);
         let all = guarded(&unlocked::open(folder.path(name)));

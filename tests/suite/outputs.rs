@@ -76,7 +76,7 @@ fn an_output_is_never_an_input() {
     let here = folder.path(".").canonicalize().unwrap();
     let absolute = here.join("polished.h5").display().to_string();
     let before = contents(&folder);
-    let cases: [(&str, &[&str]); 9] = [
+    let cases: [(&str, &[&str]); 8] = [
         (
             "run scene.toml",
             &["polished.h5", "./sub/../polished.h5", &absolute, "a.link", "a.hard", "c.link", "c.hard"],
@@ -86,7 +86,6 @@ fn an_output_is_never_an_input() {
         ("run heights.toml --shard 1/2", &["heights.csv", "b.link"]),
         ("compare scene.toml --laws emd,hybrid", &["polished.h5", "a.link", "a.hard", "scene.toml"]),
         ("compare scene.toml --laws emd,hybrid --ensemble", &["polished.h5", "a.hard"]),
-        ("finite-size scene.toml --counts 10,20 --replicas 4", &["polished.h5", "a.hard"]),
         (
             "merge shard1.h5 shard2.h5",
             &["shard1.h5", "shard2.h5", "d.link", "d.hard", "heights.csv", "heights.toml"],
@@ -238,7 +237,6 @@ fn names_that_cannot_be_written_are_refused_at_once() {
             "run swept.toml",
             "run scene.toml --shard 1/2",
             "compare scene.toml --laws emd --ensemble",
-            "finite-size scene.toml",
             "asperities map.txt",
         ] {
             let refused = Command::new(env!("CARGO_BIN_EXE_stiction"))

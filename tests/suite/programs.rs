@@ -115,7 +115,6 @@ fn a_scene_from_standard_input_is_that_of_a_file() {
 
     for (arguments, input, message) in [
         (&["run", "-"][..], &small()[..], "standard input has no name for its result; name one with -o"),
-        (&["finite-size", "-"], &small(), "name one with -o"),
         (&["run", "-", "-o", "x.h5"], "format = ", "standard input: line 1: not TOML"),
         (&["run", "-", "-o", "x.h5"], "", "standard input: "),
     ] {
@@ -151,14 +150,13 @@ fn bad_settings_are_named() {
         ),
         (
             "ensemble.replicas=none",
-            "--set ensemble.replicas=none: `ensemble.replicas = \"none\"`: a whole number from 1",
+            "--set ensemble.replicas=none: `ensemble.replicas = \"none\"`: a whole number from 0",
         ),
         ("sweep.model.law=[]", "--set sweep.model.law=[]: "),
     ];
     for (setting, message) in cases {
-        for command in [&["run", "scene.toml"][..], &["check", "scene.toml"], &["finite-size", "scene.toml"]]
-        {
-            let refused = folder.stiction(&[command, &["--set", setting]].concat());
+        for command in [&["run", "scene.toml"], &["check", "scene.toml"]] {
+            let refused = folder.stiction(&[&command[..], &["--set", setting]].concat());
             assert_exit(&refused, 2);
             assert!(text(&refused.stderr).contains(message), "{setting}: {}", text(&refused.stderr));
         }
@@ -475,11 +473,6 @@ fn results() -> (Folder, Vec<(String, &'static str)>) {
         (&["run", "grid.toml", "-o", "grid.h5"], "grid", "point"),
         (&["run", "zip.toml", "-o", "zip.h5"], "zip", "point"),
         (&["compare", "scene.toml", "--laws", "hybrid,jkr", "-o", "laws.h5"], "laws", "law"),
-        (
-            &["finite-size", "scene.toml", "--counts", "10,20", "--replicas", "8", "-o", "sizes.h5"],
-            "sizes",
-            "asperity_count",
-        ),
         (&["asperities", map, "-o", "map.h5"], "map", "asperity"),
     ];
     let mut made = Vec::new();

@@ -578,7 +578,7 @@ fn what_cannot_be_swept_is_refused_with_what_would_do() {
 fn nothing_is_written_of_a_sweep_that_is_refused() {
     let scene = swept("material.work_of_adhesion = [\"0.09 J/m^2\", \"0.1 J/m^2\"]");
     let folder = Folder::new(&scene);
-    for arguments in [&["--replicas", "0"][..], &["-o", "scene.toml"], &["-o", "nowhere/out.h5"]] {
+    for arguments in [&["--replicas", "-1"][..], &["-o", "scene.toml"], &["-o", "nowhere/out.h5"]] {
         assert_exit(&folder.stiction(&[&["run", "scene.toml"], arguments].concat()), 2);
         assert_eq!(folder.files(), ["scene.toml"]);
     }

@@ -23,11 +23,11 @@ from .others import (
     standard_errors,
 )
 from .pages import page, panels
-from .run import attraction, deviation, force, pull_off, regimes
+from .run import attraction, deviation, force, integral, pull_off, regimes
 from .sweep import sweep
 
 __all__ = [
     "asperities", "attraction", "avalanches", "bias", "comparison", "contacts", "convergence", "coupling", "coupling_difference", "curvatures",
-    "density_over_cutoff", "deviation", "energy", "force", "heights", "law_deviation", "page", "panels", "preloads", "pull_off",
+    "density_over_cutoff", "deviation", "energy", "force", "heights", "integral", "law_deviation", "page", "panels", "preloads", "pull_off",
     "radius_over_cutoff", "regimes", "relation", "scatter", "scatter_over_cutoff", "sizes", "snaps", "standard_errors", "sweep",
 ]  # fmt: skip

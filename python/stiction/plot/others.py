@@ -6,12 +6,13 @@ import math
 from typing import Any
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from .. import quantities
 from ..errors import FileError
-from ..results import Asperities, Comparison, FiniteSize, Run
+from ..results import Asperities, Comparison, Run
 from .run import histogram, values
 from .style import (
     BLUE,
@@ -120,23 +121,24 @@ _COUNT = "asperities of a patch"
 
 
 @dressed
-def sizes(result: FiniteSize, ax: Axes | None = None) -> Axes:
+def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Pull-off force of single patches over that of the integral, by the number of asperities of a patch.
 
     Parameters
     ----------
-    result : FiniteSize
+    study : xarray.Dataset
+        What `stiction.finite_size.study` says of a sweep.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    n, quantile = values(result, "asperity_count"), values(result, "pull_off_quantiles")
+    n, quantile = values(study, "asperity_count"), values(study, "pull_off_quantiles")
     handles: list[Any] = []
     for (low, high), alpha in zip([(0, 6), (1, 5), (2, 4)], [0.12, 0.18, 0.25], strict=True):
         shade = ax.fill_between(n, quantile[:, low], quantile[:, high], color=BLUE, alpha=alpha, linewidth=0)
         shade.set_label(f"{(98, 90, 50)[low]} % of patches")
         handles.append(shade)
     handles += ax.plot(n, quantile[:, 3], color=BLUE, label="median")
-    handles += ax.plot(n, 1.0 + values(result, "bias"), "o", color="black", label="mean")
+    handles += ax.plot(n, 1.0 + values(study, "bias"), "o", color="black", label="mean")
     handles.append(ax.axhline(1.0, color=VERMILION, linestyle=DASH_DOT, label="integral"))
     ax.set(xscale="log", xlabel=_COUNT, ylabel="pull-off force over the integral's")
     if quantile.max() > 4.0 * max(float(quantile.min()), 0.01):
@@ -148,17 +150,18 @@ def sizes(result: FiniteSize, ax: Axes | None = None) -> Axes:
 
 
 @dressed
-def bias(result: FiniteSize, ax: Axes | None = None) -> Axes:
+def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """By how much the mean pull-off of patches is above the integral's, with the law that is fitted to it.
 
     Parameters
     ----------
-    result : FiniteSize
+    study : xarray.Dataset
+        What `stiction.finite_size.study` says of a sweep.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    n, of, error = (values(result, name) for name in ("asperity_count", "bias", "bias_standard_error"))
-    fitted = values(result, "is_fitted") == 1
+    n, of, error = (values(study, name) for name in ("asperity_count", "bias", "bias_standard_error"))
+    fitted = values(study, "is_fitted") == 1
     handles: list[Any] = []
     for use, face, words in ((fitted, BLUE, "fitted"), (~fitted, "white", "not fitted")):
         use = use & (of > 0.0)
@@ -169,15 +172,15 @@ def bias(result: FiniteSize, ax: Axes | None = None) -> Axes:
                 ax.errorbar(n[use], 100.0 * of[use], 100.0 * np.vstack([below, error[use]]), color=BLUE, marker="o",
                             markerfacecolor=face, linewidth=0, elinewidth=1.0, label=f"mean ± standard error, {words}")
             )  # fmt: skip
-    if "fit_exponent" in result.attrs:
-        c, a = float(result.attrs["fit_coefficient"]), float(result.attrs["fit_exponent"])
-        furthest = np.nanmax([n[-1], *values(result, "count_at_accuracy")])
+    if "fit_exponent" in study.attrs:
+        c, a = float(study.attrs["fit_coefficient"]), float(study.attrs["fit_exponent"])
+        furthest = np.nanmax([n[-1], *values(study, "count_at_accuracy")])
         x = np.geomspace(n[fitted][0] / 2.0, furthest * 1.5, 50)
-        error_a = float(result.attrs["fit_exponent_standard_error"])
+        error_a = float(study.attrs["fit_exponent_standard_error"])
         words = f"{float(f'{c:.3g}'):g} $N^{{-{a:.3f}}}$, exponent ± {error_a:.1g}"
         handles += ax.plot(x, 100.0 * c * x**-a, color=VERMILION, linestyle=DASHED, label=words)
-    sources = values(result, "count_at_accuracy_source")
-    counts, accuracies = values(result, "count_at_accuracy"), values(result, "accuracy")
+    sources = values(study, "count_at_accuracy_source")
+    counts, accuracies = values(study, "count_at_accuracy"), values(study, "accuracy")
     for accuracy, count, source in zip(accuracies, counts, sources, strict=True):
         ax.axhline(100.0 * accuracy, color="0.8", linewidth=0.5, zorder=0)
         if math.isfinite(count):
@@ -198,17 +201,18 @@ def bias(result: FiniteSize, ax: Axes | None = None) -> Axes:
 
 
 @dressed
-def scatter(result: FiniteSize, ax: Axes | None = None) -> Axes:
+def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Scatter of the pull-off force from patch to patch, by the number of asperities of a patch.
 
     Parameters
     ----------
-    result : FiniteSize
+    study : xarray.Dataset
+        What `stiction.finite_size.study` says of a sweep.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    n, of = values(result, "asperity_count"), 100.0 * values(result, "relative_std")
-    error = of / math.sqrt(2.0 * max(int(result.attrs["replicas"]) - 1, 1))
+    n, of = values(study, "asperity_count"), 100.0 * values(study, "relative_std")
+    error = of / math.sqrt(2.0 * max(int(study.attrs["replicas"]) - 1, 1))
     handles: list[Any] = [
         ax.errorbar(
             n,

@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import FileError
+from ..finite_size import is_study, study
 from ..results import Result, Run, Sweep
 from . import coupled, loop, others, run
 from .style import VERMILION, dressed, inches, plain
-from .sweep import QUANTITIES, sweep
+from .sweep import QUANTITIES, quantities_of, sweep
 
 __all__ = ["page", "panels"]
 
@@ -26,7 +27,6 @@ _NARROW = 4.8
 _ROW = 2.55
 _PANELS: dict[str, dict[str, Panel]] = {
     "comparison": {"comparison": others.comparison, "law_deviation": others.law_deviation},
-    "finite_size": {"sizes": others.sizes, "bias": others.bias, "scatter": others.scatter},
     "asperities": {
         "asperities": others.asperities,
         "heights": others.heights,
@@ -35,6 +35,8 @@ _PANELS: dict[str, dict[str, Panel]] = {
     },
 }
 
+# Of sweeps over the nominal area.
+_OF_STUDIES = {"sizes": others.sizes, "bias": others.bias, "scatter": others.scatter}
 _OVER_CUTOFF: dict[str, Panel] = {
     "density_over_cutoff": others.density_over_cutoff,
     "radius_over_cutoff": others.radius_over_cutoff,
@@ -47,12 +49,16 @@ def panels(result: Result) -> dict[str, Panel]:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    result : Run, Sweep, Comparison or Asperities
     """
     if isinstance(result, Sweep):
-        return {name: partial(sweep, quantity=name) for name in QUANTITIES}
+        of_sweep: dict[str, Panel] = {name: partial(sweep, quantity=name) for name in quantities_of(result)}
+        of_studies = {name: partial(_of_study, figure) for name, figure in _OF_STUDIES.items()}
+        return of_studies | of_sweep if is_study(result) else of_sweep
     if not isinstance(result, Run):
         return _PANELS[result.kind] | (_OVER_CUTOFF if result.kind == "asperities" and "cutoffs" in result else {})
+    if not result.has_replicas:
+        return {"integral": run.integral}
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
     if "background" in result:
         drawn["attraction"] = run.attraction
@@ -81,6 +87,16 @@ def panels(result: Result) -> dict[str, Panel]:
     return drawn
 
 
+def _of_study(figure: Panel, result: Sweep, ax: Axes | None = None) -> Axes:
+    """A figure of what a sweep says of patches of several sizes."""
+    return figure(study(result), ax)
+
+
+def _by_default(known: dict[str, Panel], options: dict[str, Any]) -> list[str]:
+    """The figures of a page: of patches of several sizes theirs, unless options of sweeps are given."""
+    return list(_OF_STUDIES) if _OF_STUDIES.keys() <= known.keys() and not options else [name for name in known if name not in _OF_STUDIES]
+
+
 @dressed
 def page(
     result: Result,
@@ -94,7 +110,7 @@ def page(
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    result : Run, Sweep, Comparison or Asperities
     width : str or float, optional
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.
@@ -115,7 +131,7 @@ def page(
         There is no such figure for this kind of result.
     """
     known = panels(result)
-    names = list(known) if what is None else [what] if isinstance(what, str) else list(what)
+    names = _by_default(known, options) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
         if name not in known:
             raise FileError(f"{name}: no figure of this result; it has {', '.join(known)}")
@@ -129,10 +145,9 @@ def page(
         # The last of an odd number has the row to itself.
         alone = columns == 2 and len(names) % 2 == 1 and index == len(names) - 1
         place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
-        if isinstance(result, Sweep):
-            # The legend of the first holds for all.
-            options["names"] = index == 0
-        ax = known[name](result, figure.add_subplot(place), **options)
+        # The legend of the first curves of a sweep holds for all.
+        of_sweep = {"names": index == 0} if isinstance(result, Sweep) and name in QUANTITIES else {}
+        ax = known[name](result, figure.add_subplot(place), **options, **of_sweep)
         if len(names) > 1:
             ax.annotate(f"({'abcdefghijkl'[index]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3),
                         textcoords="offset points", ha="right", va="bottom", annotation_clip=False)  # fmt: skip

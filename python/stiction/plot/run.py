@@ -30,7 +30,7 @@ from .style import (
     scaled,
 )
 
-__all__ = ["attraction", "deviation", "force", "histogram", "pull_off", "regimes"]
+__all__ = ["attraction", "deviation", "force", "histogram", "integral", "pull_off", "regimes"]
 
 # Way, what its datasets begin with, colour and line.
 WAYS = (
@@ -139,6 +139,31 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")
         handles += marker
     handles += _snaps(run, ax, x, means, unit)
+    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+    if lowest < 0.0:
+        ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)
+    ax.set(xlabel=H_STAR, ylabel=label("external force", sign))
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def integral(run: Run, ax: Axes | None = None) -> Axes:
+    """External force of the integral over the separation, on all ways.
+
+    Parameters
+    ----------
+    run : Run
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    curves = [(way, values(run, f"integral/{prefix}external_force"), color, line) for way, prefix, color, line in ways(run)]
+    lowest, highest = (float(of([of(force) for _, force, _, _ in curves])) for of in (np.nanmin, np.nanmax))
+    depth = -lowest if lowest < 0.0 else highest
+    unit, sign = scaled("N", depth)
+    handles: list[Any] = []
+    for way, force, color, line in curves:
+        handles += ax.plot(values(run, "integral/h_star"), force / unit, color=color, linestyle=line, label=f"integral, {way}")
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)

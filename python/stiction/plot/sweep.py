@@ -41,10 +41,20 @@ QUANTITIES: dict[str, tuple[str, str, str | None]] = {
 _MOST = len(COLORS)
 
 
+def quantities_of(result: Sweep) -> list[str]:
+    """The quantities of a sweep; of integrals alone those that they have."""
+    return [name for name, (_, _, of_integral) in QUANTITIES.items() if result.has_replicas or of_integral]
+
+
 def of_points(
     result: Sweep, quantity: str
 ) -> tuple[xarray.DataArray, xarray.DataArray, xarray.DataArray | None]:
-    """Mean, standard error and integral of a quantity at all points."""
+    """Mean, standard error and integral of a quantity at all points; without replicas the integral in the place of the mean."""
+    if not result.has_replicas:
+        integral = result[f"integral/{QUANTITIES[quantity][2]}"]
+        if quantity.endswith("separation"):
+            integral = integral / result["surface_height_std"]
+        return integral, xarray.full_like(integral, np.nan), None
     name = (
         "pull_off_force" if quantity.startswith("pull_off_e") or quantity == "pull_off_scatter" else quantity
     )

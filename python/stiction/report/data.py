@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
+from ..finite_size import study
 from ..plot.run import WAYS
 from ..plot.sweep import QUANTITIES, of_points
 from ..results import Result, Run, Sweep
@@ -22,6 +23,7 @@ _DATASETS: dict[str, list[str]] = {
     "force": [f"ensemble/{way}{name}" for way in _WAYS for name in _OVER_H]
     + [f"integral/{way}external_force" for way in _WAYS]
     + ["replicas/snap_in_separation"],
+    "integral": [f"integral/{way}external_force" for way in _WAYS],
     "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
     "attraction": [f"ensemble/{way}adhesion_force_mean" for way in _WAYS]
     + ["background/force", "background/*_force"],
@@ -62,26 +64,29 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    result : Run, Sweep, Comparison or Asperities
     figure : str
         A name that `stiction.plot.panels` has.
     """
+    source: Any = result
     if isinstance(result, Sweep):
-        return [_of_sweep(result, figure)]
+        if figure in QUANTITIES:
+            return [_of_sweep(result, figure)]
+        source = study(result)
     by_dimension: dict[str, dict[str, Any]] = {}
-    for path in _present(result, figure):
-        array = result[path]
+    for path in _present(result, figure, source):
+        array = source[path]
         main = _main(array)
         columns = by_dimension.setdefault(main, _coordinates(array, main))
         columns.update(_columns(array, path, main, "/" in path and _is_of_several_groups(figure)))
     return [pd.DataFrame(columns) for columns in by_dimension.values()]
 
 
-def _present(result: Result, figure: str) -> Iterator[str]:
+def _present(result: Result, figure: str, source: Any) -> Iterator[str]:
     for path in _DATASETS[figure]:
         if path == "background/*_force" and isinstance(result, Run):
             yield from result.mean_plane_forces.values()
-        elif path in result:
+        elif path in source:
             yield path
 
 

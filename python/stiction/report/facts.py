@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..results import Asperities, Comparison, FiniteSize, Result, Run, Sweep, agreement
+from ..finite_size import is_study, study
+from ..results import Asperities, Comparison, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
 __all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
@@ -77,7 +78,7 @@ def facts(result: Result) -> Facts:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    result : Run, Sweep, Comparison or Asperities
     """
     for kind, of in _OF.items():
         if isinstance(result, kind):
@@ -249,7 +250,29 @@ def _scalar(run: Run, name: str) -> tuple[float, float]:
     return float(of["scalar_controlled_mean"]), float(of["scalar_controlled_standard_error"])
 
 
+def _integral(run: Run) -> Facts:
+    """The facts of a run of the integral alone."""
+    attrs = run["integral"].attrs
+    force, place, sigma = float(attrs["pull_off_force"]), float(attrs["pull_off_separation"]), float(run.attrs["surface_height_std"])
+    numbers = [Number("pull-off of the integral", "none", "nothing pulls", 0.0)]
+    if force > 0.0:
+        h = run["integral/separation"].values
+        edge = "at the edge of the separations: it may lie beyond" if place in (h[0], h[-1]) else f"h/σ = {quantities.number(place / sigma)}"
+        numbers = [
+            Number("pull-off of the integral", quantities.si(force, "N"), "of the mean over infinitely many patches", force),
+            Number("separation of pull-off", quantities.si(place, "m"), edge, place),
+        ]
+    stiffness = float(attrs["peak_stiffness"])
+    numbers.append(Number("largest stiffness", quantities.si(stiffness, "N m-1"), "of the integral", stiffness))
+    if "background" in run:
+        numbers.append(_mean_planes(run))
+    computed = [*_law(run), *_surface(run), *_separations(run), *_draws(run)]
+    return Facts("integral alone", numbers, [_validity(run), _independence(run)], computed, _again(run, ["run"]), paths_in(run.scene))
+
+
 def _run(run: Run) -> Facts:
+    if not run.has_replicas:
+        return _integral(run)
     quoted, sigma = run.pull_off, float(run.attrs["surface_height_std"])
     loop = run.attrs["history"] == "loop"
     if quoted.mean > 0.0:
@@ -391,25 +414,27 @@ def _springs(run: Run) -> Iterator[Table]:
 
 def _sweep(sweep: Sweep) -> Facts:
     points, pull_off = sweep.points, sweep.pull_off
-    means, integrals = pull_off["mean"].values, pull_off["of_integral"].values
-    numbers = [
-        Number("pull-off force", _span(np.nanmin(means), np.nanmax(means), "N"), f"smallest and largest mean of {_several(means.size, 'point')}"),
-        Number("of the integral", _span(np.nanmin(integrals), np.nanmax(integrals), "N"),
-               "smallest and largest"),
-    ]  # fmt: skip
-    overall = str(sweep["validation"].attrs["overall_verdict"])
-    smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
-    level = 100 * float(sweep["validation"].attrs["significance"])
-    check = f"ensemble against integral at all points together: smallest p = {quantities.number(smallest, 3)}, {level:g} % level, Holm's method"
+    integrals = pull_off["of_integral"].values
+    numbers = [Number("of the integral", _span(np.nanmin(integrals), np.nanmax(integrals), "N"), "smallest and largest")]
+    checked = []
+    if sweep.has_replicas:
+        means = pull_off["mean"].values
+        span = _span(np.nanmin(means), np.nanmax(means), "N")
+        numbers.insert(0, Number("pull-off force", span, f"smallest and largest mean of {_several(means.size, 'point')}"))
+        overall = str(sweep["validation"].attrs["overall_verdict"])
+        smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
+        level = 100 * float(sweep["validation"].attrs["significance"])
+        check = f"ensemble against integral at all points together: smallest p = {quantities.number(smallest, 3)}, {level:g} % level, Holm's method"
+        checked = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check)]
     edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep))
     coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
     resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
     if edge.any() or coarse:
         seen = coarse[:1] + [f"{_several(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
         resolution = Verdict("resolution", "bad" if edge.any() else "caution", "look", "; ".join(seen))
-    verdicts = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check), _validity(sweep), _independence(sweep), resolution]
+    verdicts = [*checked, _validity(sweep), _independence(sweep), resolution]
     keys = [key.replace(".", "_") for key in sweep.keys]
-    computed = [("sweep", f"{_several(means.size, 'point')} ({sweep.attrs['sweep_mode']})")]
+    computed = [("sweep", f"{_several(integrals.size, 'point')} ({sweep.attrs['sweep_mode']})")]
     for key, name in zip(sweep.keys, keys, strict=True):
         of = points[name] if name in points.variables else sweep[name]
         low, high = (sweep.key_text(key, value) for value in (of.values.min(), of.values.max()))
@@ -420,7 +445,8 @@ def _sweep(sweep: Sweep) -> Facts:
         computed.append((key, told))
     computed += [*_law(sweep), *_draws(sweep)]
     table = _points(sweep, keys)
-    return Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
+    found = Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
+    return _finite_size(sweep, found) if is_study(sweep) else found
 
 
 def _edges(sweep: Sweep) -> Any:
@@ -431,20 +457,26 @@ def _edges(sweep: Sweep) -> Any:
 def _points(sweep: Sweep, keys: list[str]) -> Table:
     import xarray
 
-    pull_off = sweep.pull_off
-    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", "of_integral")})
-    whole["verdict"] = sweep["validation/verdict"].drop_vars([name for name in sweep["validation/verdict"].coords])
-    whole["independence"] = sweep["independence/verdict"].drop_vars([name for name in sweep["independence/verdict"].coords])
+    pull_off, told = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
+    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", "of_integral") if name in pull_off})
+    for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
+        if path in sweep:
+            whole[name] = sweep[path].drop_vars(list(sweep[path].coords))
     for name in keys:
         if name not in whole.variables:
             whole[name] = sweep[name]
+    words = {
+        "mean": lambda row: quantities.with_error(row["mean"], row["standard_error"], "N"),
+        "of_integral": lambda row: quantities.si(row["of_integral"], "N"),
+        "verdict": lambda row: str(row["verdict"]),
+        "independence": lambda row: str(row["independence"]),
+    }
+    columns = [name for name in words if name in whole]
     rows = [
-        [*(sweep.key_text(name, row[name]) for name in keys),
-         quantities.with_error(row["mean"], row["standard_error"], "N"), quantities.si(row["of_integral"], "N"),
-         str(row["verdict"]), str(row["independence"])]
+        [*(sweep.key_text(name, row[name]) for name in keys), *(words[name](row) for name in columns)]
         for row in whole.to_dataframe().reset_index().to_dict("records")
-    ]  # fmt: skip
-    return Table("Points", [*sweep.keys, "pull-off force", "of the integral", "cross-check", "independence"], rows)
+    ]
+    return Table("Points", [*sweep.keys, *(told.get(name, name) for name in columns)], rows)
 
 
 def _comparison(result: Comparison) -> Facts:
@@ -491,9 +523,10 @@ def _comparison(result: Comparison) -> Facts:
                  _again(result, ["compare"], *options), paths_in(result.scene), [table])  # fmt: skip
 
 
-def _finite_size(result: FiniteSize) -> Facts:
-    sizes, attrs = result.sizes, result.attrs
-    counts, bias, error = (sizes[name].values for name in ("asperity_count", "bias", "bias_standard_error"))
+def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:
+    """The facts of a sweep over the nominal area that say how patches go to the integral, before those of any sweep."""
+    sizes = study(sweep)
+    attrs, counts = sizes.attrs, sizes["asperity_count"].values
     numbers = []
     for accuracy, count, source in zip(
         *(sizes[name].values for name in ("accuracy", "count_at_accuracy", "count_at_accuracy_source")), strict=True
@@ -503,26 +536,18 @@ def _finite_size(result: FiniteSize) -> Facts:
     if "fit_exponent" in attrs:
         text = quantities.with_error(attrs["fit_exponent"], attrs["fit_exponent_standard_error"], "1")
         numbers.append(Number("exponent of the bias", text, "bias falls as the number of asperities to this power"))
-    p = sizes["p_value"].values[np.isfinite(sizes["p_value"].values)]
-    agree = bool(p.size) and bool(p.min() * p.size >= 0.001)
-    check = (
-        Verdict("cross-check", "good" if agree else "bad", "agree" if agree else "disagree",
-                f"ensemble and integral at the 0.1 % level for all sizes together, smallest p = {quantities.number(p.min(), 3)} of {p.size}")
-        if p.size else Verdict("cross-check", "none", "not tested", "too few replicas")
-    )  # fmt: skip
-    fit = Verdict("resolution", "good", "fine", "a power law fits the bias")
+    fit = Verdict("power law", "good", "fine", "a power law fits the bias")
     if "fit_refusal" in attrs:
-        fit = Verdict("resolution", "caution", "no fit", str(attrs["fit_refusal"]))
-    columns = (counts, bias, error, sizes["relative_std"].values, sizes["p_value"].values, result["independence/verdict"].values)
+        fit = Verdict("power law", "caution", "no fit", str(attrs["fit_refusal"]))
+    columns = (counts, *(sizes[name].values for name in ("bias", "bias_standard_error", "relative_std", "p_value", "independence")))
     rows = [
-        [str(int(n)), f"{quantities.number(100 * b, 3)} ± {quantities.number(100 * e, 2)} %", _percent(s), quantities.number(q, 3), str(word)]
+        [str(n), f"{quantities.number(100 * b, 3)} ± {quantities.number(100 * e, 2)} %", _percent(s), quantities.number(q, 3), str(word)]
         for n, b, e, s, q, word in zip(*columns, strict=True)
     ]
     table = Table("Sizes", ["asperities", "mean less integral", "scatter", "p of the cross-check", "independence"], rows)
-    computed = [("sizes", f"{counts.size}, from {counts.min()} to {counts.max()} asperities"), *_law(result), *_surface(result), *_draws(result)]
-    options = ["--counts", ",".join(str(int(n)) for n in counts)]
-    return Facts("patches of several sizes", numbers, [check, _validity(result), _independence(result), fit], computed,
-                 _again(result, ["finite-size"], *options), paths_in(result.scene), [table])  # fmt: skip
+    computed = [("sizes", f"{counts.size}, from {counts.min()} to {counts.max()} asperities"), *of_sweep.computed]
+    return replace(of_sweep, kind="patches of several sizes", numbers=numbers, verdicts=[*of_sweep.verdicts, fit], computed=computed,
+                   tables=[table, *of_sweep.tables])  # fmt: skip
 
 
 def _filter(attrs: dict[str, Any]) -> list[tuple[str, str]]:
@@ -580,4 +605,4 @@ def _asperities(result: Asperities) -> Facts:
     return Facts("asperities of a map", numbers, verdicts, computed, commands, [str(attrs["map"])], [table])
 
 
-_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Comparison: _comparison, FiniteSize: _finite_size, Asperities: _asperities}
+_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Comparison: _comparison, Asperities: _asperities}

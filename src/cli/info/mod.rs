@@ -28,7 +28,7 @@ const LONGEST: usize = 1 << 28;
 
 #[derive(Args)]
 pub(super) struct InfoArguments {
-    /// A result of `stiction run`, `compare`, `finite-size` or `asperities`
+    /// A result of `stiction run`, `compare` or `asperities`
     pub file: PathBuf,
     /// All of a result as one JSON object: attributes, and of each group its attributes and datasets with
     /// dimensions, shape, units, long_name and values, row by row; NaN and infinities are null
@@ -41,7 +41,7 @@ pub(super) struct InfoArguments {
     #[arg(long)]
     csv: bool,
     /// The dimension of the table; by default what the file is about: separations of a run, points of a
-    /// sweep, laws, asperities, numbers of asperities
+    /// sweep, laws, asperities
     #[arg(long, value_name = "DIMENSION", requires = "csv")]
     by: Option<String>,
 }

@@ -8,7 +8,7 @@ use crate::scene::echo::one_line;
 use crate::scene::units::rounded;
 
 /// Dimensions of which each place has a row.
-const NAMED: [Dimension; 11] = [
+const NAMED: [Dimension; 10] = [
     Dimension::Scalar,
     Dimension::Regime,
     Dimension::RangeEnd,
@@ -19,7 +19,6 @@ const NAMED: [Dimension; 11] = [
     Dimension::SkipReason,
     Dimension::Law,
     Dimension::FittedForce,
-    Dimension::Accuracy,
 ];
 
 /// A name and what it stands for.

@@ -110,6 +110,10 @@ struct Bridges<'a> {
 
 impl<'a> Bridges<'a> {
     fn new(history: History, results: &'a Results) -> Option<Self> {
+        // Wetted areas are of replicas.
+        if results.scene.replicas == 0 {
+            return None;
+        }
         let wet = |state: usize| {
             let (ensemble, states) = (&results.ensemble, results.scene.states());
             let (count, pull) = (ensemble.regime_count.mean(), ensemble.regime_adhesion_force.mean());

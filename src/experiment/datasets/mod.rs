@@ -27,15 +27,30 @@ pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
     version: [3, 7],
-    groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
+    groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(|| with_coordinates(DATASETS.iter().map(|own| own.variable.clone()).collect())),
     of_points: None,
 };
 
 /// Groups of runs, and of sweeps, that not every scene has.
-pub(super) const OPTIONAL_GROUPS: &[&str] =
-    &["asperities", "background", "capillary", "coupling", "film", "independence", "instability"];
+pub(super) const OPTIONAL_GROUPS: &[&str] = &[
+    "ensemble",
+    "replicas",
+    "asperities",
+    "background",
+    "capillary",
+    "coupling",
+    "differences",
+    "film",
+    "independence",
+    "instability",
+    "validation",
+];
+
+/// Groups of what replicas have; a run of the integral alone has none of them.
+const OF_REPLICAS: [&str; 6] =
+    ["/ensemble", "/replicas", "/coupling", "/asperities", "/instability", "/validation"];
 
 /// All datasets of runs, group by group.
 static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
@@ -181,12 +196,16 @@ fn path(group: &str, name: &str) -> String {
 
 /// Writes all datasets of a run whose curves are written, with their dimensions and the attributes of groups.
 pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let has_replicas = results.scene.replicas > 0;
     ensemble::scales(writer, results);
     coupling::scales(writer, results);
     asperities::scales(writer, results);
     instability::scales(writer, results);
     diagnostics::scales(writer, results);
     for Dataset { variable, values } in DATASETS.iter() {
+        if !has_replicas && OF_REPLICAS.contains(&variable.group()) {
+            continue;
+        }
         match values(results) {
             None => {}
             Some(Values::Numbers(values)) => writer.dataset(&variable.path, &values)?,
@@ -195,11 +214,13 @@ pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
             Some(Values::Texts(values)) => writer.texts(&variable.path, &values)?,
         }
     }
-    ensemble::attributes(writer, results)?;
-    coupling::attributes(writer, results)?;
-    instability::attributes(writer, results)?;
+    if has_replicas {
+        ensemble::attributes(writer, results)?;
+        coupling::attributes(writer, results)?;
+        instability::attributes(writer, results)?;
+        validation::attributes(writer, results)?;
+    }
     integral::attributes(writer, results)?;
     independence::attributes(writer, results)?;
-    validation::attributes(writer, results)?;
     diagnostics::attributes(writer)
 }

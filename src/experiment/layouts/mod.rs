@@ -1,18 +1,16 @@
-//! Layouts of result files: of runs, sweeps, comparisons and finite sizes.
+//! Layouts of result files: of runs, sweeps and comparisons.
 
 mod comparison;
-mod finite_size;
 mod sweep;
 
 pub use super::datasets::RUN;
 pub use comparison::COMPARISON;
-pub use finite_size::FINITE_SIZE;
 pub use sweep::SWEEP;
 
 use crate::output::schema::{ASPERITIES, Layout};
 
 /// All kinds of files.
-pub static LAYOUTS: [&Layout; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
+pub static LAYOUTS: [&Layout; 4] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES];
 
 #[cfg(test)]
 mod tests {

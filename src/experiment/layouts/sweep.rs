@@ -14,7 +14,7 @@ pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
     version: [4, 5],
-    groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
+    groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
@@ -106,6 +106,7 @@ const NUMBERS: &[Row] = &[
     ("asperity_height_std", NONE, "m", "standard deviation of the asperity heights"),
     ("mean_plane_offset", NONE, "m", "asperity mean plane above the surface mean plane"),
     ("asperity_radius", NONE, "m", "radius of the asperities, the mean one where radii differ"),
+    ("asperity_density", NONE, "m-2", "asperities per nominal area"),
     ("nominal_area", NONE, "m2", "nominal area"),
 ];
 

@@ -70,8 +70,8 @@ impl Reader {
     /// # Errors
     /// When the file has no such scale.
     pub fn length(&self, dimension: Dimension) -> Result<usize, OutputError> {
-        let scale = guard::dataset(&self.file, self.layout.coordinate(dimension.name()));
         let name = dimension.name();
+        let scale = guard::dataset(&self.file, self.coordinate(name));
         let scale = scale.map_err(|problem| match problem.starts_with("lacks the dataset") {
             true => self.broken(format!("lacks the dimension `{name}`")),
             false => self.broken(problem),
@@ -148,7 +148,12 @@ impl Reader {
 
     /// Where a coordinate of the layout is read, which every group has that needs it.
     pub fn coordinate(&self, name: &str) -> &'static str {
-        self.layout.coordinate(name)
+        let is_there = |path: &&str| match path.rsplit_once('/') {
+            Some((group, _)) if !group.is_empty() => self.file.link_exists(group),
+            _ => true,
+        };
+        let there = self.layout.coordinates(name).find(is_there);
+        there.unwrap_or_else(|| self.layout.coordinate(name))
     }
 
     /// Where the file is.

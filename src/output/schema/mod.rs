@@ -30,7 +30,7 @@ use std::sync::LazyLock;
 /// let run: &Layout = &RUN;
 /// assert_eq!(run.command, "stiction run");
 /// assert!(run.variables.iter().any(|variable| variable.path == "/ensemble/adhesion_force_mean"));
-/// assert_eq!(LAYOUTS.len(), 5);
+/// assert_eq!(LAYOUTS.len(), 4);
 /// ```
 #[derive(Debug)]
 pub struct Layout {
@@ -68,14 +68,19 @@ impl Layout {
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
 
-    /// Where a coordinate is read, a scale or what stands beside one: its copy in the first group that has
-    /// it.
+    /// The copy of a coordinate, a scale or what stands beside one, in the first group that may have it.
     ///
     /// # Panics
     /// When the layout has no such coordinate, which is an error in this program.
     pub fn coordinate(&'static self, name: &str) -> &'static str {
-        let found = self.known().find(|variable| variable.is_coordinate() && variable.name() == name);
-        &found.unwrap_or_else(|| panic!("no coordinate {name} in the layout")).path
+        let found = self.coordinates(name).next();
+        found.unwrap_or_else(|| panic!("no coordinate {name} in the layout"))
+    }
+
+    /// All copies of a coordinate.
+    pub fn coordinates(&'static self, name: &str) -> impl Iterator<Item = &'static str> {
+        let own = self.known().filter(move |variable| variable.is_coordinate() && variable.name() == name);
+        own.map(|variable| variable.path.as_str())
     }
 }
 
@@ -138,12 +143,8 @@ pub enum Dimension {
     Stiffness,
     /// External forces at which the surfaces turn back, N.
     Preload,
-    /// Numbers of asperities.
-    AsperityCount,
     /// Probabilities of quantiles.
     Quantile,
-    /// Relative accuracies.
-    Accuracy,
 }
 
 impl Dimension {
@@ -197,9 +198,7 @@ impl Dimension {
                 "N",
                 "external force at which the surface turns back, NaN for the smallest separation",
             ),
-            Self::AsperityCount => ("asperity_count", "1", "number N of asperities of a patch"),
             Self::Quantile => ("quantile", "1", "probability of a quantile"),
-            Self::Accuracy => ("accuracy", "1", "relative accuracy"),
         }
     }
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import stiction
+from stiction import finite_size
 from stiction.errors import StictionError
 from stiction.program import call, find
 
@@ -47,9 +48,9 @@ MADE = {
     "comparison": lambda path: stiction.compare(
         CONFIGS / "quick.toml", ["hybrid", "emd", "fit:paper"], path, ensemble=True, replicas=40
     ),
-    "finite_size": lambda path: stiction.finite_size(
-        CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50
-    ),
+    "finite_size": lambda path: finite_size.run(CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50),
+    "alone": of_scene("loop", 0),
+    "alone_sweep": of_scene("sweep_lubricant", 0),
     "asperities": lambda path: stiction.find_asperities(CONFIGS / "maps" / "polished.txt", path),
     "grid_of_three": lambda path: stiction.sweep(
         CONFIGS / "quick.toml",

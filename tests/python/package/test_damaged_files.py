@@ -19,7 +19,7 @@ from stiction.plot.command import main as plot
 from stiction.program import call
 from stiction.report.command import main as report
 
-KINDS = ["run", "loop", "coupled", "sweep", "comparison", "finite_size", "asperities"]
+KINDS = ["run", "loop", "coupled", "sweep", "comparison", "alone", "asperities"]
 # How many damages of each kind of file are tried: 2, or STICTION_DAMAGES of them, or "all".
 GIVEN = os.environ.get("STICTION_DAMAGES", "2")
 COUNT = math.inf if GIVEN == "all" else int(GIVEN)

@@ -15,7 +15,7 @@ import pytest
 from conftest import CONFIGS
 
 import stiction
-from stiction import SceneError, StictionError
+from stiction import FileError, SceneError, StictionError
 from stiction.program import call, find
 
 QUICK = CONFIGS / "quick.toml"
@@ -113,16 +113,23 @@ def test_the_integral_alone_is_that_of_the_run(result):
     assert float(curve.external_force.sel(h_star=2.8, method="nearest")) < 0.0
 
 
+def test_a_run_of_the_integral_alone_has_no_replicas(result):
+    alone = result("alone")
+    assert not alone.has_replicas and "of the integral alone" in repr(alone)
+    with pytest.raises(FileError, match="no group /ensemble"):
+        alone.group("ensemble")
+    curve = stiction.integral(CONFIGS / "loop.toml")
+    assert np.array_equal(curve.retraction_external_force, alone.integral.retraction_external_force)
+    assert float(curve.pull_off_force) == alone["integral"].attrs["pull_off_force"]
+    points = result("alone_sweep")
+    assert list(points.pull_off.data_vars) == ["of_integral"] and "of the integral alone" in repr(points)
+
+
 def test_a_comparison_without_laws_is_of_the_scenes(result):
     assert stiction.compare(QUICK).laws == ["hybrid"]
     assert stiction.compare(QUICK, "hybrid,emd").laws == ["hybrid", "emd"]
     with pytest.raises(SceneError, match="nolaw"):
         stiction.compare(QUICK, ["nolaw"])
-
-
-def test_sizes_may_be_a_list_or_a_range():
-    patches = stiction.finite_size(CONFIGS / "case_ii.toml", [30, 100], replicas=10)
-    assert list(patches.sizes["asperity_count"].values) == [30, 100]
 
 
 def test_check_shows_what_the_program_says():

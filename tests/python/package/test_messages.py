@@ -34,7 +34,6 @@ def test_numbers_that_will_not_do_are_named():
     assert "'-3' for 'replicas" in refused(stiction.run, QUICK, replicas=-3)
     assert "'2.5' for 'replicas" in refused(stiction.run, QUICK, replicas=2.5)
     assert "0 is not in 1..=4096" in refused(stiction.run, QUICK, threads=0)
-    assert "counts none" in refused(stiction.finite_size, QUICK, "none")
     assert "ensemble" in refused(stiction.compare, QUICK, ["hybrid"], replicas=5)
 
 

@@ -10,13 +10,13 @@ from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
 import stiction
-from stiction import FileError, plot, quantities
+from stiction import FileError, finite_size, plot, quantities
 from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
     "run", "retraction", "loop", "cycles", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
-    "choice", "comparison", "finite_size", "asperities", "partial",
+    "choice", "comparison", "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 
 
@@ -46,7 +46,8 @@ def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
         figure.savefig(tmp_path / "page.png", dpi=50)
         figure.savefig(tmp_path / "page.pdf")
     drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
-    assert len(drawn) == len(plot.panels(opened)) >= 2
+    # A sweep over the nominal area has those of any sweep only if they are asked for.
+    assert len(drawn) == (3 if name == "finite_size" else len(plot.panels(opened))) >= (1 if name == "alone" else 2)
     for ax in drawn:
         assert ax.lines or ax.collections or ax.patches or ax.images or ax.texts
         # Words, not names of datasets.
@@ -164,6 +165,18 @@ def test_a_band_is_left_out_when_asked_for(result):
     assert not [of for of in ax.collections if isinstance(of, PolyCollection)]
 
 
+def test_the_integral_alone_is_drawn_as_it_is(result):
+    run = result("alone")
+    ax = plot.integral(run)
+    drawn = np.asarray(lines(ax)["integral, retraction"].get_ydata()) * unit_of(ax)
+    np.testing.assert_allclose(drawn, run["integral/retraction_external_force"].values, rtol=1e-12)
+    sweep = result("alone_sweep")
+    ax = plot.sweep(sweep)
+    drawn = np.asarray(ax.containers[0][0].get_ydata(), float) * unit_of(ax)
+    np.testing.assert_allclose(drawn, sweep["integral/pull_off_force"].values, rtol=1e-12)
+    assert list(plot.panels(sweep)) == ["pull_off_force", "pull_off_separation", "peak_secant_stiffness"]
+
+
 def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(result):
     run = result("run")
     ax = run.plot.pull_off()
@@ -175,7 +188,7 @@ def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(re
 def test_logarithmic_axes_where_the_data_ask(result):
     assert plot.regimes(result("run")).get_yscale() == "log"
     assert plot.force(result("run")).get_yscale() == "linear"
-    sizes = result("finite_size")
+    sizes = finite_size.study(result("finite_size"))
     assert (plot.scatter(sizes).get_xscale(), plot.scatter(sizes).get_yscale()) == ("log", "log")
     assert plot.sweep(result("sweep")).get_xscale() == "linear"
     assert plot.sweep(result("grid_of_three"), x="material.work_of_adhesion").get_xscale() == "log"

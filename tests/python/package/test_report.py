@@ -26,7 +26,7 @@ from stiction.report.page import _data
 
 KINDS = [
     "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid_of_three", "choice", "comparison",
-    "finite_size", "asperities", "partial",
+    "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 
 
@@ -193,7 +193,7 @@ def commands_of(page):
     return [html.unescape(command) for command in found]
 
 
-@pytest.mark.parametrize("name", ["run", "retraction", "coupled", "stopping", "sweep", "comparison", "finite_size", "asperities"])
+@pytest.mark.parametrize("name", ["run", "retraction", "coupled", "stopping", "sweep", "comparison", "finite_size", "alone", "asperities"])
 def test_the_command_of_a_page_makes_the_same_numbers(result, name, tmp_path):
     of = result(name)
     (command,) = commands_of(stiction.report.page([of]))

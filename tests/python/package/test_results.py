@@ -12,13 +12,13 @@ import stiction
 from stiction import FileError
 
 KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Comparison}
-KINDS |= {"finite_size": stiction.FiniteSize, "asperities": stiction.Asperities}
+KINDS |= {"alone": stiction.Run, "alone_sweep": stiction.Sweep, "asperities": stiction.Asperities}
 
 
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_opens_as_its_class_and_says_what_it_is(result, name):
     opened = result(name)
-    assert type(opened) is KINDS[name] and opened.kind == name
+    assert type(opened) is KINDS[name] and opened.kind == KINDS[name].kind
     text, html = repr(opened), opened._repr_html_()
     assert text.startswith(f"<stiction.{KINDS[name].__name__} ") and len(text.splitlines()) > 2
     assert html.startswith("<table>") and html.count("<tr>") == len(opened._summary()) + len(opened.warnings)

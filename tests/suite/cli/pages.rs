@@ -4,7 +4,7 @@
 use std::ops::Bound;
 use std::path::Path;
 use std::process::Command;
-use stiction::layouts::{COMPARISON, FINITE_SIZE, RUN, SWEEP};
+use stiction::layouts::{COMPARISON, RUN, SWEEP};
 use stiction::output::schema::{ASPERITIES, Layout, Variable};
 use stiction::scene::{Absent, KEYS, Key, Scene, Sign, Value};
 
@@ -207,12 +207,11 @@ fn dataset(layout: &Layout, variable: &Variable) -> String {
 
 #[test]
 fn the_pages_of_files_are_what_the_layouts_say() {
-    let pages: [(&str, &'static Layout); 5] = [
+    let pages: [(&str, &'static Layout); 4] = [
         ("format.md", &RUN),
         ("comparison.md", &COMPARISON),
         ("sweep-format.md", &SWEEP),
         ("asperity-file.md", &ASPERITIES),
-        ("finite-size.md", &FINITE_SIZE),
     ];
     for (page, layout) in pages {
         let kind = layout.format.trim_start_matches("stiction-");

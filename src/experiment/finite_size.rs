@@ -97,7 +97,7 @@ pub(crate) fn compare_sizes(
     if !points.begin(&FINITE_SIZE, &identity)? {
         return Ok(None);
     }
-    points.compute(0..points.sweep.count())?;
+    points.compute()?;
     let found =
         found(points, counts, integral).and_then(|study| write(points, &identity, &study).map(|()| study));
     let study = found.map_err(|error| points.kept(Error::NotWritten(error.writing(output))))?;

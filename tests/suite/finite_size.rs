@@ -102,7 +102,7 @@ fn an_interrupted_study_goes_on_to_the_same_bits() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_stiction"));
     child.args(command).args(["--checkpoint", "0", "--threads", "1"]).current_dir(folder.path(""));
     let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let kept = folder.path("scene_finite_size.h5.points/0003.h5.checkpoint");
+    let kept = folder.path("scene_finite_size.h5.points/0003.h5.partial");
     while !kept.exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(100));
     }

@@ -167,7 +167,7 @@ class Result:
 
     @property
     def is_partial(self) -> bool:
-        """Whether some replicas of the run are missing, as shards of it were."""
+        """Whether some replicas of the run are missing: of a shard, of an interrupted run, or as shards were."""
         return "partial" in self.tree.attrs
 
     @property

@@ -47,34 +47,36 @@ on_end() {
 trap on_time_limit USR1
 trap on_end TERM
 
-# Checkpoints beside the shard $1: of a sweep one for each point that is begun, in a folder.
-checkpoints() {
-    local checkpoint
-    for checkpoint in "$1".checkpoint "$1".points/*.checkpoint; do
-        [[ ! -e $checkpoint ]] || printf '%s\n' "$checkpoint"
+# What is kept beside the shard $1: its partial result, or of a sweep a file for each point that is begun, in a folder.
+partials() {
+    local partial
+    for partial in "$1".partial "$1".points/*.h5 "$1".points/*.partial; do
+        [[ ! -e $partial ]] || printf '%s\n' "$partial"
     done
 }
 
-# Bytes of all that has been kept of replicas.
+# How many replicas are done of those of the file $1, in words that begin with their number.
+progress() { "$stiction" info "$1" 2>/dev/null | sed -n '/^ *replicas there  */{s///;p;q;}'; }
+
+# Replicas that are kept.
 kept() {
-    local checkpoint total=0
-    while IFS= read -r checkpoint; do total=$((total + $(wc -c <"$checkpoint.replicas"))); done < <(checkpoints "$output")
+    local partial words total=0
+    while IFS= read -r partial; do
+        words=$(progress "$partial")
+        total=$((total + ${words%% *} + 0))
+    done < <(partials "$output")
     echo "$total"
 }
 
 # Copies $1 to $2, which has the whole of it or what it had before.
 copy() { dd if="$1" of="$2.$job" bs=1M conv=fsync status=none && mv -f -- "$2.$job" "$2"; }
 
-# Copies checkpoints and their records from beside the shard $1 to beside the shard $2. A checkpoint counts records, which only grow: it is
-# taken first and put last.
-copy_checkpoints() {
+# Copies what is kept from beside the shard $1 to beside the shard $2.
+copy_partials() {
     local from to
-    checkpoints "$1" | while IFS= read -r from; do
+    partials "$1" | while IFS= read -r from; do
         to=$2${from#"$1"}
-        mkdir -p -- "${to%/*}" &&
-            dd if="$from" of="$to.$job" bs=1M conv=fsync status=none &&
-            copy "$from.replicas" "$to.replicas" &&
-            mv -f -- "$to.$job" "$to" || return 1
+        mkdir -p -- "${to%/*}" && copy "$from" "$to" || return 1
     done
 }
 
@@ -85,7 +87,7 @@ keep_now_and_then() {
         while :; do
             sleep "$copy_every" &
             wait $!
-            copy_checkpoints "$output" "$shared"
+            copy_partials "$output" "$shared"
         done
     ) </dev/null >/dev/null &
     copier=$!
@@ -104,7 +106,7 @@ enter_scratch() {
     rm -rf -- "$own"
     mkdir -p -- "$own" || exit 1
     output=$own/${shared##*/}
-    copy_checkpoints "$shared" "$output" || exit 1
+    copy_partials "$shared" "$output" || exit 1
     keep_now_and_then
 }
 
@@ -113,9 +115,9 @@ leave_scratch() {
     wait "$copier" 2>/dev/null
     local code=0
     if [[ -e $output ]]; then
-        copy "$output" "$shared" && rm -rf -- "$shared.checkpoint" "$shared.checkpoint.replicas" "$shared.points" || code=1
+        copy "$output" "$shared" && rm -rf -- "$shared.partial" "$shared.points" || code=1
     else
-        copy_checkpoints "$output" "$shared" || code=1
+        copy_partials "$output" "$shared" || code=1
     fi
     ((code == 0)) || say "cannot copy from ${output%/*} to ${shared%/*}"
     rm -rf -- "${output%/*}"
@@ -123,9 +125,9 @@ leave_scratch() {
 }
 
 tell_what_is_kept() {
-    local checkpoint
-    checkpoints "$output" | while IFS= read -r checkpoint; do
-        say "goes on: $("$stiction" info "$checkpoint" 2>/dev/null | sed -n '/^ *replicas  */{s///;p;q;}') (${checkpoint##*/})"
+    local partial
+    partials "$output" | while IFS= read -r partial; do
+        say "goes on: $(progress "$partial") (${partial##*/})"
     done
 }
 

@@ -193,7 +193,7 @@ holds_process_on() {
             shard=${arguments[index]}
             [[ ${arguments[index - 1]} == -o ]] || continue
             kill -STOP "$process" 2>/dev/null || continue 2
-            [[ ! -e $shard.checkpoint || -e $shard ]] || return 0
+            [[ ! -e $shard.partial || -e $shard ]] || return 0
             kill -CONT "$process" 2>/dev/null || true
         done
     done
@@ -284,13 +284,13 @@ test_lost_nodes() {
     local output="$folder/an experiment" lost parted killed process shard
     local arguments=("$scene" --shards 16 --replicas "$replicas" --checkpoint 0 --output "$output" --time=10)
     check "submit.sh submits 16 shards and a merge" submit "${arguments[@]}"
-    check "a task on node2 keeps a checkpoint" wait_for 60 holds_process_on 2
+    check "a task on node2 keeps a partial result" wait_for 60 holds_process_on 2
     lost=$(log_of "$output")
     kill_node 2
-    check "a task on node3 keeps a checkpoint" wait_for 60 holds_process_on 3
+    check "a task on node3 keeps a partial result" wait_for 60 holds_process_on 3
     killed=$(log_of "$output")
     kill_now "$process"
-    check "a task on node4 keeps a checkpoint" wait_for 60 holds_process_on 4
+    check "a task on node4 keeps a partial result" wait_for 60 holds_process_on 4
     parted=$(log_of "$output")
     # The node is lost to Slurm, and its task works on.
     kill_now "${slurmd[4]}"
@@ -332,7 +332,7 @@ test_time_limit_and_cancel() {
     local log=$output/logs/shard-1.log
     # Held, so that no machine is fast enough to be done before.
     held=()
-    check "both tasks keep a checkpoint" wait_for 60 holds_two
+    check "both tasks keep partial results" wait_for 60 holds_two
     check "a task saves before the time limit" wait_for 90 logged "$log" "the time limit is near: saves"
     check "... and so does the other" wait_for 10 logged "$output/logs/shard-2.log" "the time limit is near: saves"
     kill -CONT "${held[@]}"
@@ -346,7 +346,7 @@ test_time_limit_and_cancel() {
     sleep 10
     check "... and neither comes back" test "$(squeue --noheader | wc -l)" == 0
     check "... nor was requeued by itself" test "$(grep -c "  requeues" "$log")" == "$times"
-    check "a cancelled task has kept its checkpoint" test -s "$output/shards/1.shard.checkpoint"
+    check "a cancelled task has kept its partial result" test -s "$output/shards/1.shard.partial"
     check "... and left nothing in scratch" holds "$folder/scratch of a node" 0
     check "the same command with more time" submit "${arguments[@]}" --time=10
     check "... ends well" completes "$merge" 200

@@ -8,13 +8,11 @@ mod sweep;
 pub use cross_check::CrossCheck;
 
 use crate::experiment::layouts::{COMPARISON, LAYOUTS, SWEEP};
-use crate::format::replicas as shown;
+use crate::experiment::partial::PartialFile;
 use crate::output::OutputError;
-use crate::output::identity::Identity;
-use crate::output::partial::{Kept, Partial};
+use crate::output::partial::RESTART;
 use crate::output::reader::Reader;
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
-use crate::output::shard_file::{ShardFile, is_shard};
 use crate::validation::{JointTest, Verdict, overall};
 use std::path::Path;
 
@@ -39,8 +37,6 @@ pub enum Content {
     Comparison { laws: Vec<String>, p_values: Vec<f64> },
     /// The number of asperities of a measured surface.
     Asperities(usize),
-    /// The number of replicas of a shard.
-    Shard(u64),
 }
 
 /// A point of a sweep.
@@ -51,14 +47,11 @@ pub struct SweptPoint {
     pub joint: Option<JointTest>,
 }
 
-/// Reads all of a result of any kind, or of a shard, and computes its cross-check.
+/// Reads all of a result of any kind, partial or not, and computes its cross-check.
 ///
 /// # Errors
 /// [`OutputError::NotAResult`] and [`OutputError::NotAPartial`] for a file that is damaged, or is none.
 pub fn check(path: &Path) -> Result<Checked, OutputError> {
-    if is_shard(path) {
-        return shard(path);
-    }
     let reader = Reader::open(path, &LAYOUTS)?;
     let is = |layout: &Layout| reader.layout().format == layout.format;
     let checked = match () {
@@ -78,6 +71,9 @@ pub fn check(path: &Path) -> Result<Checked, OutputError> {
         () => run::check(&reader)?,
     };
     reader.read_through()?;
+    if reader.has(RESTART) {
+        PartialFile::open(path)?;
+    }
     Ok(checked)
 }
 
@@ -89,31 +85,4 @@ fn as_stored(verdict: Verdict, content: Content) -> Checked {
 /// A file that cannot be checked.
 fn refused(path: &Path, problem: &str) -> OutputError {
     OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
-}
-
-/// Reads all of a shard, which has checksums of everything that is in it.
-fn shard(path: &Path) -> Result<Checked, OutputError> {
-    let shard = ShardFile::open(path)?;
-    let (mut contradictions, mut replicas, own) = (Vec::new(), 0, &shard.head.identity);
-    for piece in &shard.pieces {
-        let Kept { partial: Partial { identity, .. }, records } = shard.kept(piece)?;
-        // Every point of a sweep has a scene and a seed of its own.
-        if (Identity { scene: own.scene.clone(), seed: own.seed, ..identity }) != *own {
-            contradictions.push(format!("point {} is of another run than the shard says", piece.point));
-        }
-        let mut there = 0;
-        records.each(&mut |records| {
-            there += records.replicas.len() as u64;
-            Ok(true)
-        })?;
-        if there != piece.replicas.end - piece.replicas.start {
-            contradictions.push(format!(
-                "point {} has {there} records of {}",
-                piece.point,
-                shown(&piece.replicas, own.replicas)
-            ));
-        }
-        replicas += there;
-    }
-    Ok(Checked { content: Content::Shard(replicas), verdict: Verdict::NotTested, contradictions })
 }

@@ -5,7 +5,7 @@ use super::info::of_result;
 use super::progress::Display;
 use super::source::SceneArguments;
 use crate::engine::Shard;
-use crate::experiment::checkpoint::OverwritePolicy;
+use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,8 @@ pub(super) struct RunOptions {
     /// Go on with an interrupted run of this output; begins it if nothing was kept
     #[arg(long)]
     pub resume: bool,
-    /// Keep what has been done so often, beside the output; 0 after every batch of replicas
+    /// Keep what has been done so often at most, as a partial result beside the output; 0 after every batch of
+    /// replicas
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     pub checkpoint: Duration,
     #[command(flatten)]

@@ -106,8 +106,8 @@ impl From<Error> for Failure {
             }
             Error::AtPoint { point, error } => Self::AtPoint { point, failure: Box::new((*error).into()) },
             Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
-            Error::Kept { error, replicas, checkpoint } => {
-                kept((*error).into(), &format!("{replicas} replicas are kept in {}", checkpoint.display()))
+            Error::Kept { error, replicas, partial } => {
+                kept((*error).into(), &format!("{replicas} replicas are kept in {}", partial.display()))
             }
             Error::PointsKept { error, done, of, folder } => {
                 kept((*error).into(), &format!("{done} of {of} points are kept in {}", folder.display()))

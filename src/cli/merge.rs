@@ -8,9 +8,9 @@ use super::session::Session;
 use super::summary::summary;
 use super::sweep::told;
 use super::terminal::print_of;
-use crate::experiment::checkpoint::OverwritePolicy;
 use crate::experiment::files::inputs_of;
 use crate::experiment::merge::Merge;
+use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::Task;
 use crate::experiment::shard_set::ShardSet;
@@ -48,7 +48,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document.sweep {
         None => {
-            let task = Task { output, lock: &lock, policy, shard: None };
+            let task = Task { output, lock: &lock, policy, part: None };
             summary(merge.scene(&task, &mut Progress::new(session.display))?.as_ref(), output)
         }
         Some(sweep) => {

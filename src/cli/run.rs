@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
     let policy = arguments.options.policy();
-    let task = Task { output: &output, lock: &lock, policy, shard: None };
+    let task = Task { output: &output, lock: &lock, policy, part: None };
     let laws =
         SceneLaws::fitting(&scene, scene.replicas, &task, &session, session.pool.current_num_threads());
     let laws = laws.map_err(|error| error.in_scene(arguments.scene.path()))?;

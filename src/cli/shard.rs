@@ -1,4 +1,4 @@
-//! `stiction run --shard`: a shard of a run, for `stiction merge`.
+//! `stiction run --shard`: a shard of a run, which is a partial result, for `stiction merge`.
 
 use super::arguments::RunArguments;
 use super::describe::title;
@@ -7,12 +7,13 @@ use super::progress::Progress;
 use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
-use crate::engine::Shard;
+use crate::engine::{Shard, batches_of};
+use crate::experiment::partial::{Part, PartialFile, Piece};
+use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
-use crate::experiment::shard_run::ShardRun;
+use crate::experiment::stacked::run_sweep;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
-use crate::output::shard_file::ShardPiece;
 use crate::scene::{Document, Scene, Sweep};
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
@@ -27,30 +28,35 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
     }
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
-    let (source, policy) = (arguments.scene.path(), arguments.options.policy());
-    let run = ShardRun { shard, source, output: &output, lock: &lock, policy, session: &session };
-    let pieces = match &sweep {
-        None => run.of_scene(&scene, &mut Progress::new(session.display)),
-        Some(sweep) => run.of_sweep(&points(sweep, source, &lock, &arguments.options, &session, Some(shard))),
+    let (source, threads) = (arguments.scene.path(), session.pool.current_num_threads());
+    let is_computed = match &sweep {
+        None => {
+            let part =
+                Part { shard, batches: shard.range(batches_of(scene.replicas)), source: source.to_owned() };
+            let count = part.count(&scene);
+            let (policy, part) = (arguments.options.policy(), Some(part));
+            let task = Task { output: &output, lock: &lock, policy, part };
+            let laws = SceneLaws::fitting(&scene, count, &task, &session, threads);
+            let laws = laws.map_err(|error| error.in_scene(source))?;
+            let progress = &mut Progress::new(session.display);
+            run_scene(scene.clone(), laws, &task, &session, progress)?.is_some()
+        }
+        Some(sweep) => {
+            run_sweep(&points(sweep, source, &lock, &arguments.options, &session, Some(shard)))?.is_some()
+        }
     };
-    match pieces? {
-        Some(pieces) => {
-            let threads = session.pool.current_num_threads();
+    match is_computed {
+        true => {
+            let pieces = PartialFile::open(lock.output())?.pieces;
             let text = summary(shard, &scene, &pieces, sweep.as_ref().map(Sweep::count), threads);
             print_of(&output, &(text + &row("written", &output.display().to_string())))
         }
-        None => complete_before(&output),
+        false => complete_before(&output),
     }
 }
 
 /// The summary of a shard of a scene, or of so many points.
-fn summary(
-    shard: Shard,
-    scene: &Scene,
-    pieces: &[ShardPiece],
-    points: Option<usize>,
-    threads: usize,
-) -> String {
+fn summary(shard: Shard, scene: &Scene, pieces: &[Piece], points: Option<usize>, threads: usize) -> String {
     let mut text = title(scene) + &row("shard", &format!("{} of {}", shard.index, shard.count));
     for (i, piece) in pieces.iter().enumerate() {
         let point = points.map(|points| format!(", point {} of {points} points", piece.point + 1));

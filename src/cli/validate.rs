@@ -27,7 +27,6 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
             format!("laws {}\n", names.join(", ")) + &together(p_values)
         }
         Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
-        Content::Shard(replicas) => format!("a shard of {replicas} replicas\n"),
     };
     concluded(format!("{}\n{content}", one_line(&path.display().to_string())), &checked)
 }

@@ -3,7 +3,6 @@
 use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
-use super::record::Records;
 use super::replica::{Replica, Workspace};
 use super::{Ends, Job};
 use crate::asperity::{Quantity, SolverStats};
@@ -11,7 +10,6 @@ use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
 use crate::surface::STRATA;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::ops::Range;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
@@ -274,15 +272,5 @@ impl Batch {
         });
         batch.ensemble.stats = workspace.take_stats();
         is_whole.then_some(batch)
-    }
-
-    /// All that is kept of its replicas apart from their sums.
-    pub fn records(&self) -> Records<'_> {
-        Records {
-            replicas: Cow::from(&self.ensemble.replicas),
-            snaps: Cow::from(&self.ensemble.snaps),
-            first_curves: Cow::from(&self.ensemble.first_curves),
-            forces: [&self.external_force, &self.adhesion_force].map(Cow::from),
-        }
     }
 }

@@ -27,7 +27,6 @@ mod kinks;
 pub mod moments;
 mod polydisperse;
 mod radii;
-mod record;
 mod reduce;
 mod reduction_tree;
 mod replica;
@@ -64,8 +63,6 @@ pub use groups::Groups;
 #[doc(hidden)]
 pub use instability::Loading;
 pub use moments::{MomentMatrix, Unfit};
-#[doc(hidden)]
-pub use record::{RecordShape, Records};
 #[doc(hidden)]
 pub use reduce::{Outcome, run, run_from};
 #[doc(hidden)]

@@ -39,7 +39,7 @@ pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), E>,
+    observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     run_from(job, pool, stop, ReductionTree::of(job), None, observe)
 }
@@ -61,7 +61,7 @@ pub fn run_from<E: Send>(
     stop: &AtomicBool,
     mut merged: ReductionTree,
     rule: Option<Rule<'_>>,
-    mut observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), E>,
+    mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     job.require_whole_groups();
     let is_enough = |merged: &ReductionTree| rule.is_some_and(|rule| rule.is_met(job, merged));
@@ -98,7 +98,7 @@ pub fn run_from<E: Send>(
             waiting.insert(index, batch);
             while let Some(batch) = waiting.remove(&next) {
                 merged.push(&batch.ensemble);
-                if let Err(error) = observe(&batch, &merged) {
+                if let Err(error) = observe(&batch, &mut merged) {
                     stop.store(true, Ordering::Relaxed);
                     drop(receiver);
                     return Err(error);

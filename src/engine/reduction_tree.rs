@@ -7,9 +7,9 @@
 //! range covers as a whole. Rounding errors grow with the depth of the tree, the logarithm of the number of
 //! batches.
 
-use super::Job;
 use super::batch::{Ensemble, curves_of, replicas_of};
 use super::replica::Replica;
+use super::{Job, Protocol};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -31,13 +31,10 @@ pub struct ReductionTree {
     next: u64,
     nodes: Vec<Node>,
     /// Numbers that are kept of every replica, in order.
-    #[serde(skip)]
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
-    #[serde(skip)]
     pub snaps: Vec<f64>,
     /// The external force of each of the first replicas of the run that are there, N, in order: replicas × states.
-    #[serde(skip)]
     pub first_curves: Vec<f64>,
 }
 
@@ -143,9 +140,16 @@ impl ReductionTree {
         Ensemble { replicas: self.replicas, snaps: self.snaps, first_curves: self.first_curves, ..sums }
     }
 
-    /// The tree without what is kept of every replica, which is how it is written.
-    pub fn sums(&self) -> Self {
-        Self { nodes: self.nodes.clone(), next: self.next, ..Self::new(self.batches()) }
+    /// The ensemble of all that is there, of a job. The numbers of each replica are with it, and not copied,
+    /// until they are given back.
+    pub fn lend(&mut self, job: &Job<'_>) -> Ensemble {
+        let own = Self { nodes: self.nodes.clone(), next: self.next, ..Self::new(self.batches()) };
+        std::mem::replace(self, own).into_ensemble(job)
+    }
+
+    /// Takes back what was lent.
+    pub fn give_back(&mut self, Ensemble { replicas, snaps, first_curves, .. }: Ensemble) {
+        (self.replicas, self.snaps, self.first_curves) = (replicas, snaps, first_curves);
     }
 
     /// The replicas, of `replicas` of a job, that are to come in, and the number of them that are there.
@@ -157,8 +161,7 @@ impl ReductionTree {
         (all, there.end - there.start)
     }
 
-    /// The tree after it was read, with what was kept of its replicas, their snaps and curves; none when it is not of
-    /// this job.
+    /// The tree after it was read; none when it is not of this job.
     pub fn restored(self, job: &Job<'_>) -> Option<Self> {
         let Range { start, end } = self.batches;
         let (empty, (_, there)) = (Ensemble::new(job), self.extent(job.replicas));
@@ -170,12 +173,17 @@ impl ReductionTree {
             reached = batches.end;
             covered = covered.checked_add(sums.regime_count.count())?;
         }
+        let Protocol { cycle, substrate, loading, .. } = &job.protocol;
+        let is_like = |replica: &Replica| {
+            replica.cycle.is_some() == cycle.is_some() && replica.coupled.is_some() == substrate.is_some()
+        };
         let fits = start <= self.next
             && self.next <= end
             && end <= job.batches()
             && self.replicas.len() as u64 == there
             && covered == there
-            && self.snaps.len() == self.replicas.len() * job.protocol.loading.length()
+            && self.replicas.iter().all(is_like)
+            && self.snaps.len() == self.replicas.len() * loading.length()
             && self.first_curves.len()
                 == curves_of(&replicas_of(start..self.next, job.replicas)) as usize * job.states();
         fits.then_some(self)

@@ -6,6 +6,7 @@
 use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MANY, MOST_PERIODS, periods};
 use crate::engine::{BATCH, FIRST_CURVES, PILOTS, batches_of};
+use crate::output::curves::HELD;
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
 use crate::substrate::{Coupling, Kernel};
@@ -15,8 +16,8 @@ use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 const NUMBER: f64 = 8.0;
 /// Bytes that the program takes for nothing.
 const PROGRAM: f64 = 11e6;
-/// Bytes that are kept of every replica, and bytes that are written of it at once.
-const REPLICA: f64 = 64.0 + 24.0;
+/// Bytes that are kept of every replica, and bytes that are written of it at once: a partial result has all of it as bytes.
+const REPLICA: f64 = 64.0 + 60.0;
 /// Bytes of an asperity that is binned for its moments: its height as drawn and in its bin, and the number of the bin.
 const BINNED: f64 = 20.0;
 /// Asperities that wait at a separation to be solved although sums are by moments: bytes of each, and about their share for
@@ -126,15 +127,17 @@ impl Estimate {
         let kept = NUMBER * BATCH as f64 * s * if self.curves { 3.0 } else { 1.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
-        // Sums of batches wait in a tree of log2(batches) levels, half of which have any, and again in a
-        // checkpoint.
+        // Sums of batches wait in a tree of log2(batches) levels, half of which have any, and once more while a
+        // partial result is written.
         let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
-        let of_replicas = (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas;
+        let of_replicas = (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas;
         let functionals = 2.0 * NUMBER * MAX_COMPONENTS as f64 * s;
         let ensembles =
             self.ensembles * (moments + waiting + of_replicas + functionals + self.first_curves());
         let integral = s * (100.0 * r + 24.0 * NUMBER);
-        let file = if self.curves { 4.0 * NUMBER * CURVE_CHUNK as f64 * s } else { 0.0 };
+        let of_curves = 2.0 * NUMBER * s;
+        let held = (of_curves * self.replicas).min(HELD as f64);
+        let file = if self.curves { 2.0 * of_curves * CURVE_CHUNK as f64 + held } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
         PROGRAM
             + ensembles
@@ -172,7 +175,7 @@ impl Estimate {
 
     /// Bytes of coupling the surfaces that are computed at the same time.
     fn coupled(&self) -> f64 {
-        // States are held by the replica, its batch, the checkpoint and what is written.
+        // States are held by the replica, its batch, the bytes of a partial result and what is written.
         self.asperities * (self.workers() * self.coupled + 4.0 * self.told())
     }
 
@@ -181,15 +184,14 @@ impl Estimate {
         if self.told == 0.0 { 0.0 } else { TOLD.0 + TOLD.1 * self.told }
     }
 
-    /// Disk, bytes: data of the replicas, and for curves the file next to the result that they are collected
-    /// in and as much in the result, as they may not become smaller there.
+    /// Disk, bytes: the result and, as long as it is written, the partial result with the state next to its datasets; for
+    /// curves the file without a name, too, that they are collected in, as they may not become smaller in the others.
     pub fn disk(&self) -> f64 {
-        let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
+        let curves = if self.curves { 3.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * MAX_COMPONENTS as f64);
-        let replicas = (128.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
-        // In the result, and before in a checkpoint.
-        let told = 2.0 * self.asperities * self.told();
-        self.files * (2e5 + means + replicas + curves + told + self.first_curves())
+        let replicas = (192.0 + 3.0 * NUMBER * self.snaps) * self.replicas;
+        let told = 3.0 * self.asperities * self.told();
+        self.files * (4e5 + 2.0 * means + replicas + curves + told + self.first_curves())
     }
 }
 
@@ -313,8 +315,8 @@ mod tests {
     #[test]
     fn curves_take_disk() {
         let curves = Estimate { curves: true, ..RUN };
-        assert_eq!(curves.disk() - RUN.disk(), 32.0 * 1e9 * 100.0);
+        assert_eq!(curves.disk() - RUN.disk(), 48.0 * 1e9 * 100.0);
         let most = Choice::Replicas.most(&curves, 1e9, Estimate::disk).unwrap() as f64;
-        assert!((most * 3304.0 / 1e9 - 1.0).abs() < 0.05, "{most}");
+        assert!((most * 4992.0 / 1e9 - 1.0).abs() < 0.05, "{most}");
     }
 }

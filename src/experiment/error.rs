@@ -75,20 +75,20 @@ pub enum Error {
     #[error(transparent)]
     NotWritten(OutputError),
     /// An interrupted run is kept, and this one is neither to go on with it nor to drop it.
-    #[error("{} holds {done} of {of} replicas of an interrupted run", checkpoint.display())]
+    #[error("{} holds {done} of {of} replicas of an interrupted run", partial.display())]
     Unfinished {
         /// Where it is kept.
-        checkpoint: PathBuf,
+        partial: PathBuf,
         /// Replicas that are done.
         done: u64,
         /// Replicas of the run.
         of: u64,
     },
-    /// The checkpoint is of another run than the one that is to go on.
-    #[error("{}: {problem}", checkpoint.display())]
+    /// The partial result is of another run than the one that is to go on.
+    #[error("{}: {problem}", partial.display())]
     OtherRun {
         /// Where it is kept.
-        checkpoint: PathBuf,
+        partial: PathBuf,
         /// The difference.
         problem: String,
     },
@@ -181,7 +181,7 @@ pub enum Error {
         /// Replicas that are kept.
         replicas: u64,
         /// Where.
-        checkpoint: PathBuf,
+        partial: PathBuf,
     },
 }
 

@@ -1,7 +1,7 @@
 //! Experiments from a scene's file into a file of results, which go on after an interruption.
 
 use super::Error;
-use super::checkpoint::OverwritePolicy;
+use super::partial::OverwritePolicy;
 use super::points::Points;
 use super::prepared::{Session, thread_pool};
 use super::stacked::{SweepPoint, run_sweep};

@@ -1,7 +1,7 @@
 //! The shards of a run put together into the result of one run of all.
 
-use super::checkpoint::{OverwritePolicy, Run, beginning, read_records};
-use super::layouts::SWEEP;
+use super::layouts::{RUN, SWEEP};
+use super::partial::{OverwritePolicy, Run, beginning};
 use super::points::Points;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Partial, Results, RunMetadata};
@@ -11,8 +11,10 @@ use super::stacked::{SweepPoint, stacked};
 use super::{Error, Observer, Phases};
 use crate::engine::ReductionTree;
 use crate::output::OutputLock;
-use crate::output::partial::{Kept, Visit};
+use crate::output::curves::Curves;
+use crate::output::writer::Writer;
 use crate::scene::Scene;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Shards on their way into one result.
@@ -48,7 +50,7 @@ impl Merge<'_> {
             let output = points.file(point);
             let lock = OutputLock::within(output.clone())?;
             let policy = OverwritePolicy { resume: false, force: false };
-            let task = Task { output: &output, lock: &lock, policy, shard: None };
+            let task = Task { output: &output, lock: &lock, policy, part: None };
             let merged = self.point(points.scene(point)?, places, &task, points.observer(point).as_mut());
             merged.map_err(|failure| points.at(point, failure))?;
         }
@@ -71,45 +73,41 @@ impl Merge<'_> {
         let Some(first) = places.first() else {
             return Err(Error::NotFor(format!("{}: no replicas are there", self.run.source.display())));
         };
-        let functionals = self.run.kept(*first, &scene)?.partial.functionals;
+        let mut curves = Curves::new(&scene, task.lock.folder());
+        let (shard, piece) = self.run.at(*first);
+        let functionals = shard.state(piece, &scene)?.functionals;
         let ground = PreparedRun::new(scene, laws, Some(functionals.clone()), self.session, &mut phases);
         let setup = ground.sampling();
         let job = setup.job();
         phases.replicas("ensemble", 0, of);
         let mut merged = ReductionTree::of(&job);
-        let (mut metadata, mut records, mut there) = (RunMetadata::default(), Vec::new(), Vec::new());
+        let (mut metadata, mut there, mut seconds_before) = (RunMetadata::default(), Vec::new(), 0.0);
         for place in places {
             self.goes_on(merged.replicas.len() as u64, of)?;
-            let mut kept = self.run.kept(*place, &ground.scene)?;
-            if kept.partial.functionals != functionals {
+            let (shard, piece) = self.run.at(*place);
+            let state = shard.state(piece, &ground.scene)?;
+            shard.read_curves(piece, &ground.scene, &mut curves)?;
+            if state.functionals != functionals {
                 let problem = "has other functionals of the joint test than the shards before it";
-                return Err(kept.records.refused(problem).into());
+                return Err(shard.refused(problem).into());
             }
-            read_records(&ground.scene, &mut kept)?;
-            let Kept { partial, records: own } = kept;
-            let replicas = partial.extent().0;
-            let tree = partial.tree.restored(&job).filter(ReductionTree::is_complete);
-            let tree = tree.ok_or_else(|| own.refused("is not of this scene"))?;
-            there.extend(replicas);
+            let tree = state.tree.restored(&job).filter(ReductionTree::is_complete);
+            let tree = tree.ok_or_else(|| shard.refused("is not of this scene"))?;
+            there.extend(piece.replicas.clone());
             phases.advance(tree.replicas.len() as u64);
             merged.append(tree);
-            records.push(own);
-            metadata.seconds_before += partial.seconds;
-            metadata.resumptions += partial.resumptions;
+            seconds_before += state.seconds;
+            metadata.resumptions += state.resumptions;
         }
         metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(merged, summation, metadata, self.session, &mut phases);
+        let on = (self.session, &mut phases);
+        let mut results = ground.whole_results(&mut merged, &Arc::new(summation), metadata, on);
+        results.add_seconds(seconds_before);
         phases.phase("writing");
-        let mut all = |visit: &mut Visit<'_>| {
-            for records in &records {
-                if !records.each(visit)? {
-                    return Ok(false);
-                }
-            }
-            Ok(true)
-        };
-        let written = write(task, &results, &mut all, &self.session.stop);
+        let writer = Writer::create(&RUN, task.lock, task.policy.force);
+        let written =
+            writer.and_then(|writer| write(writer, &results, None, &mut curves, &self.session.stop));
         phases.end();
         match written {
             Ok(true) => Ok(Box::new(results)),

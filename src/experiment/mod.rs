@@ -3,7 +3,6 @@
 
 mod background;
 pub(crate) mod capillary;
-pub(crate) mod checkpoint;
 pub(crate) mod compare;
 pub(crate) mod coupling;
 mod datasets;
@@ -12,9 +11,11 @@ pub(crate) mod files;
 mod host;
 pub(crate) mod independence;
 pub(crate) mod integral;
+mod keeper;
 pub mod layouts;
 pub(crate) mod merge;
 mod observer;
+pub(crate) mod partial;
 pub(crate) mod points;
 pub(crate) mod prepared;
 pub(crate) mod result_file;
@@ -22,7 +23,6 @@ pub(crate) mod results;
 pub(crate) mod run;
 pub(crate) mod sampling;
 pub(crate) mod scene_file;
-pub(crate) mod shard_run;
 pub(crate) mod shard_set;
 pub(crate) mod snaps;
 mod stack;

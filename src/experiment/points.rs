@@ -1,22 +1,20 @@
 //! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of
 //! all.
 //!
-//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is
-//! being computed its checkpoint. It stays when the sweep is interrupted, and goes when the output of all is
-//! complete. Points can be computed in any order, and a range of them by itself.
+//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its
+//! partial result. It stays when the sweep is interrupted, and goes when the output of all is
+//! complete. Of a shard the folder holds the points of which the shard has any batches.
 
-use super::checkpoint::{OverwritePolicy, Run, identity, is_result_of};
 use super::layouts::RUN;
+use super::partial::{OverwritePolicy, Part, PartialFile, Run, forget, identity, is_result_of};
 use super::prepared::{SceneLaws, Session, Task, run_scene};
 use super::sampling::set_ensemble;
 use super::{Error, Observer};
-use crate::engine::Shard;
+use crate::engine::{Shard, batches_of};
 use crate::estimate::Estimate;
 use crate::output::identity::Identity;
-use crate::output::journal::forget;
-use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::schema::Layout;
-use crate::output::{OutputError, OutputLock, beside};
+use crate::output::{OutputError, OutputLock, PARTIAL, beside};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
 use std::ffi::OsString;
@@ -132,16 +130,17 @@ impl Points<'_> {
 
     /// Refuses what is kept of an earlier run, or drops it.
     fn refuse_kept(&self, force: bool) -> Result<(), Error> {
-        let checkpoint = self.lock.beside(".checkpoint");
+        let partial = PartialFile::find(self.lock)?;
         let is_begun = !self.entries()?.own.is_empty();
-        if is_checkpoint(&checkpoint) && !force {
-            return Err(Error::OtherRun { checkpoint, problem: "is of an interrupted run".to_owned() });
+        if let Some(PartialFile { path, .. }) = partial.as_ref().filter(|_| !force) {
+            let problem = "is of an interrupted run".to_owned();
+            return Err(Error::OtherRun { partial: path.clone(), problem });
         }
         if is_begun && !force {
             let (done, of) = (self.done(), self.sweep.count());
             return Err(Error::UnfinishedPoints { folder: self.folder(), done, of });
         }
-        if is_checkpoint(&checkpoint) {
+        if partial.is_some() {
             forget(self.lock)?;
         }
         self.clear()
@@ -150,18 +149,16 @@ impl Points<'_> {
     /// Refuses points that are kept and are not of this sweep, or of another shard of it.
     fn check_kept(&self) -> Result<(), Error> {
         for point in 0..self.sweep.count() {
-            let (file, checkpoint) = (self.file(point), self.checkpoint(point));
+            let (file, partial) = (self.file(point), beside(&self.file(point), PARTIAL));
             let scene = self.scene(point)?;
-            if file.exists()
-                && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false)
-            {
+            let own = identity(Run { scene: &scene, shard: self.shard });
+            if file.exists() && !is_result_of(&file, &RUN, &own, false) {
                 return Err(Error::OtherPoint { file, point: self.sweep.name(point) });
             }
-            if is_checkpoint(&checkpoint) {
-                let kept = Partial::read(&checkpoint)?.identity;
-                let own = identity(Run { scene: &scene, shard: self.shard });
-                if let Some(difference) = own.difference("the interrupted run", ("was", "is now"), &kept) {
-                    return Err(self.at(point, Error::OtherRun { checkpoint, problem: difference }));
+            if partial.exists() {
+                let kept = PartialFile::open(&partial)?.head.identity;
+                if let Some(problem) = own.difference("the interrupted run", ("was", "is now"), &kept) {
+                    return Err(self.at(point, Error::OtherRun { partial, problem }));
                 }
             }
         }
@@ -174,42 +171,42 @@ impl Points<'_> {
         (0..self.sweep.count()).map(file).collect()
     }
 
-    /// Points that are complete, or of which a shard has kept anything.
+    /// Points that are complete.
     fn done(&self) -> usize {
-        let is_there = |point: usize| match self.shard {
-            None => self.file(point).exists(),
-            Some(_) => self.checkpoint(point).exists(),
-        };
-        (0..self.sweep.count()).filter(|point| is_there(*point)).count()
+        self.files().iter().flatten().count()
     }
 
-    /// The checkpoint of a point.
-    fn checkpoint(&self, point: usize) -> PathBuf {
-        beside(&self.file(point), ".checkpoint")
+    /// The batches of each point that are computed, with as many as the shard has of them.
+    fn shares(&self) -> Result<Vec<Range<u64>>, Error> {
+        let batches = |point| self.scene(point).map(|scene| batches_of(scene.replicas));
+        let batches = (0..self.sweep.count()).map(batches).collect::<Result<Vec<u64>, Error>>()?;
+        Ok(shares(self.shard.unwrap_or(Shard { index: 1, count: 1 }), &batches))
     }
 
-    /// Computes a range of points; those that are complete stay as they are.
+    /// Computes all points, of a shard those of which it has any batches; those that are complete stay as
+    /// they are.
     ///
     /// # Errors
     /// [`Error`] with the point named; what has been done is kept.
-    pub fn compute(&self, range: Range<usize>) -> Result<(), Error> {
-        for point in range {
-            self.compute_one(point).map_err(|failure| self.kept(self.at(point, failure)))?;
+    pub fn compute(&self) -> Result<(), Error> {
+        for (point, batches) in self.shares()?.into_iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+            self.compute_one(point, batches).map_err(|failure| self.kept(self.at(point, failure)))?;
         }
         Ok(())
     }
 
-    fn compute_one(&self, point: usize) -> Result<(), Error> {
+    fn compute_one(&self, point: usize, batches: Range<u64>) -> Result<(), Error> {
         let (output, session) = (self.file(point), self.session);
         let scene = self.scene(point)?;
+        let part = self.shard.map(|shard| Part { shard, batches, source: self.source.to_owned() });
+        let count = part.as_ref().map_or(scene.replicas, |part| part.count(&scene));
         if session.stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
+            return Err(Error::Interrupted { done: 0, of: count, kept: self.done() > 0 });
         }
         let lock = OutputLock::within(output.clone())?;
         let policy = OverwritePolicy { resume: true, force: false };
-        let task = Task { output: &output, lock: &lock, policy, shard: None };
-        let laws =
-            SceneLaws::fitting(&scene, scene.replicas, &task, session, session.pool.current_num_threads());
+        let task = Task { output: &output, lock: &lock, policy, part };
+        let laws = SceneLaws::fitting(&scene, count, &task, session, session.pool.current_num_threads());
         let laws = laws.map_err(|error| error.in_scene(self.source))?;
         run_scene(scene, laws, &task, session, self.observer(point).as_mut()).map(drop)
     }
@@ -283,6 +280,18 @@ impl Points<'_> {
     }
 }
 
+/// The batches of each of some points that are in a shard of all of them, one point after the other.
+fn shares(shard: Shard, batches: &[u64]) -> Vec<Range<u64>> {
+    let range = shard.range(batches.iter().sum());
+    let mut before = 0;
+    let share = |count: &u64| {
+        let own = [range.start, range.end].map(|end| end.clamp(before, before + count) - before);
+        before += count;
+        own[0]..own[1]
+    };
+    batches.iter().map(share).collect()
+}
+
 /// The contents of the folder of the points.
 #[derive(Default)]
 struct Entries {
@@ -296,22 +305,28 @@ struct Entries {
 fn is_of_point(name: &str) -> bool {
     let name = name.strip_prefix('.').unwrap_or(name);
     let Some((number, rest)) = name.split_once(".h5") else { return false };
-    let suffixes = ["", ".lock", ".partial", ".checkpoint", ".checkpoint.partial", ".checkpoint.replicas"];
+    let suffixes = ["", ".lock", PARTIAL, ".partial.partial"];
     number.len() >= 4 && number.bytes().all(|byte| byte.is_ascii_digit()) && suffixes.contains(&rest)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::is_of_point;
+    use super::*;
+
+    #[test]
+    fn shards_go_through_the_points_one_after_the_other() {
+        let shares = |index| shares(Shard { index, count: 3 }, &[4, 1, 5]);
+        assert_eq!(shares(1), [0..3, 0..0, 0..0]);
+        assert_eq!(shares(2), [3..4, 0..1, 0..1]);
+        assert_eq!(shares(3), [4..4, 1..1, 1..5]);
+    }
 
     #[test]
     fn only_what_is_of_a_point_is_taken_for_it() {
-        for name in
-            ["0001.h5", "10000.h5", ".0002.h5.lock", "0003.h5.checkpoint", "0003.h5.checkpoint.replicas"]
-        {
+        for name in ["0001.h5", "10000.h5", ".0002.h5.lock", "0003.h5.partial", ".0003.h5.partial.partial"] {
             assert!(is_of_point(name), "{name}");
         }
-        for name in ["notes.txt", "1.h5", "0001.h5.bak", "abcd.h5", "0001.h5.checkpoint.old", "", "."] {
+        for name in ["notes.txt", "1.h5", "0001.h5.bak", "abcd.h5", "0001.h5.partial.old", "", "."] {
             assert!(!is_of_point(name), "{name}");
         }
     }

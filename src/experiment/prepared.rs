@@ -1,21 +1,22 @@
 //! One scene, from its laws to a checked file.
 
-use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
 use super::coupling::mean_fields;
 use super::datasets::write_results;
 use super::host::Host;
 use super::integral::{Integral, PathIntegral};
-use super::layouts::RUN;
-use super::result_file::{AllRecords, write_curves, write_head};
+use super::keeper::Keeper;
+use super::partial::{Beginning, OverwritePolicy, Part, Run, beginning, write_restart};
+use super::result_file::{write_curves, write_head};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
-use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
+use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of};
 use crate::estimate::Estimate;
-use crate::integral::{Expectations, controls};
+use crate::integral::{Expectations, MeanField, controls};
 use crate::math::control_variates::controlled_means;
-use crate::output::partial::Functionals;
+use crate::output::curves::Curves;
+use crate::output::partial::{Functionals, Head};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
@@ -65,8 +66,20 @@ pub(crate) struct Task<'a> {
     pub lock: &'a OutputLock,
     /// The policy for what is there already.
     pub policy: OverwritePolicy,
-    /// The shard that it is of the run, if not all of it.
-    pub shard: Option<Shard>,
+    /// The part of the scene that is computed, if not all of it.
+    pub part: Option<Part>,
+}
+
+impl Task<'_> {
+    /// The shard that the part is of.
+    pub fn shard(&self) -> Option<Shard> {
+        self.part.as_ref().map(|part| part.shard)
+    }
+
+    /// The batches of a scene that are computed.
+    fn batches(&self, scene: &Scene) -> Range<u64> {
+        self.part.as_ref().map_or(0..batches_of(scene.replicas), |part| part.batches.clone())
+    }
 }
 
 /// Computes a scene into its output; what it has found out, or none where the output was complete before.
@@ -81,29 +94,36 @@ pub(crate) fn run_scene(
     observer: &mut dyn Observer,
 ) -> Result<Option<Box<Results>>, Error> {
     let mut phases = Phases::new(observer);
-    let interrupted = match beginning(task.lock, Run { scene: &scene, shard: task.shard }, task.policy)? {
+    let run = Run { scene: &scene, shard: task.shard() };
+    let mut curves = Curves::new(&scene, task.lock.folder());
+    let state = match beginning(task.lock, run, task.policy)? {
         Beginning::Complete => return Ok(None),
         Beginning::Anew => None,
-        Beginning::Resumed(run) => Some(run),
+        Beginning::Resumed(found) => match &found.pieces[..] {
+            [piece] => {
+                found.read_curves(piece, &scene, &mut curves)?;
+                Some(found.state(piece, &scene)?)
+            }
+            _ => return Err(found.refused("is not of one scene").into()),
+        },
     };
-    let kept = interrupted.as_ref().map(|run| run.functionals().clone());
+    let kept = state.as_ref().map(|state| state.functionals.clone());
     let ground = PreparedRun::new(scene, laws, kept, session, &mut phases);
-    let batches = 0..batches_of(ground.scene.replicas);
-    let Sampled { reduction_tree, summation, mut checkpointer } =
-        ground.sample(batches, interrupted, task, session, &mut phases)?;
-    let most = ground.scene.replicas;
-    let metadata = RunMetadata {
-        seconds_before: checkpointer.seconds_before,
-        resumptions: checkpointer.resumptions(),
-        checkpoints: checkpointer.journal.cost(),
-        ..RunMetadata::default()
-    };
-    let results = ground.results(*reduction_tree, summation, metadata, session, &mut phases);
-    phases.phase("writing");
-    let written = write(task, &results, &mut |visit| checkpointer.journal.each(visit), &session.stop);
-    phases.end();
-    checkpointer.ended(written, task.output, most)?;
-    Ok(Some(Box::new(results)))
+    let sampling = ground.sampling();
+    let summation = Arc::new(sampling.summation(&session.pool));
+    let batches = task.batches(&ground.scene);
+    let (mut keeper, start) = Keeper::begin((&ground, &summation), (task, session), state, batches, curves)?;
+    phases.replicas("ensemble", keeper.done, keeper.count);
+    keeper.phases = phases.seconds();
+    let observe = |batch: &Batch, merged: &mut ReductionTree| keeper.keep(batch, merged);
+    let outcome = sampling.run(&summation, (&session.pool, &session.stop), &mut phases, start, observe);
+    match outcome.map_err(|error| keeper.advised(error.into()))? {
+        Outcome::Complete(tree) => keeper.complete(tree, &mut phases).map(Some),
+        Outcome::Interrupted(mut tree) => {
+            keeper.save(&mut tree)?;
+            Err(keeper.interrupted())
+        }
+    }
 }
 
 /// The laws of a scene.
@@ -142,7 +162,7 @@ impl SceneLaws {
         let estimate =
             Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.view(), threads) };
         // What an interrupted run has kept is on the disk already.
-        let begins = !task.lock.beside(".checkpoint").exists();
+        let begins = !task.lock.partial().exists();
         let required = session.host.require(&estimate, begins.then_some(task.output));
         required.map_err(Error::TooLarge).map(|()| laws)
     }
@@ -154,17 +174,10 @@ pub(crate) struct PreparedRun {
     laws: SceneLaws,
     warnings: Vec<Warning>,
     integral: Integral,
-    functionals: Functionals,
+    mean_fields: Vec<MeanField>,
+    pub functionals: Functionals,
     /// Expectations of the external force at the control variates, N.
     expected: Vec<f64>,
-}
-
-/// An ensemble that has been computed.
-pub(crate) struct Sampled {
-    pub reduction_tree: Box<ReductionTree>,
-    pub summation: Summation,
-    /// The checkpointer that keeps it until it is written.
-    pub checkpointer: Checkpointer,
 }
 
 impl PreparedRun {
@@ -178,18 +191,22 @@ impl PreparedRun {
     ) -> Self {
         let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
-        let (integral, warnings) = pool.install(|| {
+        let (integral, warnings, mean_fields) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, &scene.model, law);
             let warnings = warnings(&scene, &scene.model, law.typical, &expected);
-            (integral, warnings)
+            let mean_fields = match scene.replicas {
+                0 => Vec::new(),
+                _ => mean_fields(&scene, law, cycle, &integral),
+            };
+            (integral, warnings, mean_fields)
         });
         phases.phase("test functionals");
         let functionals = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.paths().flat_map(force).collect();
         let expected = functionals.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, warnings, integral, functionals, expected }
+        Self { scene, laws, warnings, integral, mean_fields, functionals, expected }
     }
 
     /// The ensemble.
@@ -209,100 +226,57 @@ impl PreparedRun {
         self.scene.stopping.as_ref().map(|stopping| Rule { stopping, expected: &self.expected })
     }
 
-    /// Computes a range of batches for a task, from what was kept of it.
-    pub fn sample(
+    /// Results of the ensemble that has been merged, on the threads of a session and with the seconds of its
+    /// phases.
+    pub fn whole_results(
         &self,
-        batches: Range<u64>,
-        interrupted: Option<Box<Interrupted>>,
-        task: &Task<'_>,
-        session: &Session,
-        phases: &mut Phases<'_>,
-    ) -> Result<Sampled, Error> {
-        let setup = self.sampling();
-        let job = setup.job();
-        let replicas = replicas_of(batches.clone(), job.replicas);
-        let (mut checkpointer, start) = match interrupted {
-            Some(run) => Checkpointer::resume(*run, &job, &batches, session.interval)?,
-            None => {
-                let run = Run { scene: &self.scene, shard: task.shard };
-                (
-                    Checkpointer::begin(task.lock, run, self.functionals.clone(), session.interval)?,
-                    ReductionTree::new(batches),
-                )
-            }
-        };
-        let observe = |batch: &Batch, merged: &ReductionTree| checkpointer.keep(batch, merged);
-        let computed = setup.run("ensemble", &session.pool, &session.stop, phases, start, observe);
-        let (outcome, summation) = computed.map_err(|error| checkpointer.advised(error.into()))?;
-        match outcome {
-            Outcome::Complete(reduction_tree) => {
-                checkpointer.hold(&reduction_tree);
-                Ok(Sampled { reduction_tree, summation, checkpointer })
-            }
-            Outcome::Interrupted(reduction_tree) => {
-                checkpointer.save(&reduction_tree)?;
-                Err(checkpointer.interrupted(replicas.end - replicas.start))
-            }
-        }
+        tree: &mut ReductionTree,
+        summation: &Arc<Summation>,
+        metadata: RunMetadata,
+        (session, phases): (&Session, &mut Phases<'_>),
+    ) -> Results {
+        phases.phase("cross-check");
+        let results = session.pool.install(|| self.results(tree, summation, metadata));
+        phases.end();
+        Results { seconds: phases.seconds(), threads: session.pool.current_num_threads(), ..results }
     }
 
-    /// Results of the ensemble that has been merged.
+    /// Results of the replicas that a tree has, which go over to them.
     pub fn results(
-        mut self,
-        reduction_tree: ReductionTree,
-        summation: Summation,
+        &self,
+        tree: &mut ReductionTree,
+        summation: &Arc<Summation>,
         metadata: RunMetadata,
-        session: &Session,
-        phases: &mut Phases<'_>,
     ) -> Results {
-        let ensemble = Box::new(reduction_tree.into_ensemble(&self.sampling().job()));
+        let ensemble = Box::new(tree.lend(&self.sampling().job()));
         let stopped = self.rule().map(|rule| Stopped::new(&rule, &ensemble));
-        // From here on the scene is that of the replicas that there are.
-        self.scene.stopping = None;
-        self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: SceneLaws { law, cycle, .. }, warnings, integral, functionals, expected } =
-            self;
-        let Functionals { basis, controls, .. } = functionals;
-        phases.phase("cross-check");
+        // The scene of the replicas that there are.
+        let replicas = ensemble.replicas.len() as u64;
+        let scene = Scene { stopping: None, replicas, ..self.scene.clone() };
+        let (law, cycle, integral) = (&self.laws.law, self.laws.cycle.as_ref(), self.integral.clone());
+        let Functionals { basis, controls, .. } = self.functionals.clone();
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
-        let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-        let has_replicas = scene.replicas > 0;
-        let mean_fields = match has_replicas {
-            true => session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral)),
-            false => Vec::new(),
-        };
+        let scalars = controlled_means(&ensemble.groups.scalars, &self.expected);
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main, retraction, reapproach } = integral;
         let PathIntegral { expectations, features: of_integral, .. } = main;
-        let (of_mean, retraction) = session.pool.install(|| {
-            let of_mean = match has_replicas {
-                true => mean_features(&scene, law.view(), &ensemble, &expectations),
-                false => of_integral,
-            };
-            (
-                of_mean,
-                cycle
-                    .zip(retraction)
-                    .map(|(cycle, way)| RetractionResults::new(&scene, &cycle, &ensemble, way)),
-            )
-        });
-        phases.end();
-        let mut seconds = phases.seconds();
-        seconds
-            .iter_mut()
-            .filter(|(name, _)| *name == "ensemble")
-            .for_each(|(_, time)| *time += metadata.seconds_before);
+        let of_mean = match replicas {
+            0 => of_integral,
+            _ => mean_features(&scene, law.view(), &ensemble, &expectations),
+        };
+        let retraction =
+            cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
         Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             scene,
-            warnings,
+            warnings: self.warnings.clone(),
             expectations,
             retraction,
             reapproach: reapproach.map(|way| way.expectations),
             ensemble,
             stopped,
-            summation,
+            summation: Arc::clone(summation),
             basis,
             controls,
             scalars,
@@ -312,9 +286,9 @@ impl PreparedRun {
             independence,
             z,
             joint,
-            mean_fields,
-            seconds,
-            threads: session.pool.current_num_threads(),
+            mean_fields: self.mean_fields.clone(),
+            seconds: Vec::new(),
+            threads: 0,
             metadata,
         }
     }
@@ -336,23 +310,36 @@ fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &I
     Functionals { basis, controls, fewest_replicas: scene.fewest_replicas() }
 }
 
-/// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it
-/// was complete, and then is not there.
+/// The state that the file of a partial result holds.
+pub(crate) struct Restart {
+    pub head: Head,
+    pub state: Vec<u8>,
+}
+
+/// Writes results, and of partial ones the state; `false` if it was interrupted before the file was complete,
+/// which then is not there. A shard without replicas has no datasets.
 pub(crate) fn write(
-    task: &Task<'_>,
+    mut writer: Writer<'_>,
     results: &Results,
-    records: &mut AllRecords<'_>,
+    restart: Option<Restart>,
+    curves: &mut Curves,
     stop: &AtomicBool,
 ) -> Result<bool, OutputError> {
-    let mut writer = Writer::create(&RUN, task.lock, task.policy.force)?;
     write_head(&mut writer, results)?;
-    if results.scene.curves && results.scene.replicas > 0 {
-        write_curves(&writer, results, records, stop)?;
+    let has_replicas = results.scene.replicas > 0;
+    if has_replicas && results.scene.curves {
+        write_curves(&writer, &results.scene, curves, stop)?;
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(false);
     }
-    write_results(&mut writer, results)?;
+    // An empty part of an ensemble is not the integral alone.
+    if has_replicas || restart.is_none() {
+        write_results(&mut writer, results)?;
+    }
+    if let Some(Restart { head, state }) = restart {
+        write_restart(&writer, &head, std::iter::once(Ok(state)))?;
+    }
     writer.finish()?;
     Ok(true)
 }

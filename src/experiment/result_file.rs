@@ -3,9 +3,9 @@
 use super::results::Results;
 use crate::engine::{QUANTILES, Ways, scalars};
 use crate::output::OutputError;
-use crate::output::partial::Visit;
+use crate::output::curves::Curves;
 use crate::output::schema::{Dimension, RANGE_ENDS};
-use crate::output::writer::{CURVE_CHUNK, Writer};
+use crate::output::writer::Writer;
 use crate::scene::{Scene, findings, listed};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -48,40 +48,30 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.scale_in("/ensemble", Dimension::Control)
 }
 
-/// Shows the records of all replicas, as long as more are asked for.
-pub(crate) type AllRecords<'a> = dyn FnMut(&mut Visit<'_>) -> Result<bool, OutputError> + 'a;
+/// The datasets of the curves of replicas: of each force on each way, in the order that a replica has them.
+pub(crate) fn curve_paths(ways: Ways) -> Vec<String> {
+    let of_ways = |force: &'static str| ways.prefixes().map(move |way| format!("/replicas/{way}{force}"));
+    ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect()
+}
 
-/// Writes the curves of all replicas out of their records, unless it is stopped.
+/// Writes the curves of all replicas, unless it is stopped.
 pub(crate) fn write_curves(
     writer: &Writer<'_>,
-    results: &Results,
-    records: &mut AllRecords<'_>,
+    scene: &Scene,
+    curves: &mut Curves,
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
-    let of_ways = |force: &'static str| {
-        results.paths().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"))
-    };
-    let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
+    let (paths, s, mut written) = (curve_paths(scene.ways()), scene.separations.len(), 0);
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
-    let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
-    let (mut curves, mut written) = (vec![Vec::new(); paths.len()], 0);
-    let ways = paths.len() / 2;
-    records(&mut |records| {
-        for (curves, forces) in curves.chunks_exact_mut(ways).zip(&records.forces) {
-            forces.chunks_exact(s).enumerate().for_each(|(i, way)| curves[i % ways].extend_from_slice(way));
+    curves.each(&mut |replicas| {
+        let length = paths.len() * s;
+        for (i, path) in paths.iter().enumerate() {
+            let rows = replicas.chunks_exact(length).flat_map(|own| own[i * s..(i + 1) * s].iter().copied());
+            writer.rows(path, written, &rows.collect::<Vec<f64>>())?;
         }
-        let rows = curves[0].len() / s;
-        if rows < CURVE_CHUNK && written + rows < total {
-            return Ok(true);
-        }
-        for (path, curves) in paths.iter().zip(&mut curves) {
-            writer.rows(path, written, curves)?;
-            curves.clear();
-        }
-        written += rows;
+        written += replicas.len() / length;
         Ok(!stop.load(Ordering::Relaxed))
-    })?;
-    Ok(())
+    })
 }
 
 /// Writes what made the file, and when.

@@ -10,6 +10,7 @@ use crate::math::interpolation::linear;
 use crate::scene::{Scene, Warning};
 use crate::validation::{Basis, JointTest};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Everything that a run has found out.
@@ -25,7 +26,7 @@ pub(crate) struct Results {
     pub ensemble: Box<Ensemble>,
     /// Why there are so many replicas, if targets decided.
     pub stopped: Option<Stopped>,
-    pub summation: Summation,
+    pub summation: Arc<Summation>,
     pub basis: Basis,
     /// Indices of the states of the control variates.
     pub controls: Vec<usize>,
@@ -44,6 +45,7 @@ pub(crate) struct Results {
     pub joint: JointTest,
     /// What coupled asperities come to by mean field, on each path; none of independent ones.
     pub mean_fields: Vec<MeanField>,
+    /// The phases and the seconds that each took.
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
     pub metadata: RunMetadata,
@@ -52,11 +54,9 @@ pub(crate) struct Results {
 /// How a run went, beside its results.
 #[derive(Default)]
 pub(crate) struct RunMetadata {
-    /// Seconds that the ensemble took before this sitting.
-    pub seconds_before: f64,
     /// How often the run was resumed.
     pub resumptions: u64,
-    /// Checkpoints that were saved since it was, and the time that took.
+    /// Partial results that were written since it was, and the time that took.
     pub checkpoints: (u64, Duration),
     /// The replicas that are there, of a run that is not whole.
     pub partial: Option<Partial>,
@@ -109,6 +109,12 @@ fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(Unloa
 }
 
 impl Results {
+    /// Adds the seconds that the ensemble took before.
+    pub fn add_seconds(&mut self, before: f64) {
+        let ensemble = self.seconds.iter_mut().filter(|(name, _)| *name == "ensemble");
+        ensemble.for_each(|(_, seconds)| *seconds += before);
+    }
+
     /// The names that datasets of each path begin with, and its states.
     pub fn paths(&self) -> Vec<(&'static str, Range<usize>)> {
         let s = self.scene.separations.len();

@@ -1,24 +1,26 @@
 //! Experiments on scenes from Rust: with nothing but the scene, or set up.
 
 use super::Error;
-use super::checkpoint::OverwritePolicy;
 use super::compare::{Comparison, PreparedComparison};
 use super::files::session;
 use super::integral::Integral;
+use super::layouts::RUN;
 use super::observer::{Observer, Phases};
+use super::partial::OverwritePolicy;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, run_scene, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
-use crate::engine::{Batch, Ensemble, Records};
+use crate::engine::Ensemble;
 use crate::integral::Independence;
 use crate::math::control_variates::ControlledMean;
 use crate::output::OutputLock;
-use crate::output::partial::Visit;
+use crate::output::curves::Curves;
+use crate::output::writer::Writer;
 use crate::scene::Scene;
 use crate::validation::JointTest;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Runs a scene on all cores: its integral, its ensemble, and the check of one against the other.
 ///
@@ -131,17 +133,13 @@ impl<'a> Builder<'a> {
         self.with_session(|session, phases| {
             let run = PreparedRun::new(scene.clone(), SceneLaws::new(scene)?, None, session, phases);
             let setup = run.sampling();
-            let mut records = Vec::new();
-            let observe = |batch: &Batch| {
-                if scene.curves {
-                    records.push(batch.records().into_owned());
-                }
-            };
-            let (reduction_tree, summation) =
+            let mut curves = Curves::new(scene, &std::env::temp_dir());
+            let observe = |batch: &_| curves.add(batch);
+            let (mut tree, summation) =
                 setup.run_whole("ensemble", &session.pool, &session.stop, phases, observe)?;
-            let results =
-                Box::new(run.results(*reduction_tree, summation, RunMetadata::default(), session, phases));
-            Ok(RunResult { results, records })
+            let (summation, metadata) = (Arc::new(summation), RunMetadata::default());
+            let results = run.whole_results(&mut tree, &summation, metadata, (session, phases));
+            Ok(RunResult { results: Box::new(results), curves: Mutex::new(curves) })
         })
     }
 
@@ -156,7 +154,7 @@ impl<'a> Builder<'a> {
         let laws = SceneLaws::new(scene)?;
         let lock = OutputLock::new(output, &[])?;
         let policy = OverwritePolicy { resume: true, force: false };
-        let task = Task { output, lock: &lock, policy, shard: None };
+        let task = Task { output, lock: &lock, policy, part: None };
         let Self { threads, observer, stop, .. } = self;
         let session = Session { stop, ..session(threads)? };
         let mut nobody = ();
@@ -238,8 +236,8 @@ pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
 /// ```
 pub struct RunResult {
     results: Box<Results>,
-    /// Records of the replicas, where their curves are kept.
-    records: Vec<Records<'static>>,
+    /// Curves of the replicas, where they are kept.
+    curves: Mutex<Curves>,
 }
 
 impl RunResult {
@@ -287,17 +285,10 @@ impl RunResult {
         let output = path.as_ref();
         let lock = OutputLock::new(output, &[])?;
         lock.check(false)?;
-        let policy = OverwritePolicy { resume: false, force: false };
-        let task = Task { output, lock: &lock, policy, shard: None };
-        let mut records = |visit: &mut Visit<'_>| {
-            for records in &self.records {
-                if !visit(records)? {
-                    return Ok(false);
-                }
-            }
-            Ok(true)
-        };
-        let written = write(&task, &self.results, &mut records, &AtomicBool::new(false));
+        let mut curves = self.curves.lock().unwrap_or_else(PoisonError::into_inner);
+        let writer = Writer::create(&RUN, &lock, false);
+        let written = writer
+            .and_then(|writer| write(writer, &self.results, None, &mut curves, &AtomicBool::new(false)));
         written.map(drop).map_err(|error| Error::NotWritten(error.writing(output)))
     }
 }

@@ -4,8 +4,7 @@ use super::Error;
 use super::observer::Phases;
 use crate::asperity::{Laws, Loop, Path, Quantity, SurfaceLoops};
 use crate::engine::{
-    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation, replicas_of,
-    run_from,
+    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation, run_from,
 };
 use crate::integral::Expectations;
 use crate::output::OutputError;
@@ -79,29 +78,24 @@ impl Sampling<'_> {
         }
     }
 
-    /// Sums the replicas that `start` does not have yet, told of as the phase `name`; `observe` gets every
-    /// batch in order, with what it has been merged into. Also tells how they were summed.
+    /// Sums the replicas that `start` does not have yet, as the last phase that has begun; `observe` gets
+    /// every batch in order, with the tree that it has been merged into.
     pub fn run(
         &self,
-        name: &'static str,
-        pool: &rayon::ThreadPool,
-        stop: &AtomicBool,
+        summation: &Summation,
+        (pool, stop): (&rayon::ThreadPool, &AtomicBool),
         phases: &mut Phases<'_>,
         start: ReductionTree,
-        mut observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), OutputError>,
-    ) -> Result<(Outcome, Summation), OutputError> {
-        let job = self.job();
-        let summation = self.summation(pool);
-        let job = Job { moments: summation.matrix.as_ref(), ..job };
-        let replicas = replicas_of(start.batches(), job.replicas);
-        phases.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
+        mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), OutputError>,
+    ) -> Result<Outcome, OutputError> {
+        let job = Job { moments: summation.matrix.as_ref(), ..self.job() };
         let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {
             observe(batch, merged)?;
             phases.advance(batch.ensemble.replicas.len() as u64);
             Ok::<(), OutputError>(())
         })?;
         phases.end();
-        Ok((outcome, summation))
+        Ok(outcome)
     }
 
     /// Sums all replicas, of which nothing is kept on the way; `observe` gets every batch in order.
@@ -114,16 +108,13 @@ impl Sampling<'_> {
         pool: &rayon::ThreadPool,
         stop: &AtomicBool,
         phases: &mut Phases<'_>,
-        mut observe: impl FnMut(&Batch),
+        mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
     ) -> Result<(Box<ReductionTree>, Summation), Error> {
-        let start = ReductionTree::of(&self.job());
-        let observe = |batch: &Batch, _: &ReductionTree| {
-            observe(batch);
-            Ok(())
-        };
-        match self.run(name, pool, stop, phases, start, observe)? {
-            (Outcome::Complete(reduction_tree), summation) => Ok((reduction_tree, summation)),
-            (Outcome::Interrupted(reduction_tree), _) => {
+        let (start, summation) = (ReductionTree::of(&self.job()), self.summation(pool));
+        phases.replicas(name, 0, self.scene.replicas);
+        match self.run(&summation, (pool, stop), phases, start, |batch, _| observe(batch))? {
+            Outcome::Complete(reduction_tree) => Ok((reduction_tree, summation)),
+            Outcome::Interrupted(reduction_tree) => {
                 let done = reduction_tree.replicas.len() as u64;
                 Err(Error::Interrupted { done, of: self.scene.replicas, kept: false })
             }

@@ -1,16 +1,14 @@
 //! Whether shards make up a run: what is missing, doubled, unfinished or of another run.
 
 use super::Error;
-use super::checkpoint::{Run, is_of};
+use super::partial::{PartialFile, Piece};
 use super::scene_file::LONGEST_SCENE;
 use crate::engine::Shard;
 use crate::format::replicas as shown;
 use crate::input::columns::SceneFiles;
-use crate::output::beside;
 use crate::output::identity::Identity;
-use crate::output::partial::{Kept, Partial, is_checkpoint};
-use crate::output::shard_file::ShardFile;
-use crate::scene::{Document, Scene, Sweep};
+use crate::output::{PARTIAL, beside};
+use crate::scene::{Document, Sweep};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +23,7 @@ pub(crate) struct ShardSet {
     /// The file of the scene.
     pub source: PathBuf,
     pub document: Document,
-    pub shards: Vec<ShardFile>,
+    pub shards: Vec<PartialFile>,
     /// Where the pieces of each point are, in the order of their replicas.
     pub places: Vec<Vec<Place>>,
     /// A line for each thing that is not there.
@@ -77,52 +75,38 @@ impl ShardSet {
         Ok(Self { identity, source, document, shards, places, missing })
     }
 
-    /// A piece of a shard, which has to be of the run of a scene.
-    pub fn kept(&self, (shard, piece): Place, scene: &Scene) -> Result<Kept, Error> {
-        let shard = &self.shards[shard];
-        let (piece, run) = (&shard.pieces[piece], Run { scene, shard: shard.head.identity.shard });
-        let kept = shard.kept(piece)?;
-        is_of(run, &kept.partial).map_err(|problem| kept.records.refused(&problem))?;
-        if kept.partial.extent().0 != piece.replicas {
-            return Err(kept.records.refused("has been changed meanwhile").into());
-        }
-        Ok(kept)
+    /// A piece, and the shard that it is of.
+    pub fn at(&self, (shard, piece): Place) -> (&PartialFile, &Piece) {
+        (&self.shards[shard], &self.shards[shard].pieces[piece])
     }
 }
 
-fn found(path: &Path) -> Result<ShardFile, Not> {
-    let checkpoint = beside(path, ".checkpoint");
-    let unfinished = |of: &Path| match Partial::read(of) {
-        Ok(partial) => {
-            let done = partial.extent().1;
-            let shard = partial.identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
-            Not::Unfinished(format!(
-                "{}{shard}: not finished, {done} of its replicas are done",
-                path.display()
-            ))
+fn found(path: &Path) -> Result<PartialFile, Not> {
+    let partial = beside(path, PARTIAL);
+    let is_there = path.exists();
+    let found = match is_there {
+        true => PartialFile::open(path),
+        false if partial.exists() => PartialFile::open(&partial),
+        false if beside(path, ".points").is_dir() => {
+            return Err(Not::Unfinished(format!("{}: not finished", path.display())));
         }
-        Err(error) => Not::Shard(error.to_string()),
+        false => return Err(Not::Shard(format!("{}: is not there", path.display()))),
     };
-    if is_checkpoint(path) {
-        return Err(unfinished(path));
+    let found = found.map_err(|error| Not::Shard(error.to_string()))?;
+    if is_there && found.is_complete() && found.head.identity.shard.is_some() {
+        return Ok(found);
     }
-    if !path.exists() {
-        return Err(match is_checkpoint(&checkpoint) {
-            true => unfinished(&checkpoint),
-            false if beside(path, ".points").is_dir() => {
-                Not::Unfinished(format!("{}: not finished", path.display()))
-            }
-            false => Not::Shard(format!("{}: is not there", path.display())),
-        });
-    }
-    ShardFile::open(path).map_err(|error| Not::Shard(error.to_string()))
+    let done: u64 = found.pieces.iter().map(|piece| piece.done).sum();
+    let shard = found.head.identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
+    let problem = format!("{}{shard}: not finished, {done} of its replicas are done", path.display());
+    Err(Not::Unfinished(problem))
 }
 
 /// How shards are of another run than the first.
-fn differences(shards: &[ShardFile]) -> Vec<String> {
+fn differences(shards: &[PartialFile]) -> Vec<String> {
     let Some(first) = shards.first() else { return Vec::new() };
     let name = first.path.display().to_string();
-    let difference = |shard: &ShardFile| {
+    let difference = |shard: &PartialFile| {
         let own = Identity { shard: first.head.identity.shard, ..shard.head.identity.clone() };
         let difference = own.difference(&name, ("is", "here"), &first.head.identity)?;
         Some(format!("{}: is of another run: {difference}", shard.path.display()))
@@ -155,7 +139,7 @@ struct Coverage {
     gaps: Vec<String>,
 }
 
-fn coverage(shards: &[ShardFile], points: usize, replicas: u64) -> Coverage {
+fn coverage(shards: &[PartialFile], points: usize, replicas: u64) -> Coverage {
     let mut places: Vec<Vec<Place>> = vec![Vec::new(); points];
     let (mut doubled, mut gaps) = (Vec::new(), Vec::new());
     for (s, shard) in shards.iter().enumerate() {
@@ -199,7 +183,7 @@ fn coverage(shards: &[ShardFile], points: usize, replicas: u64) -> Coverage {
 
 /// Names what is missing: shards by their numbers, where all are of the same number of shards, or else
 /// replicas.
-fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
+fn absent(shards: &[PartialFile], gaps: Vec<String>) -> Vec<String> {
     let counts: BTreeSet<u64> =
         shards.iter().filter_map(|found| Some(found.head.identity.shard?.count)).collect();
     let (Some(&count), 1) = (counts.first(), counts.len()) else {
@@ -230,15 +214,15 @@ fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::shard_file::{Head, ShardPiece};
+    use crate::output::partial::Head;
 
-    fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> ShardFile {
-        let piece = |&(point, start, end): &(u64, u64, u64)| ShardPiece {
+    fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> PartialFile {
+        let piece = |&(point, start, end): &(u64, u64, u64)| Piece {
             point,
             replicas: start..end,
+            done: end - start,
             seconds: 1.0,
             resumptions: 0,
-            begin: 0,
         };
         let identity = Identity {
             program_version: "1".to_owned(),
@@ -252,7 +236,7 @@ mod tests {
         let path = PathBuf::from(format!("{index}of{count}.h5"));
         let points = pieces.iter().map(|piece| piece.0).collect();
         let head = Head { identity, scene_file: String::new(), points };
-        ShardFile { path, head, pieces: pieces.iter().map(piece).collect() }
+        PartialFile { path, head, pieces: pieces.iter().map(piece).collect() }
     }
 
     #[test]
@@ -268,7 +252,7 @@ mod tests {
     #[test]
     fn what_is_missing_is_named_by_shards_or_replicas() {
         let own = |index: u64| shard(index, 5, &[(0, 8 * (index - 1), 8 * index)]);
-        let missing = |shards: &[ShardFile]| absent(shards, coverage(shards, 1, 40).gaps);
+        let missing = |shards: &[PartialFile]| absent(shards, coverage(shards, 1, 40).gaps);
         assert_eq!(missing(&[own(1), own(3)]), ["missing: shard 2/5", "missing: shards 4/5 to 5/5"]);
         assert!(missing(&[own(1), own(2), own(3), own(4), own(5)]).is_empty());
         let mixed = [own(1), shard(2, 2, &[(0, 16, 40)])];
@@ -280,7 +264,7 @@ mod tests {
 
     #[test]
     fn what_is_there_twice_is_named() {
-        let doubled = |shards: &[ShardFile]| coverage(shards, 1, 40).doubled;
+        let doubled = |shards: &[PartialFile]| coverage(shards, 1, 40).doubled;
         let twice =
             doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(1, 2, &[(0, 0, 24)]), shard(2, 2, &[(0, 24, 40)])]);
         assert_eq!(twice, ["1of2.h5 and 1of2.h5 both have replicas 0 to 23 of 0 to 39"]);

@@ -4,6 +4,7 @@
 use super::Error;
 use super::independence::{read_independence, write_limits};
 use super::layouts::{RUN, SWEEP};
+use super::partial::{scene_file, state_in, write_restart};
 use super::points::Points;
 use super::result_file::{write_about, write_model};
 use super::stack::{self, stack};
@@ -13,11 +14,12 @@ use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
+use crate::output::partial::Head;
 use crate::output::reader::Reader;
 use crate::output::writer::Writer;
 use crate::scene::{Mode, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, overall};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// Computes the points and puts them together into the output: what each has to say, or none where the output
@@ -31,8 +33,8 @@ pub(crate) fn run_sweep(points: &Points<'_>) -> Result<Option<Vec<SweepPoint>>, 
     if !points.begin(&SWEEP, &identity)? {
         return Ok(None);
     }
-    points.compute(0..points.sweep.count())?;
-    let rows = stacked(points, &identity, false).map_err(|error| points.kept(error))?;
+    points.compute()?;
+    let rows = stacked(points, &identity, points.shard.is_some()).map_err(|error| points.kept(error))?;
     points.clear()?;
     Ok(Some(rows))
 }
@@ -142,6 +144,9 @@ fn assembled(
             None => SweepPoint::ABSENT,
         });
     }
+    if points.shard.is_some() {
+        write_states(&writer, points, identity, &files)?;
+    }
     writer.text("/", "warnings", &joined(sweep, &warned))?;
     if has_replicas {
         write_comparison(&writer, &rows)?;
@@ -158,6 +163,22 @@ fn write_comparison(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), Outp
     writer.number("/validation", "significance", SIGNIFICANCE)?;
     writer.text("/validation", "correction", "Holm")?;
     writer.text("/validation", "overall_verdict", overall(&p_values).name())
+}
+
+/// Writes the states of the points of a shard.
+fn write_states(
+    writer: &Writer<'_>,
+    points: &Points<'_>,
+    identity: &Identity,
+    files: &[Option<PathBuf>],
+) -> Result<(), OutputError> {
+    let there = || files.iter().enumerate().filter_map(|(point, file)| Some((point, file.as_deref()?)));
+    let head = Head {
+        identity: identity.clone(),
+        scene_file: scene_file(points.source),
+        points: there().map(|(point, _)| point as u64).collect(),
+    };
+    write_restart(writer, &head, there().map(|(_, file)| state_in(file)))
 }
 
 /// Findings of the points, and the points that have them.

@@ -1,8 +1,6 @@
 //! The lock on an output: where it goes, what stands beside it while it is made, and that nobody else makes
 //! it at the same time.
 
-use super::partial::{CHECKPOINT, RECORDS};
-use super::shard_file::SHARD;
 use super::{OutputError, guard};
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -14,19 +12,18 @@ use tempfile::TempPath;
 const MOST_LINKS: usize = 40;
 /// Endings of the names of what is kept beside an output while it is made, and how such files may begin; the
 /// folder of points is looked through file by file.
-const BESIDE: [(&str, &[&[u8]]); 3] =
-    [(".checkpoint", &[CHECKPOINT]), (".checkpoint.replicas", &[RECORDS]), (".points", &[])];
+const BESIDE: [(&str, &[&[u8]]); 2] = [(PARTIAL, &[&guard::SIGNATURE]), (".points", &[])];
 /// Endings of hidden ones. A lock holds the number of a process. The first bytes of an HDF5 file may be
 /// written last.
-const HIDDEN: [(&str, &[&[u8]]); 3] = [
-    (".lock", &[]),
-    (".partial", &[&guard::SIGNATURE, SHARD, &[0; guard::SIGNATURE.len()]]),
-    (".checkpoint.partial", &[CHECKPOINT]),
-];
+const HIDDEN: [(&str, &[&[u8]]); 3] =
+    [(".lock", &[]), (PARTIAL, UNFINISHED), (".partial.partial", UNFINISHED)];
+const UNFINISHED: &[&[u8]] = &[&guard::SIGNATURE, &[0; guard::SIGNATURE.len()]];
+/// The ending of the name of a partial result, and of the hidden name of a file that is being written.
+pub const PARTIAL: &str = ".partial";
 /// Most bytes of a file that are looked at to see whose it is.
 const LOOKED_AT: u64 = 64;
 /// The longest path within the folder of the points.
-const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
+const DEEPEST: &str = ".points/.0000.h5.partial.partial";
 
 /// An output that this program may make, and no other at the same time: it holds the lock on a hidden file
 /// beside it. Dropped, it leaves neither lock nor file.
@@ -96,21 +93,19 @@ impl OutputLock {
         if exists && !overwrite { Err(OutputError::Exists(self.output.clone())) } else { Ok(()) }
     }
 
-    /// Gives a complete file the name of the output, after it has reached the disk.
+    /// Gives a complete file the name of the output or of its partial result, after it has reached the disk.
     ///
     /// # Errors
-    /// [`OutputError::Exists`] when the output exists and must not be overwritten, or when the disk fails.
-    pub(super) fn name(&self, file: TempPath, overwrite: bool) -> Result<(), OutputError> {
-        let io = |action, error| OutputError::Io { action, path: self.output.clone(), error };
+    /// [`OutputError::Exists`] when that exists and must not be overwritten, or when the disk fails.
+    pub(super) fn name(&self, file: TempPath, name: &Path, overwrite: bool) -> Result<(), OutputError> {
+        let io = |action, error| OutputError::Io { action, path: name.to_owned(), error };
         let flushed = File::open(&file).and_then(|file| file.sync_all());
         flushed.map_err(|error| io("cannot flush", error))?;
         let persist = if overwrite { TempPath::persist } else { TempPath::persist_noclobber };
-        match persist(file, &self.output) {
-            Ok(()) => {
-                flush_names(folder_of(&self.output)).map_err(|error| io("cannot flush the name of", error))
-            }
+        match persist(file, name) {
+            Ok(()) => flush_names(folder_of(name)).map_err(|error| io("cannot flush the name of", error)),
             Err(failed) if failed.error.kind() == ErrorKind::AlreadyExists => {
-                Err(OutputError::Exists(self.output.clone()))
+                Err(OutputError::Exists(name.to_owned()))
             }
             Err(failed) => Err(io("cannot name", failed.error)),
         }
@@ -126,9 +121,21 @@ impl OutputLock {
         beside(&self.output, suffix)
     }
 
-    /// A hidden file beside the output, for what is not complete.
-    pub fn hidden(&self, suffix: &str) -> PathBuf {
-        named(&self.output, ".", suffix)
+    /// Removes what a run has left that was killed while it wrote a file.
+    pub fn clear(&self) {
+        for name in [&self.output, &self.partial()] {
+            let _ = std::fs::remove_file(unfinished(name));
+        }
+    }
+
+    /// The folder of the output.
+    pub fn folder(&self) -> &Path {
+        folder_of(&self.output)
+    }
+
+    /// The partial result of the output.
+    pub fn partial(&self) -> PathBuf {
+        self.beside(PARTIAL)
     }
 }
 
@@ -139,19 +146,6 @@ impl Drop for OutputLock {
             let _ = std::fs::remove_file(&self.lock);
         }
     }
-}
-
-/// Puts a file in the place of another one, or of none, as a whole or not at all: it is `unfinished` until it
-/// has reached the disk.
-pub(super) fn replace(name: &Path, unfinished: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let write = || {
-        let mut file = made_anew(unfinished)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        std::fs::rename(unfinished, name)?;
-        flush_names(folder_of(name))
-    };
-    write().inspect_err(|_| drop(std::fs::remove_file(unfinished)))
 }
 
 /// The folder that a name is in.
@@ -167,6 +161,11 @@ fn flush_names(folder: &Path) -> std::io::Result<()> {
 /// A file beside an output, whose name is that of the output with `suffix`.
 pub fn beside(output: &Path, suffix: &str) -> PathBuf {
     named(output, "", suffix)
+}
+
+/// The hidden file that a file is until it is complete.
+pub(super) fn unfinished(name: &Path) -> PathBuf {
+    named(name, ".", PARTIAL)
 }
 
 fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
@@ -396,7 +395,7 @@ mod tests {
         std::os::unix::fs::symlink("far/out.h5", path("link.h5")).unwrap();
         let lock = OutputLock::new(&path("link.h5"), &[]).unwrap();
         assert_eq!(lock.output(), path("far/out.h5"));
-        assert_eq!(lock.hidden(".partial"), path("far/.out.h5.partial"));
+        assert_eq!(unfinished(lock.output()), path("far/.out.h5.partial"));
         assert!(matches!(OutputLock::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
         assert!(matches!(OutputLock::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
         assert!(matches!(OutputLock::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));

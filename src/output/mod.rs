@@ -6,11 +6,10 @@
 
 pub mod asperities;
 pub(crate) mod attributes;
+pub(crate) mod curves;
 pub(crate) mod guard;
 #[doc(hidden)]
 pub mod identity;
-#[doc(hidden)]
-pub mod journal;
 mod lock;
 #[doc(hidden)]
 pub mod partial;
@@ -20,12 +19,10 @@ mod scales;
 #[doc(hidden)]
 pub mod schema;
 #[doc(hidden)]
-pub mod shard_file;
-#[doc(hidden)]
 pub mod writer;
 
 #[doc(hidden)]
-pub use lock::{OutputLock, beside};
+pub use lock::{OutputLock, PARTIAL, beside};
 pub use reader::Reader;
 pub use schema::{ASPERITIES, Layout};
 

@@ -3,7 +3,7 @@
 
 use super::attributes::{write_number, write_numbers, write_text};
 use super::guard::access;
-use super::lock::made_anew;
+use super::lock::{made_anew, unfinished};
 use super::reader::Reader;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
@@ -12,6 +12,7 @@ use hdf5::plist::dataset_create::AllocTime;
 use hdf5::plist::file_create::FileCreateBuilder;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, DatasetBuilderEmptyShape, File, H5Type, Hyperslab, SliceOrIndex};
+use std::path::PathBuf;
 use std::str::FromStr;
 use tempfile::TempPath;
 
@@ -33,6 +34,8 @@ pub struct Writer<'c> {
     lock: &'c OutputLock,
     file: File,
     temporary: TempPath,
+    /// The name that it will have, and whether a file of that name is replaced.
+    name: PathBuf,
     force: bool,
     /// Scales before what stands beside them; those of points slowest first.
     coordinates: Vec<Coordinate>,
@@ -99,8 +102,25 @@ impl<'c> Writer<'c> {
     /// [`OutputError`] when the output exists and `force` is not set, or HDF5 fails.
     pub fn create(layout: &'static Layout, lock: &'c OutputLock, force: bool) -> Result<Self, OutputError> {
         lock.check(force)?;
-        let temporary = lock.hidden(".partial");
-        let failed = |error| OutputError::Io { action: "cannot make", path: lock.output().to_owned(), error };
+        Self::begin(layout, lock, lock.output().to_owned(), force)
+    }
+
+    /// Begins the partial result of an output, which takes the place of the one of before.
+    ///
+    /// # Errors
+    /// [`OutputError`] when it cannot be made.
+    pub fn partial(layout: &'static Layout, lock: &'c OutputLock) -> Result<Self, OutputError> {
+        Self::begin(layout, lock, lock.partial(), true)
+    }
+
+    fn begin(
+        layout: &'static Layout,
+        lock: &'c OutputLock,
+        name: PathBuf,
+        force: bool,
+    ) -> Result<Self, OutputError> {
+        let temporary = unfinished(&name);
+        let failed = |error| OutputError::Io { action: "cannot make", path: name.clone(), error };
         // HDF5 follows links; what it opens then is the file of that very name.
         made_anew(&temporary).map_err(failed)?;
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
@@ -112,7 +132,7 @@ impl<'c> Writer<'c> {
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { layout, lock, file, temporary, force, coordinates: Vec::new() })
+        Ok(Self { layout, lock, file, temporary, name, force, coordinates: Vec::new() })
     }
 
     /// The layout of the file.
@@ -200,6 +220,21 @@ impl<'c> Writer<'c> {
         let dataset = builder::<T>(&self.file, &shape, &chunk(&shape, CHUNK)).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
+    }
+
+    /// Writes bytes beside the datasets of the layout. Their dimension is one of netCDF without values.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn bytes(&self, group: &str, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        self.group(group)?;
+        let (shape, chunk) = ([bytes.len()], [bytes.len().min(CHUNK)]);
+        let dataset = builder::<u8>(&self.file, &shape, &chunk).create(&*format!("{group}/{name}"))?;
+        dataset.write_raw(bytes)?;
+        let empty = self.file.new_dataset::<u8>().shape(shape).chunk(chunk);
+        let scale = empty.create(&*format!("{group}/byte_of_{name}"))?;
+        make_scale(&scale, "This is a netCDF dimension but not a netCDF variable.")?;
+        Ok(attach_scale(&dataset, &scale, 0)?)
     }
 
     /// Writes a dataset of two dimensions of the layout, its values row-major, compressed.
@@ -445,11 +480,11 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { layout, file, lock, temporary, force, .. } = self;
+        let Self { layout, file, lock, temporary, name, force, .. } = self;
         file.flush()?;
         file.close()?;
         Reader::open(&temporary, &[layout])?;
-        lock.name(temporary, force)
+        lock.name(temporary, &name, force)
     }
 }
 
@@ -478,8 +513,8 @@ mod tests {
         let lock = OutputLock::new(&output, &[]).unwrap();
         std::fs::write(&output, "before").unwrap();
         let writer = Writer::create(&ASPERITIES, &lock, true).unwrap();
-        std::fs::remove_file(lock.hidden(".partial")).unwrap();
-        std::fs::write(lock.hidden(".partial"), "").unwrap();
+        std::fs::remove_file(unfinished(&output)).unwrap();
+        std::fs::write(unfinished(&output), "").unwrap();
         let failed = writer.finish().unwrap_err().to_string();
         assert!(failed.contains("is empty"), "{failed}");
         assert_eq!(std::fs::read(&output).unwrap(), b"before");

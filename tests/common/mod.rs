@@ -84,12 +84,9 @@ pub fn bytes(value: &impl serde::Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).unwrap()
 }
 
-/// A tree as it is read after it was written, with what was kept of its replicas.
+/// A tree as it is read after it was written.
 pub fn reread(tree: &ReductionTree) -> ReductionTree {
-    let mut read: ReductionTree = postcard::from_bytes(&bytes(tree)).unwrap();
-    (read.replicas, read.snaps) = (tree.replicas.clone(), tree.snaps.clone());
-    read.first_curves.clone_from(&tree.first_curves);
-    read
+    postcard::from_bytes(&bytes(tree)).unwrap()
 }
 
 /// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the

@@ -85,6 +85,20 @@ pub fn unbroken(text: &str) -> String {
     text.split_whitespace().collect::<Vec<&str>>().join(" ")
 }
 
+/// Changes bytes of the state in a partial result, and has its checksums fit.
+pub fn forge(partial: &Path, dataset: &str, change: impl FnOnce(&mut Vec<u8>)) {
+    let file = unlocked::open_rw(partial);
+    let dataset = file.dataset(dataset).unwrap();
+    let mut bytes: Vec<u8> = dataset.read_raw().unwrap();
+    let length = bytes.len();
+    bytes.truncate(length - 4);
+    change(&mut bytes);
+    bytes.resize(length - 4, 0);
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    dataset.write_raw(&bytes).unwrap();
+    file.close().unwrap();
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }

@@ -13,10 +13,10 @@ mod common;
 
 mod arguments;
 mod bytes;
-mod checkpoints;
 mod files;
 mod quantities;
 mod scenes;
+mod states;
 mod text;
 
 use cap::Cap;

@@ -31,7 +31,7 @@ def test_a_resumed_run_reads_like_any_other(tmp_path, number):
     (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
     assert run(tmp_path, "-o", "whole.h5").wait() == 0
     interrupted = run(tmp_path, "--checkpoint", "0")
-    while not (tmp_path / "scene.h5.checkpoint").exists() and interrupted.poll() is None:
+    while not (tmp_path / "scene.h5.partial").exists() and interrupted.poll() is None:
         time.sleep(0.001)
     interrupted.send_signal(number)
     _, message = interrupted.communicate()

@@ -35,7 +35,7 @@ STICTION = """
 here=$(dirname "$0")
 RECORD"$here/calls/stiction"
 case $1 in
-info) echo "  replicas   $(wc -c <"$2.replicas") of 40 are done"; exit 0 ;;
+info) echo "  replicas there   $(wc -c <"$2") of 40 are done"; exit 0 ;;
 run)
     [[ $2 != --help ]] || { echo "--shard I/N"; exit 0; }
     ! grep -q bad "$2" || { echo "stiction: bad scene" >&2; exit 2; }
@@ -46,19 +46,17 @@ esac
 while (($#)); do [[ $1 != -o ]] || output=$2; shift; done
 [[ ! -e $output ]] || exit 0
 count=0
-[[ ! -e $output.checkpoint.replicas ]] || count=$(wc -c <"$output.checkpoint.replicas")
+[[ ! -e $output.partial ]] || count=$(wc -c <"$output.partial")
 ends=''
 trap 'ends=1; echo term >>"$here/calls/signals"' TERM
 [[ ! -e $here/fakes/behaviour ]] || . "$here/fakes/behaviour"
 while ((count < 40)); do
     sleep 0.02
     ((++count))
-    printf x >>"$output.checkpoint.replicas"
-    echo "$count" >"$output.checkpoint"
+    printf x >>"$output.partial"
     [[ ! $ends ]] || exit 130
 done
-mv "$output.checkpoint" "$output"
-rm "$output.checkpoint.replicas"
+mv "$output.partial" "$output"
 """.replace("RECORD", RECORD)
 
 
@@ -349,7 +347,7 @@ class Task:
         return self.process.wait(timeout=40)
 
     def kept(self) -> int:
-        path = self.shards / "03.shard.checkpoint.replicas"
+        path = self.shards / "03.shard.partial"
         return path.stat().st_size if path.exists() else 0
 
     def program(self) -> int:
@@ -393,7 +391,7 @@ def test_a_task_is_requeued_at_its_time_limit_and_resumes(site):
     assert 5 < kept < 40 and not task.shard.exists()
     task = Task(site, SLURM_RESTART_COUNT="1")
     assert task.code() == 0
-    assert f"goes on: {kept} of 40 are done (03.shard.checkpoint)" in task.log.read_text()
+    assert f"goes on: {kept} of 40 are done (03.shard.partial)" in task.log.read_text()
     assert site.signals() == 1
     assert task.shard.exists() and task.kept() == 0
 
@@ -453,7 +451,7 @@ def test_a_task_without_progress_is_not_requeued_for_ever(site, behaves):
 
 def test_a_batch_that_takes_too_long_is_given_up(site, behaves):
     # The first signal is not answered, the second is.
-    keeps = 'printf xx >>"$output.checkpoint.replicas"; echo 2 >"$output.checkpoint"; '
+    keeps = 'printf xx >>"$output.partial"; '
     behaves(keeps + 'while [[ $(wc -l <"$here/calls/signals") != 2 ]]; do sleep 0.1; done; exit 130')
     (site.folder / "calls" / "signals").touch()
     task = Task(site)
@@ -466,11 +464,11 @@ def test_a_batch_that_takes_too_long_is_given_up(site, behaves):
 
 
 def test_a_killed_program_is_started_again_twice(site, behaves):
-    keeps = 'printf xxxx >>"$output.checkpoint.replicas"; echo 4 >"$output.checkpoint"; '
+    keeps = 'printf xxxx >>"$output.partial"; '
     behaves(keeps + "((count > 10)) || kill -KILL $$")
     task = Task(site)
     assert task.code() == 137, "killed at 0, 4, and 8"
-    assert task.log.read_text().count("was killed by signal 9: goes on") == 2 and len(site.calls("stiction")) == 3
+    assert task.log.read_text().count("was killed by signal 9: goes on") == 2 and [call[0] for call in site.calls("stiction")].count("run") == 3
     task = Task(site)
     assert task.code() == 0 and task.shard.exists()
 
@@ -493,7 +491,7 @@ def test_a_requeued_task_waits_for_a_process_that_works_on_elsewhere(site, behav
 def test_a_task_in_scratch_leaves_everything_in_the_shared_folder(site):
     scratch = site.folder / "scratch of the node"
     task = Task(site, scratch="$LOCAL/deep", LOCAL=str(scratch))
-    task.wait_until(lambda: list(scratch.rglob("*.checkpoint.replicas")))
+    task.wait_until(lambda: list(scratch.rglob("*.partial")))
     time.sleep(0.3)
     assert task.kept() == 0, "nothing in the shared folder yet"
     task.process.send_signal(signal.SIGUSR1)
@@ -504,13 +502,13 @@ def test_a_task_in_scratch_leaves_everything_in_the_shared_folder(site):
     # On another node.
     task = Task(site, scratch=str(site.folder / "other"), SLURM_RESTART_COUNT="1")
     assert task.code() == 0, task.log.read_text()
-    assert f"goes on: {kept} of 40 are done (03.shard.checkpoint)" in task.log.read_text()
+    assert f"goes on: {kept} of 40 are done (03.shard.partial)" in task.log.read_text()
     assert [path.name for path in task.shards.iterdir()] == ["03.shard"] and not list((site.folder / "other").iterdir())
 
 
 def test_what_is_in_scratch_is_copied_now_and_then(site):
     task = Task(site, scratch=str(site.folder / "other"), copy_every="0.2")
-    task.wait_until((task.shards / "03.shard.checkpoint").exists)
+    task.wait_until((task.shards / "03.shard.partial").exists)
     # The node is lost.
     task.end()
     kept = task.kept()
@@ -560,7 +558,7 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     slurm = {"SLURM_ARRAY_TASK_ID": "1"}
     first = Task(site, "--checkpoint", "0", shards=2, scratch=scratch, **slurm)
     # The second of the three points, of which the first shard has one and a half.
-    first.wait_until((kept / "0002.h5.checkpoint").exists)
+    first.wait_until((kept / "0002.h5.partial").exists)
     # It waits for the signal, however fast it is.
     program = first.program()
     os.kill(program, signal.SIGSTOP)
@@ -570,10 +568,10 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     os.kill(program, signal.SIGCONT)
     first.wait_until(lambda: site.calls("scontrol"))
     first.end()
-    assert not shard.exists() and len(list(Path(f"{shard}.points").glob("*.checkpoint"))) == 2
+    assert not shard.exists() and sorted(path.name for path in Path(f"{shard}.points").iterdir()) == ["0001.h5", "0002.h5.partial"]
     for task in ("1", "2"):
         assert Task(site, shards=2, scratch=scratch, SLURM_ARRAY_TASK_ID=task).code() == 0
-    assert re.search(r"goes on: 1200 of 1200 are done.* \(0001\.h5\.checkpoint\)$", first.log.read_text(), re.MULTILINE)
+    assert re.search(r"goes on: 1200 of 1200 are done.* \(0001\.h5\)$", first.log.read_text(), re.MULTILINE)
     assert sorted(path.name for path in shards.iterdir()) == ["1.shard", "2.shard"]
 
     result = site.folder / "case two.h5"

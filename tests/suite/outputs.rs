@@ -113,11 +113,10 @@ fn an_output_is_never_an_input() {
 #[test]
 fn what_is_kept_beside_an_output_is_no_input() {
     for (name, input) in [
-        ("out.h5.checkpoint", "out.h5.checkpoint"),
-        ("out.h5.checkpoint.replicas", "out.h5.checkpoint.replicas"),
+        ("out.h5.partial", "out.h5.partial"),
         (".out.h5.lock", ".out.h5.lock"),
         (".out.h5.partial", ".out.h5.partial"),
-        (".out.h5.checkpoint.partial", ".out.h5.checkpoint.partial"),
+        (".out.h5.partial.partial", ".out.h5.partial.partial"),
         ("out.h5.points/0001.h5", "out.h5.points/0001.h5"),
         ("elsewhere.csv", ".out.h5.lock"),
     ] {
@@ -145,8 +144,8 @@ fn a_merge_does_not_take_the_place_of_an_unfinished_shard() {
     assert_exit(&run(&folder, "run scene.toml --shard 2/2", "two.h5"), 1);
     std::fs::remove_dir(folder.path(".two.h5.partial")).unwrap();
     let before = contents(&folder);
-    assert!(folder.path("two.h5.checkpoint").exists());
-    for shard in ["two.h5", "two.h5.checkpoint"] {
+    assert!(folder.path("two.h5.partial").exists());
+    for shard in ["two.h5", "two.h5.partial"] {
         let merge = format!("merge one.h5 {shard} --partial --force");
         assert_refused(&folder, &run(&folder, &merge, "two.h5"), &["reads", "another name"], &before);
     }
@@ -155,14 +154,9 @@ fn a_merge_does_not_take_the_place_of_an_unfinished_shard() {
 /// Links that somebody has planted where a run keeps its own files lead nowhere.
 #[test]
 fn planted_links_are_not_followed() {
-    for name in [
-        ".out.h5.lock",
-        ".out.h5.partial",
-        ".out.h5.checkpoint.partial",
-        "out.h5.checkpoint",
-        "out.h5.checkpoint.replicas",
-        "out.h5.points",
-    ] {
+    for name in
+        [".out.h5.lock", ".out.h5.partial", ".out.h5.partial.partial", "out.h5.partial", "out.h5.points"]
+    {
         for target in ["precious", "folder", "nowhere", "empty"] {
             let folder = Folder::new(&swept());
             std::fs::write(folder.path("precious"), "precious").unwrap();
@@ -257,7 +251,7 @@ fn names_that_cannot_be_written_are_refused_at_once() {
 #[test]
 fn names_are_refused_only_if_they_are_too_long() {
     let folder = Folder::new(&swept());
-    let longest = ".checkpoint.replicas".len().max(".".len() + ".checkpoint.partial".len());
+    let longest = ".".len() + ".partial.partial".len();
     let name = "x".repeat(255 - longest - ".h5".len()) + ".h5";
     assert_exit(&run(&folder, "run scene.toml", &name), 0);
     std::fs::write(folder.path("scene.toml"), tiny(&small())).unwrap();
@@ -462,8 +456,7 @@ fn results_do_not_depend_on_the_drivers_of_hdf5() {
 /// Nothing that has a name which a run would replace or remove, and is not of this program, is lost.
 #[test]
 fn files_of_others_are_left_alone() {
-    let hidden = [".out.h5.lock", ".out.h5.partial", ".out.h5.checkpoint.partial"];
-    for name in hidden.into_iter().chain(["out.h5.checkpoint", "out.h5.checkpoint.replicas"]) {
+    for name in [".out.h5.lock", ".out.h5.partial", ".out.h5.partial.partial", "out.h5.partial"] {
         let folder = Folder::new(&tiny(&small()));
         std::fs::write(folder.path(name), "precious").unwrap();
         let before = contents(&folder);
@@ -476,12 +469,10 @@ fn files_of_others_are_left_alone() {
 /// What a killed run leaves there is in no one's way.
 #[test]
 fn files_of_a_killed_run_are_replaced() {
-    let own: [(&str, &[u8]); 5] = [
+    let own: [(&str, &[u8]); 3] = [
         (".out.h5.lock", b"12345"),
         (".out.h5.partial", b"\x89HDF\r\n\x1a\nand more"),
         (".out.h5.partial", &[0; 100]),
-        (".out.h5.partial", b"stiction shard\nand more"),
-        (".out.h5.checkpoint.partial", b"stiction checkp"),
     ];
     for (name, bytes) in own {
         let folder = Folder::new(&tiny(&small()));

@@ -18,8 +18,8 @@ fn given(folder: &Folder, arguments: &[&str], input: &str) -> Output {
     child.wait_with_output().unwrap()
 }
 
-/// A scene with settings is the scene with these values in it: bits and the text in the file; the checkpoints
-/// of a run hold to it.
+/// A scene with settings is the scene with these values in it: bits and the text in the file; partial
+/// results hold to it.
 #[test]
 fn settings_are_edits_of_the_scene() {
     let folder = Folder::new(&small());
@@ -52,7 +52,7 @@ fn settings_are_edits_of_the_scene() {
 
 /// What an interrupted run has kept is of the scene with its settings.
 #[test]
-fn checkpoints_hold_to_settings() {
+fn partial_results_hold_to_settings() {
     let folder = Folder::new(&small());
     let set = ["--set", "surface.surface_height_std=2 nm", "-o", "set.h5", "--quiet"];
     let shard = |index: &str, extra: &[&str]| {

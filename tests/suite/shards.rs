@@ -4,7 +4,7 @@
 
 #[cfg(target_os = "linux")]
 use crate::common::program::peak_memory_of;
-use crate::common::program::{Folder, assert_exit, bits, number, small, text};
+use crate::common::program::{Folder, assert_exit, bits, forge, number, small, text};
 use crate::common::unlocked;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -94,7 +94,7 @@ fn merged_shards_have_the_bits_of_one_run() {
 #[ignore = "slow: five seconds"]
 fn sweeps_have_shards_too() {
     for (seed, counts) in [(&[][..], &[2, 5][..]), (&["--seed", "7", "--replicas", "24"], &[2])] {
-        let folder = Folder::new(&swept());
+        let folder = Folder::new(&swept().replace("curves = false", "curves = true"));
         assert_exit(&folder.stiction(&[&["run", "scene.toml", "-o", "whole.h5"], seed].concat()), 0);
         for &count in counts {
             let names: Vec<String> = (1..=count).map(|index| name(index, count)).collect();
@@ -152,8 +152,12 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
         let shards = list(&[&one, other, &three, &four]);
         assert_refused(&folder, &shards, &[&format!("{other}: is of another run"), difference]);
     }
-    assert_refused(&folder, &list(&["whole.h5"]), &["whole.h5: is not a shard of this version of stiction"]);
-    assert_refused(&folder, &list(&["scene.toml"]), &["is not a shard"]);
+    assert_refused(
+        &folder,
+        &list(&["whole.h5"]),
+        &["whole.h5: is neither a shard nor what is kept of an interrupted run"],
+    );
+    assert_refused(&folder, &list(&["scene.toml"]), &["is not an HDF5 file"]);
     // An output that is there, or a shard itself, is not overwritten.
     assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 0);
     assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 2);
@@ -162,7 +166,7 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
 }
 
-/// Any bit of it, its end, another version of the program or of the layout: merge and validate refuse it.
+/// Any bit of what is merged, its end, another version of the program: merge and validate refuse it.
 #[test]
 fn a_shard_that_is_changed_is_refused() {
     let folder = Folder::new(&scene());
@@ -171,47 +175,42 @@ fn a_shard_that_is_changed_is_refused() {
         shard(&folder, index, 2, &[]);
     }
     let path = folder.path(&names[1]);
+    let validate = |code: i32| {
+        let output = folder.stiction(&["validate", &names[1]]);
+        assert_exit(&output, code);
+        text(&output.stderr)
+    };
+    validate(0);
     let whole = std::fs::read(&path).unwrap();
-    let mut said = std::collections::BTreeSet::new();
-    for case in 0..40 {
-        // Half of them in what is before the sums.
-        let place = if case % 2 == 0 { 8 * case } else { whole.len() * case / 40 };
-        let mut changed = whole.clone();
-        changed[place] ^= 1 << (case % 8);
-        std::fs::write(&path, changed).unwrap();
-        assert_refused(&folder, &names, &[&names[1]]);
-        let validate = folder.stiction(&["validate", &names[1]]);
-        assert_exit(&validate, 2);
-        said.insert(text(&validate.stderr).split(": ").skip(2).collect::<String>());
-    }
-    for problem in ["is damagedits checksum is wrong", "is not an HDF5 file", "has the checkpoint layout"] {
-        assert!(said.iter().any(|said| said.starts_with(problem)), "{problem}: {said:?}");
+    for dataset in ["restart/run", "restart/0001"] {
+        let chunk = unlocked::open(&path).dataset(dataset).unwrap().chunk_info(0).unwrap();
+        let damaged = format!("has a dataset /{dataset} that is damaged");
+        for case in 0..15 {
+            let mut changed = whole.clone();
+            changed[(chunk.addr + case * chunk.size / 15) as usize] ^= 1 << (case % 8);
+            std::fs::write(&path, changed).unwrap();
+            assert_refused(&folder, &names, &[&names[1], &damaged]);
+            assert!(validate(2).contains(&damaged));
+        }
     }
     for length in [0, 10, 17, 25, whole.len() / 2, whole.len() - 1] {
         std::fs::write(&path, &whole[..length]).unwrap();
         assert_refused(&folder, &names, &[&names[1]]);
     }
-    std::fs::write(&path, [&whole[..], b"0"].concat()).unwrap();
-    assert_refused(&folder, &names, &["it is too long"]);
-    // Another program, with the checksum that its head would have.
-    let (line, version) = ("stiction shard\n".len(), env!("CARGO_PKG_VERSION"));
-    let place = whole.windows(version.len()).position(|part| part == version.as_bytes()).unwrap();
-    for (place, message) in
-        [(place, "the version of stiction"), (place + version.len() + 1, "the source of stiction")]
-    {
-        let mut changed = whole.clone();
-        changed[place] = b'z';
-        let length = u64::from_le_bytes(changed[line + 4..line + 12].try_into().unwrap()) as usize;
-        let checksum = crc32fast::hash(&changed[line + 16..line + 16 + length]);
-        changed[line + 12..line + 16].copy_from_slice(&checksum.to_le_bytes());
-        std::fs::write(&path, changed).unwrap();
+    // Another program, and what is no state at all, with checksums that fit.
+    std::fs::write(&path, &whole).unwrap();
+    let version = env!("CARGO_PKG_VERSION").as_bytes();
+    for (behind, message) in [(0, "the version of stiction"), (version.len() + 1, "the source of stiction")] {
+        forge(&path, "restart/run", |head| {
+            let place = head.windows(version.len()).position(|part| part == version).unwrap();
+            head[place + behind] = b'z';
+        });
         assert_refused(&folder, &names, &[message, "is of another run"]);
-        assert_exit(&folder.stiction(&["validate", &names[1]]), 3);
+        std::fs::write(&path, &whole).unwrap();
     }
-    std::fs::write(&path, whole).unwrap();
-    let validate = folder.stiction(&["validate", &names[1]]);
-    assert_exit(&validate, 0);
-    assert!(text(&validate.stdout).contains("a shard of 43 replicas"), "{}", text(&validate.stdout));
+    forge(&path, "restart/0001", |state| state.fill(0xff));
+    assert_refused(&folder, &names, &["is damaged, or of another version of stiction"]);
+    validate(2);
 }
 
 #[test]
@@ -301,10 +300,10 @@ fn begin(folder: &Folder, arguments: &[&str]) -> Child {
     command.current_dir(folder.path("")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Ends it with a signal when it has a checkpoint.
-fn interrupt(folder: &Folder, signal: &str, checkpoint: &str, arguments: &[&str]) -> Output {
+/// Ends it with a signal when it has a partial result.
+fn interrupt(folder: &Folder, signal: &str, partial: &str, arguments: &[&str]) -> Output {
     let mut child = begin(folder, arguments);
-    while !folder.path(checkpoint).exists() && child.try_wait().unwrap().is_none() {
+    while !folder.path(partial).exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(50));
     }
     let _ =
@@ -319,12 +318,12 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
-    let output = interrupt(&folder, "-TERM", "2.h5.checkpoint", &arguments);
+    let output = interrupt(&folder, "-TERM", "2.h5.partial", &arguments);
     assert_exit(&output, 130);
     assert!(text(&output.stderr).contains("of 320 replicas"), "{}", text(&output.stderr));
     let names = ["1.h5".to_owned(), "2.h5".to_owned()];
     assert_refused(&folder, &names, &["2.h5, shard 2/2: not finished"]);
-    for path in ["2.h5", "2.h5.checkpoint"] {
+    for path in ["2.h5", "2.h5.partial"] {
         let info = folder.stiction(&["info", path]);
         assert_exit(&info, 0);
         assert!(
@@ -344,7 +343,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
         );
     }
     assert_exit(&folder.stiction(&[&["run", "scene.toml"], &arguments[..]].concat()), 2);
-    let killed = interrupt(&folder, "-KILL", "2.h5.checkpoint", &[&arguments[..], &["--resume"]].concat());
+    let killed = interrupt(&folder, "-KILL", "2.h5.partial", &[&arguments[..], &["--resume"]].concat());
     assert_eq!(killed.status.code(), None);
     assert_exit(&folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat()), 0);
     let again = folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat());
@@ -367,7 +366,7 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
     // In the second of its two points.
-    let output = interrupt(&folder, "-TERM", "2.h5.points/0003.h5.checkpoint", &arguments);
+    let output = interrupt(&folder, "-TERM", "2.h5.points/0003.h5.partial", &arguments);
     assert_exit(&output, 130);
     let info = folder.stiction(&["info", "2.h5"]);
     assert!(
@@ -425,6 +424,12 @@ fn what_a_shard_is_of_is_told() {
     let said = text(&shard(&folder, 1, 20, &["-o", "empty.h5"]).stdout);
     assert!(said.contains("none: there are more shards than batches"), "{said}");
     assert!(text(&folder.stiction(&["info", "empty.h5"]).stdout).contains("none: there are more shards"));
+    // What it has can be looked at like any result.
+    assert_exit(&folder.stiction(&["validate", &name(2, 4)]), 0);
+    assert!(
+        info.contains("/ensemble/external_force_mean") && info.contains("replicas_of_whole_run"),
+        "{info}"
+    );
     for wrong in ["0/4", "5/4", "3", "a/b", "1/0"] {
         let output = folder.stiction(&["run", "scene.toml", "--shard", wrong]);
         assert_exit(&output, 2);

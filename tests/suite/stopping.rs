@@ -128,7 +128,7 @@ fn an_interruption_changes_nothing() {
     let mut interruptions = 0;
     for _ in 0..3 {
         let mut child = begin();
-        while !folder.path("scene.h5.checkpoint").exists() && child.try_wait().unwrap().is_none() {
+        while !folder.path("scene.h5.partial").exists() && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_micros(100));
         }
         std::thread::sleep(std::time::Duration::from_millis(20));
@@ -280,7 +280,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let never = AtomicBool::new(false);
     let mut states = Vec::new();
-    let keep = |_: &_, merged: &ReductionTree| {
+    let keep = |_: &_, merged: &mut ReductionTree| {
         states.push(merged.clone());
         Ok(())
     };
@@ -290,7 +290,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     for place in [0, 1, last - 1, last] {
         let start = crate::common::reread(&states[place]).restored(&job).unwrap();
         let batches = AtomicUsize::new(0);
-        let count = |_: &_, _: &_| {
+        let count = |_: &_, _: &mut ReductionTree| {
             batches.fetch_add(1, Ordering::Relaxed);
             Ok(())
         };

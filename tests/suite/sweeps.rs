@@ -303,7 +303,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_bits() {
     let folder = Folder::new(&long());
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
     for (signal, code) in [("-INT", Some(130)), ("-KILL", None)] {
-        let output = stopped(&folder, signal, "scene.h5.points/0002.h5.checkpoint");
+        let output = stopped(&folder, signal, "scene.h5.points/0002.h5.partial");
         assert_eq!(output.status.code(), code);
         assert!(folder.path("scene.h5.points/0001.h5").exists() && !folder.path("scene.h5").exists());
         let message = text(&output.stderr);
@@ -331,7 +331,7 @@ fn an_interrupted_sweep_goes_on_to_the_same_bits() {
 #[test]
 fn what_is_kept_of_another_sweep_is_refused() {
     let folder = Folder::new(&long());
-    stopped(&folder, "-KILL", "scene.h5.points/0002.h5.checkpoint");
+    stopped(&folder, "-KILL", "scene.h5.points/0002.h5.partial");
     std::fs::write(folder.path("scene.toml"), long().replace("0.05 J", "0.06 J")).unwrap();
     let refused = folder.stiction(&["run", "scene.toml", "--resume"]);
     assert_exit(&refused, 2);

@@ -303,7 +303,7 @@ def _again(result: Result, fact: Facts) -> str:
     if fact.needs:
         needs = f"<p>It needs {escape(', '.join(dict.fromkeys(fact.needs)))}, in the current folder.</p>"
     if result.is_partial:
-        needs += "<p>This result is of some shards; the command makes the whole.</p>"
+        needs += "<p>This result is partial; the command makes the whole.</p>"
     version = str(result.attrs.get("program_version", ""))
     told = f"<p>With stiction {escape(version)}, on any number of threads, this gives the same numbers to the last bit:</p>"
     command, _, scene = fact.commands.partition(" <<")

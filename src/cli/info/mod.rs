@@ -1,5 +1,4 @@
-//! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted; of a
-//! result for programs too.
+//! `stiction info`: what is in a result, partial or not, also for programs.
 
 mod csv;
 mod json;
@@ -10,12 +9,11 @@ use super::failure::Failure;
 use super::rows::row;
 use super::terminal::print;
 use crate::experiment::layouts::{LAYOUTS, SWEEP};
+use crate::experiment::partial::PartialFile;
 use crate::format::{duration, replicas as shown};
-use crate::output::identity::Identity;
-use crate::output::partial::{Partial, is_checkpoint};
+use crate::output::partial::RESTART;
 use crate::output::reader::Reader;
-use crate::output::shard_file::{ShardFile, is_shard};
-use crate::output::{OutputError, beside};
+use crate::output::{OutputError, PARTIAL, beside};
 use crate::scene::echo::one_line;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -47,24 +45,14 @@ pub(super) struct InfoArguments {
 }
 
 pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
-    let path = arguments.file.as_path();
+    let [partial, folder] = [PARTIAL, ".points"].map(|suffix| beside(&arguments.file, suffix));
+    let is_partial = !arguments.file.exists() && partial.exists();
+    let path = if is_partial { partial.as_path() } else { arguments.file.as_path() };
     if arguments.json || arguments.csv {
         return print(&told(path, arguments)?);
     }
-    if is_checkpoint(path) {
-        return checkpoint(path);
-    }
-    if is_shard(path) {
-        return shard(path);
-    }
-    if !path.exists() {
-        let [kept, folder] = [".checkpoint", ".points"].map(|suffix| beside(path, suffix));
-        if is_checkpoint(&kept) {
-            return checkpoint(&kept);
-        }
-        if folder.is_dir() {
-            return points(&folder);
-        }
+    if !path.exists() && folder.is_dir() {
+        return points(&folder);
     }
     print(&of_result(path)?)
 }
@@ -80,10 +68,6 @@ pub(super) fn of_result(path: &Path) -> Result<String, Failure> {
 /// A result for programs.
 fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
     let refused = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    if is_checkpoint(path) || is_shard(path) {
-        let problem = "is a part of a run; --json and --csv show results that are complete";
-        return Err(refused(problem.to_owned()));
-    }
     let reader = Reader::open(path, &LAYOUTS)?;
     let text = match arguments.json {
         true => json::json(&reader, arguments.all)?,
@@ -97,10 +81,13 @@ fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
 }
 
 /// What is there of a run that is not complete; nothing of others.
-fn completeness(reader: &Reader) -> Result<Option<Row>, Failure> {
-    let row = |text: &str| Ok(Some(["incomplete", text].map(str::to_owned)));
+fn completeness(reader: &Reader) -> Result<Vec<Row>, Failure> {
+    let row = |text: &str| Ok(vec![["incomplete", text].map(str::to_owned)]);
     if !reader.has_attribute("/", "partial")? {
-        return Ok(None);
+        return Ok(Vec::new());
+    }
+    if reader.has(RESTART) {
+        return Ok(state(&PartialFile::open(reader.path())?));
     }
     if reader.layout().format == SWEEP.format {
         return row("replica_count says how many replicas of each point are there");
@@ -127,61 +114,52 @@ fn points(folder: &Path) -> Result<(), Failure> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if name.ends_with(".h5") {
             text += &wide(&name, "complete");
-        } else if name.ends_with(".checkpoint") && !name.starts_with('.') {
-            let partial = Partial::read(&path)?;
-            text += &wide(name.trim_end_matches(".checkpoint"), &done(&partial));
+        } else if name.ends_with(PARTIAL) && !name.starts_with('.') {
+            text += &wide(name.trim_end_matches(PARTIAL), &done(&PartialFile::open(&path)?).join(", "));
         }
     }
     print(&text)
 }
 
-/// How far a run, or a shard of one, has got.
-fn done(partial: &Partial) -> String {
-    let ((replicas, done), all) = (partial.extent(), partial.identity.replicas);
-    let Some(shard) = partial.identity.shard else { return format!("{done} of {all} are done") };
-    let count = replicas.end - replicas.start;
-    format!("{done} of {count} are done; shard {shard} has {}", shown(&replicas, all))
+/// How far each piece of a run, or of a shard of one, has got.
+fn done(PartialFile { head, pieces, .. }: &PartialFile) -> Vec<String> {
+    let all = head.identity.replicas;
+    let told = pieces.iter().map(|piece| {
+        let count = piece.replicas.end - piece.replicas.start;
+        let Some(shard) = head.identity.shard else { return format!("{} of {all} are done", piece.done) };
+        let point = if head.points != [0] { format!(", point {}", piece.point + 1) } else { String::new() };
+        format!(
+            "{} of {count} are done; shard {shard} has {}{point}",
+            piece.done,
+            shown(&piece.replicas, all)
+        )
+    });
+    told.collect()
 }
 
-/// Shows what a run has done that was interrupted.
-fn checkpoint(path: &Path) -> Result<(), Failure> {
-    let partial = Partial::read(path)?;
-    let format = "checkpoint of an interrupted run; the command that made it goes on with --resume";
-    let mut text = of_partial(path, format, &partial.identity) + &wide("replicas", &done(&partial));
-    text += &wide("time", &format!("{} so far", duration(partial.seconds)));
-    text += &wide("resumptions", &partial.resumptions.to_string());
-    print(&(text + &scene_text(&partial.identity.scene)))
-}
-
-/// Shows what a shard has of its run.
-fn shard(path: &Path) -> Result<(), Failure> {
-    let ShardFile { head, pieces, .. } = ShardFile::open(path)?;
-    let mut text = of_partial(path, "shard of a run, for stiction merge", &head.identity);
-    let shard = head.identity.shard.map(|shard| shard.to_string()).unwrap_or_default();
-    text += &wide("shard", &format!("{shard}, complete"));
-    let are_points = pieces.iter().any(|piece| piece.point > 0);
-    for (i, piece) in pieces.iter().enumerate().take(MOST_PIECES) {
-        let point = if are_points { format!(", point {}", piece.point + 1) } else { String::new() };
-        let own = shown(&piece.replicas, head.identity.replicas) + &point;
-        text += &wide(if i == 0 { "replicas" } else { "" }, &own);
+/// The rows of a partial result that a run goes on from, or that shards are merged from.
+fn state(file: &PartialFile) -> Vec<Row> {
+    let PartialFile { head, pieces, .. } = file;
+    let said = if file.is_complete() { "complete" } else { "interrupted: --resume goes on" };
+    let row = |name: &str, value: &str| [name, value].map(str::to_owned);
+    let mut rows = vec![match head.identity.shard {
+        Some(shard) => row("shard", &format!("{shard}, {said}")),
+        None => row("partial result", said),
+    }];
+    let mut there = done(file);
+    if there.len() > MOST_PIECES {
+        let more = format!("and {} points more", there.len() - MOST_PIECES);
+        there.splice(MOST_PIECES.., [more]);
     }
-    text += &match pieces.len() {
-        0 => wide("replicas", "none: there are more shards than batches of replicas"),
-        count if count > MOST_PIECES => wide("", &format!("and {} points more", count - MOST_PIECES)),
-        _ => String::new(),
-    };
-    text += &wide("time", &duration(pieces.iter().map(|piece| piece.seconds).sum()));
-    text += &wide("resumptions", &pieces.iter().map(|piece| piece.resumptions).sum::<u64>().to_string());
-    print(&(text + &wide("scene_file", &head.scene_file) + &scene_text(&head.identity.scene)))
-}
-
-/// The rows of a run that shards and checkpoints share.
-fn of_partial(path: &Path, format: &str, identity: &Identity) -> String {
-    format!("{}\n", one_line(&path.display().to_string()))
-        + &wide("format", format)
-        + &wide("program_version", &identity.program_version)
-        + &wide("source_hash", &identity.source_hash)
-        + &wide("seed", &identity.seed.to_string())
+    if there.is_empty() {
+        there.push("none: there are more shards than batches of replicas".to_owned());
+    }
+    rows.extend(
+        there.iter().enumerate().map(|(i, own)| row(if i == 0 { "replicas there" } else { "" }, own)),
+    );
+    rows.push(row("time", &duration(pieces.iter().map(|piece| piece.seconds).sum())));
+    rows.push(row("resumptions", &pieces.iter().map(|piece| piece.resumptions).sum::<u64>().to_string()));
+    rows
 }
 
 /// The scene, indented; nothing where there is none.

@@ -25,9 +25,9 @@ const NAMED: [Dimension; 10] = [
 pub(super) type Row = [String; 2];
 
 /// The rows of a result, group by group, the first of the root given.
-pub(super) fn rows(reader: &Reader, first: Option<Row>) -> Result<String, OutputError> {
+pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputError> {
     let described = reader.described()?;
-    let mut groups = vec![(String::new(), first.into_iter().collect::<Vec<Row>>())];
+    let mut groups = vec![(String::new(), first)];
     groups.extend(reader.groups().iter().map(|group| (format!("/{group}"), Vec::new())));
     for (group, rows) in &mut groups {
         let name = if group.is_empty() { "/" } else { &group[1..] };

@@ -343,7 +343,7 @@ fn sample(
     let basis = basis_of(scene, law, None);
     let setup =
         Sampling { scene, law, cycle: None, memory: None, controls: &[], rule: None, keep_curves: false };
-    let (reduction_tree, summation) = setup.run_whole(name, pool, stop, phases, |_| {})?;
+    let (reduction_tree, summation) = setup.run_whole(name, pool, stop, phases, |_| Ok(()))?;
     let ensemble = Box::new(reduction_tree.into_ensemble(&setup.job()));
     let (z, joint) = cross_check(&ensemble, &[expectations], &basis, scene);
     Ok(SampledLaw { ensemble, summation, z, joint, cumulants: basis.cumulants })

@@ -52,14 +52,14 @@ pub(super) fn datasets() -> Vec<Dataset> {
         count("resumptions", "how often the run was resumed after an interruption", |results| {
             results.metadata.resumptions
         }),
-        count("checkpoints", "checkpoints that were saved since the run was last resumed", |results| {
+        count("checkpoints", "partial results that were written since the run was last resumed", |results| {
             results.metadata.checkpoints.0
         }),
         Dataset::new(
             path(GROUP, "checkpoint_seconds"),
             &[],
             "s",
-            "wall time that saving these checkpoints took",
+            "wall time that writing these took",
             |results| Some(results.metadata.checkpoints.1.as_secs_f64()),
         ),
     ]

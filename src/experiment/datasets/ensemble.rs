@@ -210,7 +210,7 @@ pub(super) fn scales(writer: &mut Writer<'_>, results: &Results) {
 
 pub(super) fn attributes(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     writer.number(GROUP, "interval_level", LEVEL)?;
-    if let Some(stopped) = &results.stopped {
+    if let Some(stopped) = results.stopped.as_ref().filter(|_| results.metadata.partial.is_none()) {
         writer.text(GROUP, "stopping_reason", stopped.reason())?;
     }
     features(writer, GROUP, results.pulled().0)?;

@@ -16,6 +16,7 @@ use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout, name_of_key};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Attribute, Dataset, File, Group, H5Type, Hyperslab, SliceOrIndex};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Most dimensions of points that a file can have.
@@ -239,6 +240,43 @@ impl Reader {
         let values = dataset.read_slice::<T, _, ndarray::IxDyn>(Hyperslab::from(slab));
         let values = values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
         Ok(values.into_iter().collect())
+    }
+
+    /// The bytes of a dataset that is not of the layout.
+    ///
+    /// # Errors
+    /// As [`Reader::values`].
+    pub fn bytes(&self, path: &str) -> Result<Vec<u8>, OutputError> {
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
+        let wrong = |problem: String| self.broken(format!("has a dataset {path} that {problem}"));
+        is_kind_of::<u8>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(wrong)?;
+        dataset.read_raw().map_err(|_| wrong("is damaged".to_owned()))
+    }
+
+    /// Some rows of a dataset of numbers of two dimensions at a point; `place` is its index along each
+    /// dimension of the points.
+    ///
+    /// # Errors
+    /// As [`Reader::values`].
+    pub fn rows(&self, path: &str, place: &[usize], rows: Range<usize>) -> Result<Vec<f64>, OutputError> {
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
+        let wrong = |problem: String| self.broken(format!("has a dataset {path} that {problem}"));
+        is_kind_of::<f64>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(wrong)?;
+        let shape = dataset.shape();
+        let slab = place.iter().map(|index| *index..index + 1).chain([rows]);
+        let slab: Vec<Range<usize>> = slab.chain(shape.last().map(|length| 0..*length)).collect();
+        if slab.len() != shape.len() || slab.iter().zip(&shape).any(|(own, length)| own.end > *length) {
+            return Err(wrong(format!("has the shape {shape:?}")));
+        }
+        let slab = slab.into_iter().map(|own| SliceOrIndex::SliceCount {
+            start: own.start,
+            step: 1,
+            count: own.len(),
+            block: 1,
+        });
+        let slab = Hyperslab::from(slab.collect::<Vec<SliceOrIndex>>());
+        let values = dataset.read_slice::<f64, _, ndarray::IxDyn>(slab);
+        Ok(values.map_err(|_| wrong("is damaged".to_owned()))?.into_iter().collect())
     }
 
     /// A numeric attribute of a group.

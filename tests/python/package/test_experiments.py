@@ -206,7 +206,7 @@ def test_what_an_interrupted_run_has_done_is_gone_on_with(tmp_path):
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=60)
     assert out.strip() == "interrupted" and not output.exists()
-    assert (tmp_path / "long.h5.checkpoint").exists()
+    assert (tmp_path / "long.h5.partial").exists()
     run = stiction.run(scene, output, replicas=700, resume=True, **{"ensemble.seed": 7})
     assert int(run["diagnostics/resumptions"]) == 1
     whole = stiction.run(scene, tmp_path / "whole.h5", replicas=700, **{"ensemble.seed": 7})

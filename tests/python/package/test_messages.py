@@ -133,7 +133,7 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
     process.send_signal(signal.SIGINT)
     told, _ = process.communicate(timeout=60)
     if named:
-        assert f"kept in {output}.checkpoint; resume=True goes on" in told.replace("\n", " ")
+        assert f"kept in {output}.partial; resume=True goes on" in told.replace("\n", " ")
     else:
         assert told == "nothing was kept, as no output was named\n"
         assert not list(tmp_path.iterdir())
@@ -159,4 +159,4 @@ def test_the_program_ends_with_python(how, tmp_path):
     while Path(f"/proc/{program}").exists() and time.monotonic() < given_up:
         time.sleep(0.05)
     assert not Path(f"/proc/{program}").exists()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.h5.checkpoint", "long.h5.checkpoint.replicas"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.h5.partial"]

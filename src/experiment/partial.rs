@@ -1,0 +1,328 @@
+//! Partial results: what a run has computed so far, or a shard of it, in a file of the layout of its result.
+//! Beside the datasets it holds the state that the run goes on from, or that shards are merged from.
+
+use super::Error;
+use super::layouts::{RUN, SWEEP};
+use super::result_file::curve_paths;
+use crate::engine::{Shard, replicas_of};
+use crate::output::curves::Curves;
+use crate::output::identity::Identity;
+use crate::output::partial::{GROUP, Head, RESTART, State, decode, encode};
+use crate::output::reader::Reader;
+use crate::output::schema::Layout;
+use crate::output::writer::{CURVE_CHUNK, Writer};
+use crate::output::{OutputError, OutputLock};
+use crate::scene::{Scene, difference, listed};
+use std::io::ErrorKind;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// A run into an output: a scene, or a shard of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a> {
+    pub scene: &'a Scene,
+    pub shard: Option<Shard>,
+}
+
+/// The identity of the run.
+pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
+    Identity {
+        shard,
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        source_hash: env!("STICTION_SOURCE_HASH").to_owned(),
+        scene: scene.text.clone(),
+        inputs: scene.inputs.clone(),
+        seed: scene.seed,
+        replicas: scene.replicas,
+    }
+}
+
+/// The beginning of an output.
+pub(crate) enum Beginning {
+    /// It is there already, of the same run.
+    Complete,
+    /// Nothing was kept.
+    Anew,
+    /// A run that was interrupted goes on.
+    Resumed(Box<PartialFile>),
+}
+
+/// A policy for what is there of an output already.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OverwritePolicy {
+    /// A run that was interrupted goes on.
+    pub resume: bool,
+    /// A result is overwritten, and what was kept of an interrupted run dropped.
+    pub force: bool,
+}
+
+/// How to begin an output: refused if that would overwrite a result, or drop or mistake a partial one.
+pub(crate) fn beginning(
+    lock: &OutputLock,
+    run: Run<'_>,
+    policy: OverwritePolicy,
+) -> Result<Beginning, Error> {
+    let OverwritePolicy { resume, force } = policy;
+    if resume {
+        return resumption(lock, run, force);
+    }
+    lock.check(force)?;
+    match PartialFile::find(lock)? {
+        None => Ok(Beginning::Anew),
+        Some(_) if force => Ok(forget(lock).map(|()| Beginning::Anew)?),
+        Some(PartialFile { path, head, pieces }) => {
+            let done = pieces.iter().map(|piece| piece.done).sum();
+            Err(Error::Unfinished { partial: path, done, of: head.identity.replicas })
+        }
+    }
+}
+
+/// How to bring an output to completion, whatever is there of it.
+fn resumption(lock: &OutputLock, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
+    let identity = identity(run);
+    let found = PartialFile::find(lock)?;
+    if let Err(exists) = lock.check(overwrite) {
+        if !is_result_of(lock.output(), &RUN, &identity, run.scene.stopping.is_some()) {
+            return Err(exists.into());
+        }
+        // The run ended between naming its result and removing the partial one.
+        if found.is_some_and(|found| found.head.identity.is_of(&identity)) {
+            forget(lock)?;
+        }
+        return Ok(Beginning::Complete);
+    }
+    let Some(found) = found else { return Ok(Beginning::Anew) };
+    let own = identity.difference("the interrupted run", ("was", "is now"), &found.head.identity);
+    match own {
+        Some(problem) => Err(Error::OtherRun { partial: found.path, problem }),
+        None => Ok(Beginning::Resumed(Box::new(found))),
+    }
+}
+
+/// Removes the partial result of an output.
+///
+/// # Errors
+/// When it cannot be removed.
+pub(crate) fn forget(lock: &OutputLock) -> Result<(), OutputError> {
+    let path = lock.partial();
+    std::fs::remove_file(&path).map_err(|error| OutputError::Io { action: "cannot remove", path, error })
+}
+
+/// Whether a file is the complete result of a run, with targets or without; of a shard it is the shard.
+pub(crate) fn is_result_of(
+    output: &Path,
+    layout: &'static Layout,
+    identity: &Identity,
+    with_targets: bool,
+) -> bool {
+    if identity.shard.is_some() {
+        let is_of = |file: PartialFile| file.is_complete() && file.head.identity.is_of(identity);
+        return PartialFile::open(output).is_ok_and(is_of);
+    }
+    let Ok(reader) = Reader::open(output, &[layout]) else { return false };
+    let is = |name: &str, text: &str| {
+        reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text))
+    };
+    let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
+    is("program_version", &identity.program_version)
+        && is("source_hash", &identity.source_hash)
+        && is("inputs", &listed(&identity.inputs))
+        && reader
+            .optional_text("/", "scene")
+            .is_ok_and(|kept| difference(&kept.unwrap_or_default(), &identity.scene).is_none())
+        && number("seed", identity.seed)
+        && number(if with_targets { "max_replicas" } else { "replicas" }, identity.replicas)
+        && reader.has_attribute("/", "partial").is_ok_and(|is_partial| !is_partial)
+}
+
+/// The replicas that are there of a point, and how their computing went.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// The index of the point; 0 without a sweep.
+    pub point: u64,
+    /// Indices of its replicas within the point that were to be computed.
+    pub replicas: Range<u64>,
+    /// How many of these are done.
+    pub done: u64,
+    /// Seconds that they took.
+    pub seconds: f64,
+    /// How often the run was resumed.
+    pub resumptions: u64,
+}
+
+/// The file of a partial result.
+#[derive(Clone, Debug)]
+pub(crate) struct PartialFile {
+    pub path: PathBuf,
+    pub head: Head,
+    pub pieces: Vec<Piece>,
+}
+
+impl PartialFile {
+    /// Finds the partial result of an output, if there is one.
+    ///
+    /// # Errors
+    /// As [`PartialFile::open`].
+    pub fn find(lock: &OutputLock) -> Result<Option<Self>, OutputError> {
+        let path = lock.partial();
+        match path.symlink_metadata() {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            _ => Self::open(&path).map(Some),
+        }
+    }
+
+    /// Reads which replicas are in a partial result.
+    ///
+    /// # Errors
+    /// [`OutputError::NotAPartial`] when it is something else, or has been merged, [`OutputError::NotAResult`] when it
+    /// is damaged.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let reader = Reader::open(path, &[&RUN, &SWEEP])?;
+        if !reader.has(RESTART) {
+            let problem = "is neither a shard nor what is kept of an interrupted run".to_owned();
+            return Err(OutputError::NotAPartial { path: path.to_owned(), problem });
+        }
+        let head: Head = value(&reader, "run")?;
+        let piece = |&point: &u64| {
+            let State { seconds, resumptions, tree, .. } = value(&reader, &name_of(point))?;
+            let (replicas, done) = tree.extent(head.identity.replicas);
+            Ok(Piece { point, replicas, done, seconds, resumptions })
+        };
+        let pieces = head.points.iter().map(piece).collect::<Result<Vec<Piece>, OutputError>>()?;
+        Ok(Self { path: path.to_owned(), head, pieces })
+    }
+
+    /// Whether all replicas are there that were to be computed.
+    pub fn is_complete(&self) -> bool {
+        self.pieces.iter().all(|piece| piece.done == piece.replicas.end - piece.replicas.start)
+    }
+
+    /// The error of a file that is not what it should be.
+    pub fn refused(&self, problem: &str) -> OutputError {
+        OutputError::NotAPartial { path: self.path.clone(), problem: problem.to_owned() }
+    }
+
+    /// The state of a piece of it, which has to be of a scene.
+    ///
+    /// # Errors
+    /// When it is damaged, or of another scene.
+    pub fn state(&self, piece: &Piece, scene: &Scene) -> Result<State, OutputError> {
+        let reader = Reader::open(&self.path, &[&RUN, &SWEEP])?;
+        let state: State = value(&reader, &name_of(piece.point))?;
+        if (piece.replicas.clone(), piece.done) != state.tree.extent(self.head.identity.replicas) {
+            return Err(self.refused("has been changed meanwhile"));
+        }
+        is_of(scene, &state).map_err(|problem| self.refused(&problem))?;
+        Ok(state)
+    }
+
+    /// Adds the curves of the replicas of a piece, where a scene has them kept.
+    ///
+    /// # Errors
+    /// When they are damaged, or of another scene.
+    pub fn read_curves(&self, piece: &Piece, scene: &Scene, curves: &mut Curves) -> Result<(), OutputError> {
+        if !scene.curves {
+            return Ok(());
+        }
+        let reader = Reader::open(&self.path, &[&RUN, &SWEEP])?;
+        let place = place(&reader, piece.point as usize)?;
+        let (paths, s) = (curve_paths(scene.ways()), scene.separations.len());
+        for first in (0..piece.done as usize).step_by(CURVE_CHUNK) {
+            let rows = first..(first + CURVE_CHUNK).min(piece.done as usize);
+            let read = |path: &String| reader.rows(path, &place, rows.clone());
+            let read = paths.iter().map(read).collect::<Result<Vec<Vec<f64>>, OutputError>>()?;
+            if read.iter().any(|own| own.len() != rows.len() * s) {
+                return Err(self.refused("has curves of other separations than its scene"));
+            }
+            let row = |i: usize| read.iter().flat_map(move |own| own[i * s..(i + 1) * s].iter().copied());
+            curves.append(&(0..rows.len()).flat_map(row).collect::<Vec<f64>>())?;
+        }
+        Ok(())
+    }
+}
+
+/// The name of the state of a point.
+fn name_of(point: u64) -> String {
+    format!("{:04}", point + 1)
+}
+
+/// A value of the state.
+fn value<T: serde::de::DeserializeOwned>(reader: &Reader, name: &str) -> Result<T, OutputError> {
+    let bytes = reader.bytes(&format!("/{GROUP}/{name}"))?;
+    let refused = |problem| OutputError::NotAPartial { path: reader.path().to_owned(), problem };
+    decode(&bytes).map_err(refused)
+}
+
+/// The index of a point along each dimension of the points; none without a sweep.
+fn place(reader: &Reader, point: usize) -> Result<Vec<usize>, OutputError> {
+    if reader.layout().of_points.is_none() {
+        return Ok(Vec::new());
+    }
+    let (mut place, mut rest) = (reader.point_shape()?, point);
+    for own in place.iter_mut().rev() {
+        let length = (*own).max(1);
+        (*own, rest) = (rest % length, rest / length);
+    }
+    Ok(place)
+}
+
+/// Whether a state is of a scene.
+///
+/// # Errors
+/// How it is not.
+fn is_of(scene: &Scene, State { functionals, .. }: &State) -> Result<(), String> {
+    let (kept, given) = (functionals.fewest_replicas, scene.fewest_replicas());
+    if kept != given {
+        return Err(format!("is of a run of at least {kept} replicas, and this one is of at least {given}"));
+    }
+    let (s, basis) = (scene.states(), &functionals.basis);
+    let probes =
+        basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
+    let tested = basis.tested.iter().map(Vec::len);
+    if probes.chain(tested).any(|length| length != s) || functionals.controls.iter().any(|place| *place >= s)
+    {
+        return Err("is not of this scene".to_owned());
+    }
+    Ok(())
+}
+
+/// Writes the head of a partial result and the states of its points, as bytes, into its file.
+pub(crate) fn write_restart(
+    writer: &Writer<'_>,
+    head: &Head,
+    states: impl Iterator<Item = Result<Vec<u8>, OutputError>>,
+) -> Result<(), OutputError> {
+    writer.bytes(GROUP, "run", &encode(head))?;
+    head.points
+        .iter()
+        .zip(states)
+        .try_for_each(|(point, state)| writer.bytes(GROUP, &name_of(*point), &state?))
+}
+
+/// The bytes of the state in the file of one scene.
+pub(crate) fn state_in(file: &Path) -> Result<Vec<u8>, OutputError> {
+    Reader::open(file, &[&RUN])?.bytes(&format!("/{GROUP}/{}", name_of(0)))
+}
+
+/// A part of a scene: the batches that a shard has of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub shard: Shard,
+    pub batches: Range<u64>,
+    /// The file of the scene.
+    pub source: PathBuf,
+}
+
+impl Part {
+    /// How many replicas it has of a scene.
+    pub fn count(&self, scene: &Scene) -> u64 {
+        let replicas = replicas_of(self.batches.clone(), scene.replicas);
+        replicas.end - replicas.start
+    }
+}
+
+/// The file of a scene, by a name that it has wherever the program is started.
+pub(crate) fn scene_file(source: &Path) -> String {
+    let absolute = source.canonicalize().or_else(|_| std::path::absolute(source));
+    absolute.unwrap_or_else(|_| source.to_owned()).to_string_lossy().into_owned()
+}

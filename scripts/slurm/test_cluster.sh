@@ -282,7 +282,7 @@ compute_reference() { "$stiction" run "$scene" --replicas "$replicas" --quiet -o
 
 test_lost_nodes() {
     local output="$folder/an experiment" lost parted killed process shard
-    local arguments=("$scene" --shards 16 --replicas "$replicas" --checkpoint 0 --output "$output" --time=10)
+    local arguments=("$scene" --shards 16 --replicas "$replicas" --checkpoint 1 --output "$output" --time=10)
     check "submit.sh submits 16 shards and a merge" submit "${arguments[@]}"
     check "a task on node2 keeps a partial result" wait_for 60 holds_process_on 2
     lost=$(log_of "$output")
@@ -327,7 +327,7 @@ test_lost_nodes() {
 # In the scratch folders of the nodes, so that a task finds only what was copied.
 test_time_limit_and_cancel() {
     local output=$folder/limited process shard times
-    local arguments=("$scene" --shards 2 --replicas "$replicas" --checkpoint 0 --output "$output" --scratch "$folder/scratch of a node")
+    local arguments=("$scene" --shards 2 --replicas "$replicas" --checkpoint 1 --output "$output" --scratch "$folder/scratch of a node")
     check "submit.sh submits 2 shards, of a minute at most" submit "${arguments[@]}" --time=1 --save-before 60
     local log=$output/logs/shard-1.log
     # Held, so that no machine is fast enough to be done before.

@@ -152,14 +152,20 @@ impl Points<'_> {
             let (file, partial) = (self.file(point), beside(&self.file(point), PARTIAL));
             let scene = self.scene(point)?;
             let own = identity(Run { scene: &scene, shard: self.shard });
+            let differs = |found: PartialFile| {
+                own.difference("the interrupted run", ("was", "is now"), &found.head.identity)
+            };
+            let other = |partial, problem| Err(self.at(point, Error::OtherRun { partial, problem }));
             if file.exists() && !is_result_of(&file, &RUN, &own, false) {
-                return Err(Error::OtherPoint { file, point: self.sweep.name(point) });
+                return match PartialFile::open(&file).ok().and_then(differs) {
+                    Some(problem) => other(file, problem),
+                    None => Err(Error::OtherPoint { file, point: self.sweep.name(point) }),
+                };
             }
-            if partial.exists() {
-                let kept = PartialFile::open(&partial)?.head.identity;
-                if let Some(problem) = own.difference("the interrupted run", ("was", "is now"), &kept) {
-                    return Err(self.at(point, Error::OtherRun { partial, problem }));
-                }
+            if partial.exists()
+                && let Some(problem) = differs(PartialFile::open(&partial)?)
+            {
+                return other(partial, problem);
             }
         }
         Ok(())

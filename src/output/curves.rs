@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use tempfile::SpooledTempFile;
 
 /// Bytes that are held in memory; where there are more, all are in a file without a name.
-pub(crate) const HELD: usize = 1 << 26;
+pub(crate) const HELD: usize = 1 << 24;
 
 /// External force and, behind it, adhesion force of every replica over its states, N, in order.
 pub(crate) struct Curves {

@@ -40,7 +40,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 #[cfg(unix)]
 const ADDRESS_SPACE: u64 = 1 << 30;
 
-/// Small results of both kinds, with and without curves.
+/// Small results, with and without curves, and a partial one.
 fn results(folder: &Folder) -> Vec<&'static str> {
     let tiny = small().replace("count = 16", "count = 3").replace("replicas = 40", "replicas = 12");
     std::fs::write(folder.path("tiny.toml"), &tiny).unwrap();
@@ -52,11 +52,12 @@ fn results(folder: &Folder) -> Vec<&'static str> {
         ["run", "tiny.toml", "-o", "tiny.h5"].as_slice(),
         &["run", "curves.toml", "-o", "curves.h5"],
         &["compare", "tiny.toml", "--laws", "hybrid,fit:paper", "-o", "laws.h5"],
+        &["run", "curves.toml", "--shard", "1/1", "-o", "curves.shard"],
     ] {
         let output = folder.stiction(arguments);
         assert!(output.status.success(), "{output:?}");
     }
-    vec!["tiny.h5", "curves.h5", "laws.h5"]
+    vec!["tiny.h5", "curves.h5", "laws.h5", "curves.shard"]
 }
 
 /// Everything that can be asked of a result.

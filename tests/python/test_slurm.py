@@ -556,7 +556,7 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     shard = shards / "1.shard"
     kept = site.folder / "scratch" / "stiction-100_1" / "1.shard.points" if of_a_node else Path(f"{shard}.points")
     slurm = {"SLURM_ARRAY_TASK_ID": "1"}
-    first = Task(site, "--checkpoint", "0", shards=2, scratch=scratch, **slurm)
+    first = Task(site, "--checkpoint", "0.01", shards=2, scratch=scratch, **slurm)
     # The second of the three points, of which the first shard has one and a half.
     first.wait_until((kept / "0002.h5.partial").exists)
     # It waits for the signal, however fast it is.

@@ -112,11 +112,16 @@ fn points(folder: &Path) -> Result<(), Failure> {
     text += &wide("format", "points of an interrupted sweep; the command that made it goes on with --resume");
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if name.ends_with(".h5") {
-            text += &wide(&name, "complete");
-        } else if name.ends_with(PARTIAL) && !name.starts_with('.') {
-            text += &wide(name.trim_end_matches(PARTIAL), &done(&PartialFile::open(&path)?).join(", "));
+        if name.starts_with('.') || ![".h5", PARTIAL].iter().any(|end| name.ends_with(end)) {
+            continue;
         }
+        // Points that are complete are no partial results, but those of a shard.
+        let said = match PartialFile::open(&path) {
+            Ok(file) => done(&file).join(", "),
+            Err(_) if name.ends_with(".h5") => "complete".to_owned(),
+            Err(error) => return Err(error.into()),
+        };
+        text += &wide(name.trim_end_matches(PARTIAL), &said);
     }
     print(&text)
 }

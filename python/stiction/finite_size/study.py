@@ -76,7 +76,8 @@ def run(
     True
     """
     sizes = _counts(counts)
-    alone = experiments.run(scene, replicas=0, progress=False, **overrides)
+    # A lattice is for the numbers of asperities, and not for the area of the scene.
+    alone = experiments.run(scene, replicas=0, progress=False, **{**overrides, "substrate.coupling": "none"})
     if not isinstance(alone, Run):
         raise SceneError(
             "the scene has a table [sweep]: leave it out; patches of several sizes are a sweep of their own"

@@ -97,7 +97,7 @@ def _percent(share: float) -> str:
 
 
 def table(sweep: Sweep) -> Iterator[str]:
-    """The lines that say what a study has found."""
+    """Lines of the table of a study."""
     found = study(sweep)
     per_asperity = quantities.si(found.attrs["integral_pull_off_per_asperity"], "N")
     yield sweep.title or "Untitled scene"

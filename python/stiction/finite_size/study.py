@@ -59,7 +59,7 @@ def run(
     """Computes patches of several sizes: a sweep over the nominal area, with sums by moments where these
     are as good.
 
-    The other arguments are those of `stiction.run`.
+    All other arguments are as of `stiction.run`.
 
     Parameters
     ----------
@@ -76,7 +76,8 @@ def run(
     True
     """
     sizes = _counts(counts)
-    alone = experiments.run(scene, replicas=0, progress=False, **overrides)
+    # A lattice is for the numbers of asperities, and not for the area of the scene.
+    alone = experiments.run(scene, replicas=0, progress=False, **{**overrides, "substrate.coupling": "none"})
     if not isinstance(alone, Run):
         raise SceneError(
             "the scene has a table [sweep]: leave it out; patches of several sizes are a sweep of their own"
@@ -98,13 +99,13 @@ def run(
 
 def _counts(given: Sequence[int] | str) -> list[int]:
     """Numbers of asperities, rising."""
-    told = given if isinstance(given, str) else ",".join(str(count) for count in given)
+    listed = given if isinstance(given, str) else ",".join(str(count) for count in given)
     try:
-        sizes = sorted({count for item in told.split(",") for count in _of_item(item)})
+        sizes = sorted({count for item in listed.split(",") for count in _of_item(item)})
         if not 2 <= len(sizes) <= _MOST_SIZES:
             raise ValueError(f"{len(sizes)} different numbers of asperities; 2 to {_MOST_SIZES} are needed")
     except ValueError as error:
-        raise SceneError(f"counts {told}: {error}, such as 10,100,1e4 or {_COUNTS}") from None
+        raise SceneError(f"counts {listed}: {error}, such as 10,100,1e4 or {_COUNTS}") from None
     return sizes
 
 
@@ -142,7 +143,7 @@ def is_study(sweep: Sweep) -> bool:
 
 
 def study(sweep: Sweep | str | Path) -> xarray.Dataset:
-    """What a sweep over the nominal area says of finite patches.
+    """Bias, scatter and power law of finite patches, from a sweep over the nominal area.
 
     Parameters
     ----------

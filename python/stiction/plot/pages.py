@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
-from functools import partial
+from functools import partial, wraps
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -53,7 +53,7 @@ def panels(result: Result) -> dict[str, Panel]:
     """
     if isinstance(result, Sweep):
         of_sweep: dict[str, Panel] = {name: partial(sweep, quantity=name) for name in quantities_of(result)}
-        of_studies = {name: partial(_of_study, figure) for name, figure in _OF_STUDIES.items()}
+        of_studies = {name: _of_study(figure) for name, figure in _OF_STUDIES.items()}
         return of_studies | of_sweep if is_study(result) else of_sweep
     if not isinstance(result, Run):
         return _PANELS[result.kind] | (_OVER_CUTOFF if result.kind == "asperities" and "cutoffs" in result else {})
@@ -87,9 +87,14 @@ def panels(result: Result) -> dict[str, Panel]:
     return drawn
 
 
-def _of_study(figure: Panel, result: Sweep, ax: Axes | None = None) -> Axes:
-    """A figure of what a sweep says of patches of several sizes."""
-    return figure(study(result), ax)
+def _of_study(figure: Panel) -> Panel:
+    """A figure of patches of several sizes that takes their sweep."""
+
+    @wraps(figure)
+    def drawn(result: Sweep, ax: Axes | None = None) -> Axes:
+        return figure(study(result), ax)
+
+    return drawn
 
 
 def _by_default(known: dict[str, Panel], options: dict[str, Any]) -> list[str]:

@@ -457,7 +457,7 @@ def _edges(sweep: Sweep) -> Any:
 def _points(sweep: Sweep, keys: list[str]) -> Table:
     import xarray
 
-    pull_off, told = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
+    pull_off, heads = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
     whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", "of_integral") if name in pull_off})
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
         if path in sweep:
@@ -476,7 +476,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         [*(sweep.key_text(name, row[name]) for name in keys), *(words[name](row) for name in columns)]
         for row in whole.to_dataframe().reset_index().to_dict("records")
     ]
-    return Table("Points", [*sweep.keys, *(told.get(name, name) for name in columns)], rows)
+    return Table("Points", [*sweep.keys, *(heads.get(name, name) for name in columns)], rows)
 
 
 def _comparison(result: Comparison) -> Facts:

@@ -237,7 +237,7 @@ def _figure(result: Result, name: str, number: int) -> str:
     drawing = drawn_page(result, "110mm", what=name)
     words = name.replace("pull_off", "pull-off").replace("_", " ")
     told = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
-    if isinstance(result, Sweep):
+    if isinstance(result, Sweep) and name in QUANTITIES:
         told = QUANTITIES[name][0]
     with context():
         stream = io.StringIO()

@@ -616,9 +616,8 @@ fn info_has_values_and_a_verbose_run_all_of_it() {
     let printed = text(&run.stdout);
     assert!(printed.contains("  cross-check") && printed.ends_with(&format!("\n\n{info}")), "{printed}");
     let row = |name: &str| -> Vec<&str> {
-        let mut rows =
-            info.lines().filter_map(|line| line.trim_start().strip_prefix(name)?.strip_prefix(' '));
-        rows.next_back().unwrap_or_else(|| panic!("{name}: {info}")).split_whitespace().collect()
+        let row = info.lines().find_map(|line| line.trim_start().strip_prefix(name)?.strip_prefix(' '));
+        row.unwrap_or_else(|| panic!("{name}: {info}")).split_whitespace().collect()
     };
     let file = unlocked::open(folder.path("scene.h5"));
     let of = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];

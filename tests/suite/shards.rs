@@ -427,7 +427,7 @@ fn what_a_shard_is_of_is_told() {
     // What it has can be looked at like any result.
     assert_exit(&folder.stiction(&["validate", &name(2, 4)]), 0);
     assert!(
-        info.contains("/ensemble/external_force_mean") && info.contains("replicas_of_whole_run"),
+        info.contains("  external_force_mean ") && info.contains("replicas_of_whole_run"),
         "{info}"
     );
     for wrong in ["0/4", "5/4", "3", "a/b", "1/0"] {

@@ -59,35 +59,32 @@ pub(super) fn described(sweep: &Sweep) -> String {
 type Column = Vec<String>;
 
 /// Most characters of the head of a column; the whole key stands above the table.
-const HEAD: usize = 12;
+const HEAD: usize = 10;
 
 /// Columns of results that follow from the integral alone.
 const OF_INTEGRAL: [usize; 2] = [1, 4];
 
-/// The points, a line each, and the verdict on all of them where they have replicas. Where a terminal is too narrow for every column, the
-/// integral is left out; where that does not do, points have numbers and not values.
+/// The points, a line each, and the verdict on all of them where they have replicas. Where a terminal is too narrow for
+/// every column, the integral is left out, and then the difference to the first; where that does not do, points have
+/// numbers and not values.
 fn table(sweep: &Sweep, rows: &[SweepPoint], has_replicas: bool) -> String {
-    let (values, numbers, mut results) = (values(sweep), [numbers(rows.len())], results(rows));
+    let mut results = results(rows);
     if !has_replicas {
-        results = results
-            .into_iter()
-            .enumerate()
-            .filter(|(i, _)| OF_INTEGRAL.contains(i))
-            .map(|(_, own)| own)
-            .collect();
+        results = OF_INTEGRAL.map(|column| results[column].clone()).into();
     }
-    let mut shown = aligned(&values, &results);
-    if is_wide(&shown) && has_replicas {
-        results.remove(1);
-        shown = aligned(&values, &results);
-    }
-    if is_wide(&shown) {
-        shown = aligned(&numbers, &results);
-    }
+    let narrowed = |left: &[Column]| {
+        let mut texts = (0..=if has_replicas { 2 } else { 0 }).map(|left_out| {
+            let right: Vec<Column> = [&results[..1], &results[1 + left_out..]].concat();
+            aligned(left, &right)
+        });
+        texts.find(|text| !is_wide(text))
+    };
+    let shown = narrowed(&values(sweep)).or_else(|| narrowed(&[numbers(rows.len())])).unwrap_or_default();
     if !has_replicas {
         return shown + "\n";
     }
-    shown + "\n" + &agreeing(rows) + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
+    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    shown + "\n" + &agreeing(rows) + &together(&p_values)
 }
 
 fn is_wide(text: &str) -> bool {

@@ -426,10 +426,7 @@ fn what_a_shard_is_of_is_told() {
     assert!(text(&folder.stiction(&["info", "empty.h5"]).stdout).contains("none: there are more shards"));
     // What it has can be looked at like any result.
     assert_exit(&folder.stiction(&["validate", &name(2, 4)]), 0);
-    assert!(
-        info.contains("  external_force_mean ") && info.contains("replicas_of_whole_run"),
-        "{info}"
-    );
+    assert!(info.contains("  external_force_mean ") && info.contains("replicas_of_whole_run"), "{info}");
     for wrong in ["0/4", "5/4", "3", "a/b", "1/0"] {
         let output = folder.stiction(&["run", "scene.toml", "--shard", wrong]);
         assert_exit(&output, 2);

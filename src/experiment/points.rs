@@ -195,7 +195,9 @@ impl Points<'_> {
     /// # Errors
     /// [`Error`] with the point named; what has been done is kept.
     pub fn compute(&self) -> Result<(), Error> {
-        for (point, batches) in self.shares()?.into_iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        // Of a shard; the integral alone has none anywhere.
+        let is_own = |(_, batches): &(usize, Range<u64>)| self.shard.is_none() || !batches.is_empty();
+        for (point, batches) in self.shares()?.into_iter().enumerate().filter(is_own) {
             self.compute_one(point, batches).map_err(|failure| self.kept(self.at(point, failure)))?;
         }
         Ok(())

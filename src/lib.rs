@@ -14,8 +14,7 @@
 //! ```
 //!
 //! # What there is
-//! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`,
-//! [`compare()`] laws on the same asperities, and [`integrate`]
+//! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`, and [`integrate`]
 //! the integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`]
 //! reads scenes, and [`output`] reads files of results back.
 //!
@@ -86,8 +85,8 @@ pub use experiment::layouts;
 #[cfg(feature = "hdf5")]
 #[doc(inline)]
 pub use experiment::{
-    Builder, ComparedLaw, Comparison, Error, Integral, Mean, Observer, PathIntegral, RunResult, SweepPoint,
-    builder, compare, integrate, run, sweep,
+    Builder, Error, Integral, Observer, PathIntegral, RunResult, SweepPoint,
+    builder, integrate, run, sweep,
 };
 #[cfg(feature = "hdf5")]
 #[doc(inline)]

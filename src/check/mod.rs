@@ -7,13 +7,13 @@ mod sweep;
 
 pub use cross_check::CrossCheck;
 
-use crate::experiment::layouts::{COMPARISON, LAYOUTS, SWEEP};
+use crate::experiment::layouts::{LAYOUTS, SWEEP};
 use crate::experiment::partial::PartialFile;
 use crate::output::OutputError;
 use crate::output::partial::RESTART;
 use crate::output::reader::Reader;
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
-use crate::validation::{JointTest, Verdict, overall};
+use crate::validation::{JointTest, Verdict};
 use std::path::Path;
 
 /// A file that is not damaged.
@@ -33,8 +33,6 @@ pub enum Content {
     Integral,
     /// Points along keys.
     Sweep { keys: String, points: Vec<SweptPoint> },
-    /// Laws on common asperities, with the p-value of each as the file has it.
-    Comparison { laws: Vec<String>, p_values: Vec<f64> },
     /// The number of asperities of a measured surface.
     Asperities(usize),
 }
@@ -56,15 +54,6 @@ pub fn check(path: &Path) -> Result<Checked, OutputError> {
     let is = |layout: &Layout| reader.layout().format == layout.format;
     let checked = match () {
         () if is(&SWEEP) => sweep::check(&reader)?,
-        () if is(&COMPARISON) => {
-            let laws = reader.texts(reader.coordinate("law"))?;
-            // Of laws without an ensemble nothing is tested.
-            let p_values = match reader.has("/validation/p_value") {
-                true => reader.values("/validation/p_value")?,
-                false => vec![f64::NAN; laws.len()],
-            };
-            as_stored(overall(&p_values), Content::Comparison { laws, p_values })
-        }
         () if is(&ASPERITIES) => {
             as_stored(Verdict::NotTested, Content::Asperities(reader.length(Dimension::Asperity)?))
         }

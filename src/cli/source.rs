@@ -32,21 +32,35 @@ impl SceneArguments {
 
     /// The scene or the sweep.
     pub fn document(&self) -> Result<Document, Failure> {
-        let path = self.path();
-        let text = text(&self.scene, LONGEST_SCENE)
-            .map_err(|problem| Error::Unreadable { path: path.to_owned(), problem })?;
-        let refused = |error: SceneError| Error::Scene { path: path.to_owned(), error };
-        let edited = with_settings(&text, &self.settings).map_err(refused)?;
-        let document = Document::parse(&edited, Arc::new(SceneFiles::scene(path)));
-        Ok(document.map_err(|error| refused(told_of(error, &text, &edited, &self.settings)))?)
+        self.document_of(&self.text()?, &self.settings)
     }
 
-    /// The scene, of a command that takes no sweeps.
-    pub fn scene(&self) -> Result<Scene, Failure> {
-        match self.document()? {
-            Document { scene, sweep: None } => Ok(scene),
-            Document { .. } => Err(Error::IsSweep(self.path().to_owned()).into()),
-        }
+    /// The sweep over laws, or over that of the scene alone where none is named.
+    ///
+    /// # Errors
+    /// [`Failure`] also where the scene is a sweep itself.
+    pub fn along_laws(&self, laws: &[String]) -> Result<Document, Failure> {
+        let text = self.text()?;
+        let Document { scene, sweep: None } = self.document_of(&text, &self.settings)? else {
+            return Err(Error::IsSweep(self.path().to_owned()).into());
+        };
+        let own = [scene.model.name.to_owned()];
+        let setting = format!("sweep.model.law={:?}", if laws.is_empty() { &own[..] } else { laws });
+        let setting = setting.parse::<Setting>().map_err(Failure::Usage)?;
+        self.document_of(&text, &[&self.settings[..], &[setting]].concat())
+    }
+
+    fn text(&self) -> Result<String, Failure> {
+        let unreadable = |problem| Error::Unreadable { path: self.path().to_owned(), problem };
+        Ok(text(&self.scene, LONGEST_SCENE).map_err(unreadable)?)
+    }
+
+    fn document_of(&self, text: &str, settings: &[Setting]) -> Result<Document, Failure> {
+        let path = self.path();
+        let refused = |error: SceneError| Error::Scene { path: path.to_owned(), error };
+        let edited = with_settings(text, settings).map_err(refused)?;
+        let document = Document::parse(&edited, Arc::new(SceneFiles::scene(path)));
+        Ok(document.map_err(|error| refused(told_of(error, text, &edited, settings)))?)
     }
 
     /// The output that is named, or else the scene's name with this ending, in the current folder.

@@ -22,10 +22,6 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         Content::Run { cross_check, ways } => table(cross_check, *ways),
         Content::Integral => "the integral alone, no replicas\n".to_owned(),
         Content::Sweep { keys, points } => swept(keys, points),
-        Content::Comparison { laws, p_values } => {
-            let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();
-            format!("laws {}\n", names.join(", ")) + &together(p_values)
-        }
         Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
     };
     concluded(format!("{}\n{content}", one_line(&path.display().to_string())), &checked)

@@ -56,8 +56,6 @@ pub struct Estimate {
     pub group: f64,
     /// Threads.
     pub threads: f64,
-    /// Ensembles that are kept: one for each law.
-    pub ensembles: f64,
     /// Periods of moments; none where sums are direct.
     pub periods: Option<f64>,
     /// Step of the separations, in σ_s.
@@ -90,7 +88,6 @@ impl Estimate {
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
             threads: threads as f64,
-            ensembles: 1.0,
             periods: periods.filter(|periods| periods + separations as f64 <= MOST_PERIODS),
             step,
             grid: GridSize::new(law, &scene.surface),
@@ -132,15 +129,14 @@ impl Estimate {
         let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
         let of_replicas = (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas;
         let functionals = 2.0 * NUMBER * MAX_COMPONENTS as f64 * s;
-        let ensembles =
-            self.ensembles * (moments + waiting + of_replicas + functionals + self.first_curves());
+        let ensemble = moments + waiting + of_replicas + functionals + self.first_curves();
         let integral = s * (100.0 * r + 24.0 * NUMBER);
         let of_curves = 2.0 * NUMBER * s;
         let held = (of_curves * self.replicas).min(HELD as f64);
         let file = if self.curves { 2.0 * of_curves * CURVE_CHUNK as f64 + held } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
         PROGRAM
-            + ensembles
+            + ensemble
             + integral
             + file
             + self.functionals().max(batches + self.surfaces() + self.coupled())
@@ -279,7 +275,6 @@ mod tests {
         replicas: 1e9,
         group: 1.0,
         threads: 64.0,
-        ensembles: 1.0,
         periods: None,
         step: 0.05,
         grid: GridSize { fixed: 2000, per_separation: 10 },

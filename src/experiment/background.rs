@@ -1,9 +1,7 @@
 //! The forces between the mean planes, under the names of the file layout.
 
 use crate::background::Background;
-use crate::output::OutputError;
 use crate::output::schema::{Dimension, Variable, variable};
-use crate::output::writer::Writer;
 use crate::scene::FORCES;
 
 /// A number of a background per nominal area at a separation h, m.
@@ -48,21 +46,4 @@ impl Quantity {
         let dimensions = [lead, &[Dimension::Separation]].concat();
         variable(format!("/background/{}", self.name), &dimensions, self.units, self.meaning)
     }
-}
-
-/// Writes backgrounds of a nominal area, m², one behind the other, at separations h, m, if there are any.
-pub(crate) fn write_backgrounds<'a>(
-    writer: &Writer<'_>,
-    all: impl Iterator<Item = &'a Background> + Clone,
-    area: f64,
-    separations: &[f64],
-) -> Result<(), OutputError> {
-    if all.clone().next().is_none() {
-        return Ok(());
-    }
-    for Quantity { name, of, .. } in quantities() {
-        let rows = all.clone().flat_map(|own| separations.iter().map(|h| area * of(own, *h)));
-        writer.dataset(&format!("/background/{name}"), &rows.collect::<Vec<f64>>())?;
-    }
-    Ok(())
 }

@@ -27,20 +27,6 @@ pub(crate) const FIGURES: [Figure; 13] = [
     ("independent_from", |own| own.independent_from),
 ];
 
-/// Writes those of several laws or sizes.
-pub(crate) fn write_independences(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
-    write_figures(writer, all)?;
-    writer.texts("/independence/verdict", &all.iter().map(|own| own.verdict().name()).collect::<Vec<&str>>())
-}
-
-fn write_figures(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
-    write_limits(writer)?;
-    for (name, of) in FIGURES {
-        writer.dataset(&format!("{GROUP}/{name}"), &all.iter().map(of).collect::<Vec<f64>>())?;
-    }
-    Ok(())
-}
-
 /// Makes the group, and writes the limits of the figures.
 pub(crate) fn write_limits(writer: &Writer<'_>) -> Result<(), OutputError> {
     writer.group("independence")?;

@@ -3,7 +3,6 @@
 
 mod background;
 pub(crate) mod capillary;
-pub(crate) mod compare;
 pub(crate) mod coupling;
 mod datasets;
 mod error;
@@ -28,12 +27,11 @@ pub(crate) mod snaps;
 mod stack;
 pub(crate) mod stacked;
 
-pub use compare::{ComparedLaw, Comparison, Mean};
 pub use error::Error;
 pub use files::sweep;
 pub(crate) use host::Host;
 pub use integral::{Integral, PathIntegral};
 pub use observer::Observer;
 pub(crate) use observer::Phases;
-pub use run::{Builder, RunResult, builder, compare, integrate, run};
+pub use run::{Builder, RunResult, builder, integrate, run};
 pub use stacked::SweepPoint;

@@ -269,6 +269,7 @@ impl PreparedRun {
             cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
         Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+            fit: law.view().fit().cloned(),
             scene,
             warnings: self.warnings.clone(),
             expectations,

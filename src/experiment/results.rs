@@ -1,7 +1,7 @@
 //! Results of a run, for the file and for the summary.
 
 use super::integral::{PathIntegral, resolving};
-use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
+use crate::asperity::{FitReport, Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
@@ -18,6 +18,8 @@ pub(crate) struct Results {
     pub scene: Scene,
     pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
+    /// How good the fits are of a law that is one.
+    pub fit: Option<FitReport>,
     pub expectations: Expectations,
     /// The retraction of a loop; everything else that belongs to one path is of the approach.
     pub retraction: Option<RetractionResults>,

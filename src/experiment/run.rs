@@ -1,7 +1,6 @@
 //! Experiments on scenes from Rust: with nothing but the scene, or set up.
 
 use super::Error;
-use super::compare::{Comparison, PreparedComparison};
 use super::files::session;
 use super::integral::Integral;
 use super::layouts::RUN;
@@ -41,25 +40,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// ```
 pub fn run(scene: &Scene) -> Result<RunResult, Error> {
     builder(scene).run()
-}
-
-/// Compares laws, by their names, on the asperities of a scene: by the integral.
-///
-/// # Errors
-/// [`Error::UnknownLaw`], [`Error::Law`], [`Error::Threads`]; [`Error::NotFor`] for a loop, and for a law
-/// that is given twice.
-///
-/// # Examples
-/// ```
-/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// let comparison = stiction::compare(&scene, &["hybrid", "dmt"])?;
-/// for law in comparison.laws() {
-///     println!("{:8} {:.3e} N", law.name(), law.integral().pull_off());
-/// }
-/// # Ok::<(), stiction::Error>(())
-/// ```
-pub fn compare(scene: &Scene, laws: &[&str]) -> Result<Comparison, Error> {
-    builder(scene).compare(laws)
 }
 
 /// Computes the integral of a scene, and no ensemble.
@@ -159,29 +139,6 @@ impl<'a> Builder<'a> {
         let session = Session { stop, ..session(threads)? };
         let mut nobody = ();
         run_scene(scene.clone(), laws, &task, &session, observer.unwrap_or(&mut nobody)).map(drop)
-    }
-
-    /// Compares laws, by their names, by the integral.
-    ///
-    /// # Errors
-    /// As [`compare`], and [`Error::Interrupted`].
-    pub fn compare(self, laws: &[&str]) -> Result<Comparison, Error> {
-        self.comparison(laws, false)
-    }
-
-    /// Compares laws, by their names, by the integral and by ensembles of the same asperities for every law.
-    ///
-    /// # Errors
-    /// As [`compare`]; [`Error::NotFor`] too for a scene whose ensemble ends at a target, and
-    /// [`Error::Interrupted`].
-    pub fn compare_ensembles(self, laws: &[&str]) -> Result<Comparison, Error> {
-        self.comparison(laws, true)
-    }
-
-    fn comparison(self, laws: &[&str], with_ensembles: bool) -> Result<Comparison, Error> {
-        let models = laws.iter().map(|name| law_named(name)).collect::<Result<Vec<Model>, Error>>()?;
-        let prepared = PreparedComparison::new(self.scene.clone(), models, with_ensembles)?;
-        self.with_session(|session, phases| prepared.run(&session.pool, &session.stop, phases))
     }
 
     /// Computes the integral alone.

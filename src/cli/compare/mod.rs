@@ -1,23 +1,17 @@
-//! `stiction compare`: several laws on the same asperities, by the integral and, if asked for, by the
-//! ensemble.
+//! `stiction compare`: a sweep over laws on the same asperities, and its table.
 
 mod table;
 
-use super::arguments::Execution;
+use super::arguments::RunOptions;
 use super::asperity::find;
 use super::failure::Failure;
-use super::progress::Progress;
-use super::resources;
-use super::session::interruption;
+use super::session::{Session, points};
 use super::source::SceneArguments;
-use super::terminal::{print, print_of};
-use crate::asperity::models::Model;
-use crate::estimate::Estimate;
-use crate::experiment::Phases;
-use crate::experiment::compare::PreparedComparison;
-use crate::experiment::prepared::thread_pool;
-use crate::experiment::sampling::set_ensemble;
+use super::terminal::{complete_before, print, print_of};
+use crate::experiment::points::Points;
+use crate::experiment::stacked::run_sweep;
 use crate::output::OutputLock;
+use crate::scene::Document;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -25,63 +19,46 @@ use std::path::PathBuf;
 pub(super) struct CompareArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// The laws, separated by commas, by default the scene's; deviations are from the first. Of the scene's
-    /// model the path counts too, and critical_approach for fit:paper
+    /// The laws, separated by commas, by default the scene's; deviations are from the first
     #[arg(long, value_delimiter = ',', value_name = "LAW,LAW...")]
     pub laws: Vec<String>,
     /// Also sum explicit ensembles, of the same asperities for every law
     #[arg(long)]
     pub ensemble: bool,
-    /// Where the result goes; by default there is only the table
+    /// Where the sweep over the laws goes; by default there is only the table
     #[arg(short, long, value_name = "FILE.h5")]
     pub output: Option<PathBuf>,
-    /// Number of replicas, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000), requires = "ensemble")]
-    pub replicas: Option<u64>,
-    /// Seed, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64), requires = "ensemble")]
-    pub seed: Option<u64>,
     #[command(flatten)]
-    pub execution: Execution,
+    pub options: RunOptions,
 }
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
-    let stop = interruption()?;
-    let named = models(&arguments.laws)?;
-    let mut scene = arguments.scene.scene()?;
-    let models = if named.is_empty() { vec![scene.model] } else { named };
-    let count = models.len();
-    set_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
-    let inputs = arguments.scene.inputs(&scene);
-    let prepared = PreparedComparison::new(scene, models, arguments.ensemble)
-        .map_err(|error| error.in_scene(arguments.scene.path()))?;
-    let lock = arguments.output.as_ref().map(|output| OutputLock::new(output, &inputs)).transpose()?;
-    lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.execution.force))?;
-    let pool = thread_pool(arguments.execution.threads())?;
-    if arguments.ensemble {
-        let (scene, law) = prepared.largest();
-        let estimate = Estimate::new(scene, law, pool.current_num_threads());
-        let estimate = Estimate { ensembles: count as f64, curves: false, ..estimate };
-        resources::require(&estimate, arguments.output.as_deref())
-            .map_err(|problem| Failure::Usage(format!("{}: {problem}", arguments.scene.path().display())))?;
+    let CompareArguments { scene, options, .. } = arguments;
+    if options.replicas.is_some() && !arguments.ensemble {
+        return Err(Failure::Usage("--replicas is for ensembles: give --ensemble, too".to_owned()));
     }
-    let mut progress = Progress::new(arguments.execution.display());
-    let comparison = prepared.run(&pool, &stop, &mut Phases::new(&mut progress))?;
-    if let Some(lock) = &lock {
-        comparison.write_locked(lock, arguments.execution.force)?;
-    }
-    let table = table::table(&comparison, arguments.output.as_deref());
+    let laws = arguments.laws.iter().map(law).collect::<Result<Vec<String>, Failure>>()?;
+    let Document { scene: first, sweep: Some(sweep) } = scene.along_laws(&laws)? else {
+        unreachable!("the laws are swept");
+    };
+    let folder = tempfile::tempdir().map_err(anyhow::Error::from)?;
+    let output = arguments.output.clone().unwrap_or_else(|| folder.path().join("laws.h5"));
+    let session = Session::new(&options.execution, options.checkpoint)?;
+    let lock = OutputLock::new(&output, &scene.inputs(&first))?;
+    let points = points(&sweep, scene.path(), &lock, options, &session, None);
+    let points = if arguments.ensemble { points } else { Points { replicas: Some(0), ..points } };
+    let Some(rows) = run_sweep(&points)? else { return complete_before(&output) };
+    let table = table::table(&points, &rows, arguments.output.as_deref())?;
     match &arguments.output {
         Some(output) => print_of(output, &table),
         None => print(&table),
     }
 }
 
-/// The laws of a list of names.
-fn models(names: &[String]) -> Result<Vec<Model>, Failure> {
-    let named = |name: &String| match name.trim() {
+/// The law of a name in a list.
+fn law(name: &String) -> Result<String, Failure> {
+    match name.trim() {
         "" => Err(Failure::Usage("--laws: a name is empty; names are separated by single commas".to_owned())),
-        name => find("--laws", name),
-    };
-    names.iter().map(named).collect()
+        name => find("--laws", name).map(|model| model.name.to_owned()),
+    }
 }

@@ -1,14 +1,14 @@
 //! A result as a table: a row for each index of a dimension.
 
-use crate::experiment::layouts::{COMPARISON, RUN};
+use crate::experiment::layouts::RUN;
 use crate::output::OutputError;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;
 
 /// What rows are by default, of files without points.
-const BY_DEFAULT: [(&Layout, Dimension); 3] =
-    [(&RUN, Dimension::Separation), (&COMPARISON, Dimension::Law), (&ASPERITIES, Dimension::Asperity)];
+const BY_DEFAULT: [(&Layout, Dimension); 2] =
+    [(&RUN, Dimension::Separation), (&ASPERITIES, Dimension::Asperity)];
 
 /// A column: its name, and what stands in its rows.
 type Column = (String, Vec<String>);

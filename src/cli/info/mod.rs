@@ -39,7 +39,7 @@ pub(super) struct InfoArguments {
     #[arg(long)]
     csv: bool,
     /// The dimension of the table; by default what the file is about: separations of a run, points of a
-    /// sweep, laws, asperities
+    /// sweep, asperities
     #[arg(long, value_name = "DIMENSION", requires = "csv")]
     by: Option<String>,
 }

@@ -8,7 +8,7 @@ use crate::scene::echo::one_line;
 use crate::scene::units::rounded;
 
 /// Dimensions of which each place has a row.
-const NAMED: [Dimension; 10] = [
+const NAMED: [Dimension; 9] = [
     Dimension::Scalar,
     Dimension::Regime,
     Dimension::RangeEnd,
@@ -17,7 +17,6 @@ const NAMED: [Dimension; 10] = [
     Dimension::Target,
     Dimension::Phase,
     Dimension::SkipReason,
-    Dimension::Law,
     Dimension::FittedForce,
 ];
 

@@ -6,6 +6,7 @@ mod coupling;
 mod diagnostics;
 mod ensemble;
 mod film;
+mod fit;
 mod independence;
 mod instability;
 mod integral;
@@ -43,6 +44,7 @@ pub(super) const OPTIONAL_GROUPS: &[&str] = &[
     "coupling",
     "differences",
     "film",
+    "fit",
     "independence",
     "instability",
     "validation",
@@ -61,6 +63,7 @@ static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
         asperities::datasets(),
         liquid::datasets(),
         film::datasets(),
+        fit::datasets(),
         instability::datasets(),
         integral::datasets(),
         background::datasets(),
@@ -200,6 +203,7 @@ pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     ensemble::scales(writer, results);
     coupling::scales(writer, results);
     asperities::scales(writer, results);
+    fit::scales(writer, results);
     instability::scales(writer, results);
     diagnostics::scales(writer, results);
     for Dataset { variable, values } in DATASETS.iter() {

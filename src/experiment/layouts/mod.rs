@@ -1,16 +1,14 @@
-//! Layouts of result files: of runs, sweeps and comparisons.
+//! Layouts of result files: of runs and sweeps.
 
-mod comparison;
 mod sweep;
 
 pub use super::datasets::RUN;
-pub use comparison::COMPARISON;
 pub use sweep::SWEEP;
 
 use crate::output::schema::{ASPERITIES, Layout};
 
 /// All kinds of files.
-pub static LAYOUTS: [&Layout; 4] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES];
+pub static LAYOUTS: [&Layout; 3] = [&RUN, &SWEEP, &ASPERITIES];
 
 #[cfg(test)]
 mod tests {

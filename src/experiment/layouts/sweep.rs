@@ -31,6 +31,7 @@ fn variables() -> Vec<Variable> {
         "/asperities",
         "/capillary",
         "/film",
+        "/fit",
         "/integral",
         "/background",
         "/independence",

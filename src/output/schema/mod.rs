@@ -30,7 +30,7 @@ use std::sync::LazyLock;
 /// let run: &Layout = &RUN;
 /// assert_eq!(run.command, "stiction run");
 /// assert!(run.variables.iter().any(|variable| variable.path == "/ensemble/adhesion_force_mean"));
-/// assert_eq!(LAYOUTS.len(), 4);
+/// assert_eq!(LAYOUTS.len(), 3);
 /// ```
 #[derive(Debug)]
 pub struct Layout {
@@ -103,10 +103,6 @@ pub enum Dimension {
     Phase,
     /// Reasons for which an asperity needed no solve.
     SkipReason,
-    /// Laws that are compared.
-    Law,
-    /// Interferences of one asperity, m.
-    Interference,
     /// Forces that have a curve fit.
     FittedForce,
     /// Coefficients of the curve fits.
@@ -166,8 +162,6 @@ impl Dimension {
             }
             Self::Phase => ("phase", "1", "phase of the run"),
             Self::SkipReason => ("skip_reason", "1", "why an asperity needed no solve"),
-            Self::Law => ("law", "1", "law of one asperity"),
-            Self::Interference => ("interference", "m", "interference of one asperity"),
             Self::FittedForce => ("fitted_force", "1", "force that has a curve fit"),
             Self::Coefficient => ("coefficient", "1", "coefficient of the curve fits"),
             Self::RangeEnd => ("range_end", "1", "end of a range"),

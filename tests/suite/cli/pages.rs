@@ -4,7 +4,7 @@
 use std::ops::Bound;
 use std::path::Path;
 use std::process::Command;
-use stiction::layouts::{COMPARISON, RUN, SWEEP};
+use stiction::layouts::{RUN, SWEEP};
 use stiction::output::schema::{ASPERITIES, Layout, Variable};
 use stiction::scene::{Absent, KEYS, Key, Scene, Sign, Value};
 
@@ -207,9 +207,8 @@ fn dataset(layout: &Layout, variable: &Variable) -> String {
 
 #[test]
 fn the_pages_of_files_are_what_the_layouts_say() {
-    let pages: [(&str, &'static Layout); 4] = [
+    let pages: [(&str, &'static Layout); 3] = [
         ("format.md", &RUN),
-        ("comparison.md", &COMPARISON),
         ("sweep-format.md", &SWEEP),
         ("asperity-file.md", &ASPERITIES),
     ];

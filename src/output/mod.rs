@@ -72,7 +72,7 @@ pub enum OutputError {
         /// The input that it is.
         input: PathBuf,
     },
-    /// A file that is kept beside the output is one that it is made from.
+    /// A file that is kept next to the output is one that it is made from.
     #[error(
         "{} has the name of what is kept beside {}, and this command reads it; give another name",
         input.display(), output.display()
@@ -129,7 +129,7 @@ pub enum OutputError {
     Io {
         /// The action that was tried.
         action: &'static str,
-        /// On which file.
+        /// The file.
         path: PathBuf,
         /// Why it failed.
         error: std::io::Error,
@@ -137,7 +137,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// The same, with the file named that HDF5 was to write.
+    /// The error, with the file named that HDF5 was to write.
     pub fn writing(self, path: &Path) -> Self {
         match self {
             Self::Hdf5(error) => {

@@ -1,4 +1,4 @@
-//! Why an experiment ends without its result.
+//! Reasons for which an experiment ends without its result.
 
 use crate::asperity::LawError;
 use crate::asperity::models::MODELS;
@@ -12,7 +12,7 @@ fn known_laws() -> Vec<&'static str> {
     MODELS.iter().map(|model| model.name).collect()
 }
 
-/// What became of a former name, or the name that was meant, if one is near.
+/// The fate of a former name, or the name that was meant, if one is near.
 fn hint(name: &str) -> String {
     if let Some(fate) = former_value(name) {
         return format!(", which {fate}");
@@ -21,7 +21,7 @@ fn hint(name: &str) -> String {
     near.map(|near| format!(" (did you mean {near}?)")).unwrap_or_default()
 }
 
-/// Why an experiment ends without its result.
+/// The reason why an experiment ends without its result.
 ///
 /// # Examples
 /// ```
@@ -95,10 +95,10 @@ pub enum Error {
     /// There is not enough memory or disk.
     #[error("{0}")]
     TooLarge(String),
-    /// A scene cannot have so many replicas.
+    /// A scene cannot have this number of replicas.
     #[error("{replicas} replicas: {problem}")]
     Replicas {
-        /// How many were asked for.
+        /// The number that was asked for.
         replicas: u64,
         /// Why not.
         problem: String,
@@ -114,7 +114,7 @@ pub enum Error {
     /// Something happened at a point of a sweep.
     #[error("{point}: {error}")]
     AtPoint {
-        /// Which, with the values of its keys.
+        /// The point, with the values of its keys.
         point: String,
         /// The failure.
         error: Box<Error>,
@@ -129,7 +129,7 @@ pub enum Error {
         /// Points of this sweep.
         of: usize,
     },
-    /// A result that is kept is another point than that of this sweep.
+    /// A result that is kept is another point than the one of this sweep.
     #[error("{} is not {point} of this sweep as it would be computed now", file.display())]
     OtherPoint {
         /// The file of the result.
@@ -186,7 +186,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The same of a scene of a file, which is named where only the scene may be wrong.
+    /// The error for a scene of a file, which is named where only the scene may be wrong.
     pub(crate) fn in_scene(self, path: &Path) -> Self {
         match self {
             Self::Law { .. } | Self::TooLarge(_) | Self::NotFor(_) => {
@@ -196,7 +196,7 @@ impl Error {
         }
     }
 
-    /// The same, of what is not kept.
+    /// The error as of what is not kept.
     pub(crate) fn not_kept(self) -> Self {
         match self {
             Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },

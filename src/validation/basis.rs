@@ -54,8 +54,8 @@ const LARGEST_ERROR: f64 = 0.1;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
-    /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling
-    /// scheme leaves to chance.
+    /// Functionals, each scaled to a score of unit variance per replica, or per replica's worth of what the
+    /// sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
     /// Fourth and third cumulants of the scores of a replica.
     pub cumulants: Cumulants,

@@ -45,7 +45,7 @@ pub enum Error {
     Unreadable {
         /// The file of the scene.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         problem: String,
     },
     /// A sweep was given where one scene is needed.
@@ -56,7 +56,7 @@ pub enum Error {
     Law {
         /// The name of the law.
         law: &'static str,
-        /// Why.
+        /// The reason.
         error: LawError,
     },
     /// There is no law of this name.
@@ -77,7 +77,7 @@ pub enum Error {
     /// An interrupted run is kept, and this one is neither to go on with it nor to drop it.
     #[error("{} holds {done} of {of} replicas of an interrupted run", partial.display())]
     Unfinished {
-        /// Where it is kept.
+        /// The file where it is kept.
         partial: PathBuf,
         /// Replicas that are done.
         done: u64,
@@ -87,7 +87,7 @@ pub enum Error {
     /// The partial result is of another run than the one that is to go on.
     #[error("{}: {problem}", partial.display())]
     OtherRun {
-        /// Where it is kept.
+        /// The file where it is kept.
         partial: PathBuf,
         /// The difference.
         problem: String,
@@ -100,7 +100,7 @@ pub enum Error {
     Replicas {
         /// The number that was asked for.
         replicas: u64,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// Something is wrong with a scene of a file.
@@ -122,7 +122,7 @@ pub enum Error {
     /// An interrupted sweep is kept, and this one is neither to go on with it nor to drop it.
     #[error("{} holds {done} points of an interrupted sweep, of {of} now", folder.display())]
     UnfinishedPoints {
-        /// Where it is kept.
+        /// The folder where it is kept.
         folder: PathBuf,
         /// Points that are done.
         done: usize,
@@ -146,7 +146,7 @@ pub enum Error {
         done: usize,
         /// Points of the sweep.
         of: usize,
-        /// Where.
+        /// The folder where they are kept.
         folder: PathBuf,
     },
     /// Shards do not make up one run.
@@ -157,13 +157,13 @@ pub enum Error {
     SceneOfShards {
         /// The file of the scene.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// Shards are missing, or not finished.
     #[error("the run is not complete")]
     Incomplete(Vec<String>),
-    /// It was stopped from outside.
+    /// The run was stopped from outside.
     #[error("interrupted after {done} of {of} replicas; {} was kept", if *kept { "what was done" } else { "nothing" })]
     Interrupted {
         /// Replicas that were done.
@@ -173,14 +173,14 @@ pub enum Error {
         /// Whether anything was kept.
         kept: bool,
     },
-    /// It failed, and what was done is kept.
+    /// The run failed, and what was done is kept.
     #[error("{error}")]
     Kept {
         /// The failure.
         error: Box<Error>,
         /// Replicas that are kept.
         replicas: u64,
-        /// Where.
+        /// The file where it is kept.
         partial: PathBuf,
     },
 }

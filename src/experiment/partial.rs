@@ -39,7 +39,7 @@ pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
 
 /// The beginning of an output.
 pub(crate) enum Beginning {
-    /// It is there already, of the same run.
+    /// The output is there already, of the same run.
     Complete,
     /// Nothing was kept.
     Anew,

@@ -34,7 +34,7 @@ pub(crate) struct ShardSet {
 enum Not {
     /// The shard is not complete.
     Unfinished(String),
-    /// It is none.
+    /// The path is none.
     Shard(String),
 }
 

@@ -271,8 +271,8 @@ fn damaged(dataset: &Dataset) -> OutputError {
     OutputError::NotAResult { path: dataset.filename().into(), problem }
 }
 
-/// The place of the element `index` of an array in an array of `shape`, where its indices along each dimension
-/// go to the indices in `maps`.
+/// The place of the element `index` of an array in an array of `shape`, where its indices along each
+/// dimension go to the indices in `maps`.
 fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
     let (mut rest, mut stride, mut place) = (index, 1, 0);
     for (map, length) in maps.iter().zip(shape).rev() {

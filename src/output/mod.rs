@@ -61,7 +61,7 @@ pub enum OutputError {
     NoName {
         /// The output.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: &'static str,
     },
     /// The output is what it is made from.
@@ -99,7 +99,7 @@ pub enum OutputError {
     NotAPartial {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// The output cannot be made where it is asked for.
@@ -107,7 +107,7 @@ pub enum OutputError {
     NotWritable {
         /// The folder.
         folder: PathBuf,
-        /// Why.
+        /// The reason.
         error: std::io::Error,
     },
     /// A file cannot be read as a result of this program.
@@ -115,7 +115,7 @@ pub enum OutputError {
     NotAResult {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// libhdf5 cannot be used.
@@ -131,7 +131,7 @@ pub enum OutputError {
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why it failed.
+        /// The failure.
         error: std::io::Error,
     },
 }

@@ -43,7 +43,7 @@ fn run(mut command: Command) -> std::io::Result<ExitCode> {
 }
 
 /// The program of a command: in the folder of this one, or the first on the PATH. Of the PATH only absolute
-/// folders count: `.` and an empty name stand for wherever somebody happens to be.
+/// folders count: `.` and an empty name are wherever somebody happens to be.
 fn find(name: &OsStr) -> Option<PathBuf> {
     if Path::new(name).components().count() != 1 || Path::new(name).file_name() != Some(name) {
         return None;

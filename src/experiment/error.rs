@@ -196,7 +196,7 @@ impl Error {
         }
     }
 
-    /// The error as of what is not kept.
+    /// The error where nothing is kept.
     pub(crate) fn not_kept(self) -> Self {
         match self {
             Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },

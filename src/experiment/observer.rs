@@ -27,7 +27,7 @@ pub trait Observer {
     /// A phase begins that counts replicas, of which `done` are done already.
     fn replicas(&mut self, _name: &'static str, _done: u64, _total: u64) {}
 
-    /// This number of replicas more are done.
+    /// This number of further replicas is done.
     fn advance(&mut self, _replicas: u64) {}
 
     /// The phase ends.
@@ -67,7 +67,7 @@ impl<'a> Phases<'a> {
         self.phases.push((name, Instant::now(), None));
     }
 
-    /// Reports that this number of replicas more are done.
+    /// Reports that this number of further replicas is done.
     pub fn advance(&mut self, replicas: u64) {
         self.observer.advance(replicas);
     }

@@ -269,7 +269,7 @@ fn place(reader: &Reader, point: usize) -> Result<Vec<usize>, OutputError> {
 /// Whether a state is of a scene.
 ///
 /// # Errors
-/// The difference to the scene.
+/// The difference from the scene.
 fn is_of(scene: &Scene, State { functionals, .. }: &State) -> Result<(), String> {
     let (kept, given) = (functionals.fewest_replicas, scene.fewest_replicas());
     if kept != given {

@@ -36,7 +36,7 @@ pub(crate) struct Points<'a> {
     /// The lock on the output of all.
     pub lock: &'a OutputLock,
     pub policy: OverwritePolicy,
-    /// Replicas in the place of the scene's.
+    /// Replicas and seed in the place of the scene's.
     pub replicas: Option<u64>,
     pub seed: Option<u64>,
     /// The shard that is computed, if not all points.

@@ -34,7 +34,7 @@ enum Scale {
     Names(Vec<String>),
     /// Numbers, the same for all points.
     Numbers(Vec<f64>),
-    /// Indices up to this number.
+    /// This number of indices.
     Indices(usize),
 }
 
@@ -283,7 +283,7 @@ fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
     place
 }
 
-/// Marks datasets that only some points have.
+/// Fills datasets that only some points have with NaN for the others.
 fn fill_absent(writer: &Writer<'_>, points: &PointFiles<'_>, made: &[Made]) -> Result<(), OutputError> {
     let some = |filled: &[Vec<usize>]| !filled.is_empty() && filled.len() < points.places.len();
     for (path, filled, _) in made.iter().filter(|(_, filled, is_float)| *is_float && some(filled)) {

@@ -117,7 +117,7 @@ impl OutputLock {
         &self.output
     }
 
-    /// A file next to the output, whose name is that of the output with `suffix`.
+    /// A file next to the output, named like the output with `suffix`.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         beside(&self.output, suffix)
     }
@@ -159,7 +159,7 @@ fn flush_names(folder: &Path) -> std::io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
-/// A file next to an output, whose name is that of the output with `suffix`.
+/// A file next to an output, named like the output with `suffix`.
 pub fn beside(output: &Path, suffix: &str) -> PathBuf {
     named(output, "", suffix)
 }

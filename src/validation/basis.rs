@@ -19,7 +19,8 @@ const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event,
 /// the reciprocal of how often it is expected in the whole ensemble.
 const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
-/// Largest excess kurtosis of a mean over all replicas that is still treated as Gaussian.
+/// Largest excess kurtosis of a mean over all replicas that is still treated as Gaussian; for a rare event,
+/// this reciprocal too.
 const LARGEST_KURTOSIS: f64 = 0.02;
 /// Largest correction of the p-value at the significance by the third and fourth cumulants, relative.
 const LARGEST_CORRECTION: f64 = 0.1;

@@ -45,7 +45,7 @@ pub struct Layout {
     pub groups: &'static [&'static str],
     /// Groups that some of its files have.
     pub optional_groups: &'static [&'static str],
-    /// All datasets that a file may hold, group by group, but for those of points.
+    /// All datasets that a file may hold, group by group, but for datasets of points.
     pub variables: LazyLock<Vec<Variable>>,
     /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by
     /// the dimensions of the points ([`Dimension::of_points`]).
@@ -53,7 +53,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// All datasets that a file may hold, those of points included.
+    /// All datasets that a file may hold, datasets of points included.
     pub fn known(&'static self) -> impl Iterator<Item = &'static Variable> {
         let of_points: &[Variable] = self.of_points.map_or(&[], |layout| &layout.variables);
         self.variables.iter().chain(of_points)

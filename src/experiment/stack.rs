@@ -1,7 +1,7 @@
 //! Many results of one scene's kind as one: every dataset of a run, led by the dimensions of the points.
 //!
-//! What the points have in different lengths (regimes, functionals of the joint test, control variates,
-//! replicas) has the largest. A regime that a point does not have is empty there, with 0 asperities and 0
+//! Dimensions of different lengths at the points (regimes, functionals of the joint test, control variates,
+//! replicas) have the largest. A regime that a point does not have is empty there, with 0 asperities and 0
 //! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after
 //! the other.
 

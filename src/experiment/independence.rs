@@ -27,7 +27,7 @@ pub(crate) const FIGURES: [Figure; 13] = [
     ("independent_from", |own| own.independent_from),
 ];
 
-/// Writes those of several laws or sizes.
+/// Writes the figures and verdicts of several laws or sizes.
 pub(crate) fn write_independences(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
     write_figures(writer, all)?;
     writer.texts("/independence/verdict", &all.iter().map(|own| own.verdict().name()).collect::<Vec<&str>>())

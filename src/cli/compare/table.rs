@@ -199,7 +199,7 @@ fn fits(comparison: &Comparison) -> String {
     text
 }
 
-/// Where laws are not valid.
+/// Limits beyond which laws are not valid.
 fn validity(comparison: &Comparison) -> String {
     let mut text = String::new();
     for law in &comparison.laws {

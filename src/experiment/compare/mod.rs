@@ -55,7 +55,7 @@ pub struct ComparedLaw {
     pub(crate) limits: Vec<String>,
     pub(crate) regimes: Vec<&'static str>,
     pub(crate) integral: PathIntegral,
-    /// The attraction between the mean planes beside these asperities.
+    /// The attraction between the mean planes in addition to these asperities.
     pub(crate) background: Option<Arc<Background>>,
     /// Quantities of one asperity, by their index, over the interferences.
     pub(crate) asperity: [Vec<f64>; 4],
@@ -161,7 +161,7 @@ impl Comparison {
         law.sampled.as_ref().map(|sampled| self.mean(sampled.pull_off_forces()))
     }
 
-    /// The pull-off force of the replicas of a law less that of the first law on the same asperities, N; none
+    /// The pull-off force of the replicas of a law less the first law's on the same asperities, N; none
     /// without ensembles.
     pub fn paired_difference(&self, law: &ComparedLaw) -> Option<Mean> {
         let (own, first) = (law.sampled.as_ref()?, self.laws[0].sampled.as_ref()?);
@@ -305,7 +305,7 @@ impl PreparedComparison {
     }
 }
 
-/// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are
+/// Limits of the validity of a law, a line each: its own, asperities beyond its end, and curve fits that are
 /// off.
 fn limits(scene: &Scene, model: &Model, law: Laws<'_>) -> Vec<String> {
     let (lambda, psi) = (scene.scale().lambda, scene.plasticity_index());

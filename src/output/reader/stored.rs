@@ -1,4 +1,4 @@
-//! What a file holds as it is, whatever its layout says of it.
+//! Contents of a file as they are, whatever its layout says of them.
 
 use super::{Dataset, H5Type, Hyperslab, Reader, SliceOrIndex, lossy};
 use crate::output::attributes::read_text;
@@ -42,7 +42,7 @@ impl Stored {
         })
     }
 
-    /// How many there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),
@@ -71,7 +71,7 @@ pub struct Description {
     pub units: Option<String>,
     /// The meaning.
     pub long_name: String,
-    /// Whether it is a scale or stands beside one.
+    /// Whether it is a scale or accompanies one.
     pub is_coordinate: bool,
 }
 

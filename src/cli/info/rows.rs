@@ -26,7 +26,7 @@ pub(super) type Row = [String; 2];
 
 /// The rows of a result, group by group, the first of the root given.
 pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputError> {
-    let described = reader.described()?;
+    let described = reader.described_as_found()?;
     let mut groups = vec![(String::new(), first)];
     groups.extend(reader.groups().iter().map(|group| (format!("/{group}"), Vec::new())));
     for (group, rows) in &mut groups {
@@ -50,6 +50,9 @@ pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputErr
 /// The rows of a dataset among all of its group.
 fn of_dataset(reader: &Reader, own: &Description, group: &[&Description]) -> Vec<Row> {
     let name = own.names().1;
+    if !own.has_shape() {
+        return vec![[name.to_owned(), "(not of the shape that the format has)".to_owned()]];
+    }
     if !own.dimensions.iter().all(|dimension| NAMED.iter().any(|named| named.name() == dimension)) {
         let shape: Vec<String> = own.shape.iter().map(usize::to_string).collect();
         return vec![[name.to_owned(), format!("{} ({})", shape.join(" x "), own.dimensions.join(", "))]];

@@ -63,7 +63,6 @@ pub mod estimate;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod experiment;
-#[cfg(feature = "hdf5")]
 mod format;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]

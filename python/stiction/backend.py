@@ -38,7 +38,7 @@ class StictionBackend(BackendEntrypoint):
     def open_groups_as_dict(
         self, filename_or_obj: Any, *, drop_variables: Any = None, group: str | None = None
     ) -> dict[str, xarray.Dataset]:
-        """All groups of the file, or those in `group`, by their paths."""
+        """The groups of the file, all or those in `group`, by their paths."""
         opened = xarray.open_groups(
             _checked(filename_or_obj), engine="h5netcdf", drop_variables=drop_variables, group=group
         )

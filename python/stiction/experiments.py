@@ -91,7 +91,7 @@ def sweep(
     progress: bool | None = None,
     **overrides: Any,
 ) -> Sweep:
-    """Computes a scene at several values of some of its keys. The other arguments are those of `run`.
+    """Computes a scene at several values of some of its keys. The other arguments are as of `run`.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def compare(
 ) -> Comparison:
     """Compares laws on the same asperities, by the integral and, if asked for, by ensembles.
 
-    The other arguments are those of `run`; `replicas` and `seed` need `ensemble`.
+    The other arguments are as of `run`; `replicas` and `seed` need `ensemble`.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def compare(
 
 
 def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
-    """The statistical integral of a scene alone, by its own law. The arguments are those of `run`.
+    """The statistical integral of a scene alone, by its own law. The arguments are as of `run`.
 
     Returns
     -------

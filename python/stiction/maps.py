@@ -14,9 +14,9 @@ from .results import Asperities, Place
 
 __all__ = ["find_asperities"]
 
-# What the program reads itself; all else is for SurfaceTopography.
+# Files that the program reads itself; all others are for SurfaceTopography.
 _OWN = {".npy", ".txt", ".csv", ".tsv", ".asc", ".dat", ".h5", ".hdf5"}
-# Pixels may differ by so much of their size, as coordinates are rounded.
+# The share of their size by which pixels may differ, as coordinates are rounded.
 _UNEVEN = 1e-3
 
 

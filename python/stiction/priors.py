@@ -12,9 +12,10 @@ A number of a scene may be a table with ``prior``:
 ``"fixed"``         `value`                                it is that number
 ==================  =====================================  ==========================================================
 
-A table ``[priors]`` may have ``keys = ["material.work_of_adhesion", ...]`` and either ``correlation``, the matrix of these keys for their
-normal scores (a Gaussian copula), or ``covariance`` of normal and log-normal priors: in SI units, of log-normal ones that of the
-logarithms, with the squares of their own standard deviations on the diagonal. Other keys are independent.
+A table ``[priors]`` may have ``keys = ["material.work_of_adhesion", ...]`` and either ``correlation``, the
+matrix of these keys for their normal scores (a Gaussian copula), or ``covariance`` of normal and log-normal
+priors: in SI units, of log-normal ones of the logarithms, with the squares of their own standard deviations
+on the diagonal. Other keys are independent.
 """
 
 from __future__ import annotations
@@ -311,7 +312,7 @@ def _prior(key: str, table: Mapping[str, Any]) -> Any:
     if len(set(units.values())) > 1:
         told = ", ".join(f"{name} = {table[name]!r}" for name in units)
         raise SceneError(f"{key}: {told}: all of them have to be of one dimension")
-    # Of a normal law that is cut the covariance is not that of its normal scores.
+    # For a normal law that is cut the covariance is not the covariance of its normal scores.
     std = numbers.get("log_std", None if numbers.keys() & {"from", "to"} else numbers.get("std"))
     return Prior(key, law, next(iter(units.values())), std, _distribution(key, law, table, numbers))
 

@@ -28,7 +28,8 @@ _ARGUMENTS = {"--force": "force=True", "--resume": "resume=True", "another name 
 def find() -> str:
     """The path of the program.
 
-    The environment variable ``STICTION`` names it; without it, it is beside this Python, where the wheel puts it, or on the PATH.
+    The environment variable ``STICTION`` names it; without it, it is next to this Python, where the wheel
+    puts it, or on the PATH.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
     Parameters
     ----------
     arguments : sequence of str
-        What stands behind `stiction` on the command line.
+        The words behind `stiction` on the command line.
     text : str
         Standard input.
     progress : bool, optional
@@ -138,7 +139,7 @@ def _message(told: Sequence[str]) -> str:
     for option, argument in _ARGUMENTS.items():
         text = text.replace(option, argument)
     text = re.sub(r"(?<!\S)--set (?=\S)", "", text)
-    # So tables are handed over; nobody has seen their lines.
+    # Tables are handed over like this; nobody has seen their lines.
     text = re.sub(r"standard input: (line \d+: )?", "", text)
     text = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
     return text.removeprefix("stiction: ").removeprefix("error: ")

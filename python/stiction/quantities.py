@@ -204,7 +204,7 @@ def is_pint(value: Any) -> bool:
     return hasattr(value, "magnitude") and hasattr(value, "is_compatible_with")
 
 
-# What scenes have units of, as pint and as scenes write them; J/m^2 and N/m are one.
+# Units of scenes, as pint and as scenes write them; J/m^2 and N/m are one.
 _OF_PINT = {
     "meter": "m",
     "meter**2": "m^2",

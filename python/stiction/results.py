@@ -37,7 +37,7 @@ __all__ = [
 
 
 def agreement(replicas: int, most_differing: float) -> str:
-    """What is known where all replicas agree, and most_differing is the share of patches that differ at most."""
+    """The statement where all replicas agree; most_differing is the share of patches that differ at most."""
     share = quantities.number(100.0 * most_differing)
     return f"all {replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
 
@@ -82,7 +82,7 @@ class PullOff:
 
     @property
     def agreement(self) -> str:
-        """What is known where all replicas agree; empty where they do not."""
+        """The statement where all replicas agree; empty where they do not."""
         if self.most_differing is None:
             return ""
         return agreement(self.replicas, self.most_differing)
@@ -388,7 +388,7 @@ class Sweep(_Curves):
         return str(self.tree.attrs["sweep_keys"]).replace(",", " ").split()
 
     def key_words(self, key: str) -> tuple[str, dict[float, str]]:
-        """What a key is in words, and the names of its numbers if it is a choice, such as ``{0.0: "none", 1.0: "periodic"}``."""
+        """A key in words, and names of its numbers if it is a choice: ``{0.0: "none", 1.0: "periodic"}``."""
         of = self.tree[key.replace(".", "_")]
         words, _, rest = str(of.attrs.get("long_name", key)).partition(": 0 ")
         choices = [choice.partition(" ") for choice in f"0 {rest}".split(", ")] if rest else []
@@ -407,9 +407,9 @@ class Sweep(_Curves):
 
     @cached_property
     def pull_off(self) -> xarray.Dataset:
-        """The pull-off force of each point: `mean`, `standard_error`, `interval` and that `of_integral`, N.
+        """The pull-off force of each point: `mean`, `standard_error`, `interval` and `of_integral`, N.
 
-        Without replicas there is that of the integral alone.
+        Without replicas there is `of_integral` alone.
         """
         if not self.has_replicas:
             return xarray.Dataset({"of_integral": self.tree["integral"]["pull_off_force"]})
@@ -538,7 +538,7 @@ def open_run(path: str | os.PathLike[str]) -> Any:
 
 
 class Place:
-    """Where a result goes that is about to be computed: a path, or without one a folder that is deleted."""
+    """The place of a result that is about to be computed: a path, or without one a folder that is deleted."""
 
     def __init__(self, output: str | Path | None) -> None:
         self._folder = files.Folder() if output is None else None
@@ -563,7 +563,7 @@ class Place:
 
 
 def _checked(path: Path, kind: type[Result] | None) -> str:
-    """The format of a file, which has to be that of the kind, in its major version."""
+    """The format of a file, which has to be the format of the kind, in its major version."""
     if not path.exists():
         raise FileError(f"{path}: no such file")
     if not path.is_file() or not h5py.is_hdf5(path):
@@ -598,7 +598,7 @@ def is_result(path: Path) -> bool:
 
 
 def indexed(group: xarray.Dataset) -> xarray.Dataset:
-    """With `h_star` and `asperity_separation` to select by, as `separation` is, where they are lists of their own."""
+    """A group with `h_star` and `asperity_separation` to select by, where they are lists of their own."""
     for name in ("h_star", "asperity_separation"):
         if name in group.coords and group[name].dims == ("separation",):
             group = group.set_xindex(name)

@@ -96,7 +96,7 @@ class Source:
         return value
 
     def _written(self, key: str, values: np.ndarray[Any, np.dtype[np.float64]]) -> str:
-        """The path of an HDF5 file that has the values as a dataset; the same values have the same name."""
+        """The path of an HDF5 file that has the values as a dataset; equal values have equal names."""
         if self._output is None:
             self._folder = self._folder or files.Folder()
             folder, stem = self._folder.path, "scene"

@@ -85,7 +85,7 @@ def asperity(
 
     Examples
     --------
-    The pull-off force of a soft sphere is that of JKR, 3/2 πRΔγ:
+    The pull-off force of a soft sphere is 3/2 πRΔγ, as by JKR:
 
     >>> import numpy as np
     >>> import stiction

@@ -39,9 +39,9 @@ pub enum Content {
 
 /// A point of a sweep.
 pub struct SweptPoint {
-    /// Its index along each dimension of the points.
+    /// The index along each dimension of the points.
     pub place: Vec<usize>,
-    /// Its test, where replicas of it are there.
+    /// The test, where replicas of it are there.
     pub joint: Option<JointTest>,
 }
 

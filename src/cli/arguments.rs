@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// How a command runs, whatever it computes.
+/// Options of running a command, whatever it computes.
 #[derive(Args)]
 pub(super) struct Execution {
     /// Threads; by default one per core, and at most 8 for each. They do not change the result
@@ -29,7 +29,7 @@ pub(super) struct Execution {
 }
 
 impl Execution {
-    /// How many threads, or 0 for one per core. More than there are of use are said to be fewer.
+    /// The number of threads, or 0 for one per core. A message says if fewer are taken.
     pub fn threads(&self) -> usize {
         let (threads, (most, processors)) = (self.threads.unwrap_or_default().into(), most_threads());
         if threads > most {
@@ -38,7 +38,7 @@ impl Execution {
         threads
     }
 
-    /// How progress is shown.
+    /// The form in which progress is shown.
     pub fn display(&self) -> Display {
         match (self.quiet, self.json_progress) {
             (true, _) => Display::None,
@@ -48,7 +48,7 @@ impl Execution {
     }
 }
 
-/// How ensembles are computed that may be interrupted.
+/// Options of computing ensembles that may be interrupted.
 #[derive(Args)]
 pub(super) struct RunOptions {
     /// Number of replicas, of each point where there are several, instead of the scene's; 0 for the integral alone
@@ -60,8 +60,8 @@ pub(super) struct RunOptions {
     /// Go on with an interrupted run of this output; begins it if nothing was kept
     #[arg(long)]
     pub resume: bool,
-    /// Keep what has been done so often at most, as a partial result beside the output; 0 after every batch of
-    /// replicas
+    /// Keep what has been done so often at most, as a partial result next to the output; 0 after every batch
+    /// of replicas
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     pub checkpoint: Duration,
     #[command(flatten)]
@@ -101,7 +101,7 @@ impl RunArguments {
         self.scene.output(self.output.as_deref(), extension)
     }
 
-    /// What stands behind the summary of a result.
+    /// The text behind the summary of a result.
     ///
     /// # Errors
     /// [`Failure`] where the result cannot be read.

@@ -73,7 +73,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
         let (independence, warnings) = expected(&scene, law.view(), cycle.as_ref());
         judged.push(independence.verdict());
         for warning in warnings {
-            // Findings say the numbers of their point; what is the matter is the same.
+            // Findings say the numbers of their point; their explanations are equal.
             match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {
                 Some((_, points)) => points.push(point),
                 None => warned.push((warning, vec![point])),
@@ -104,7 +104,7 @@ fn expected(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> (Independence
     (integral.pulled().independence, warnings)
 }
 
-/// At how many points asperities may be taken as independent.
+/// The number of points at which asperities may be taken as independent.
 fn verdicts(all: &[IndependenceVerdict]) -> String {
     let counted = IndependenceVerdict::ALL
         .map(|verdict| (verdict.name(), all.iter().filter(|own| **own == verdict).count()));

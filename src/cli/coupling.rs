@@ -1,4 +1,4 @@
-//! What coupling makes of an ensemble, on the terminal.
+//! Effects of coupling on an ensemble, on the terminal.
 
 use super::rows::labelled;
 use crate::experiment::results::Results;
@@ -15,7 +15,7 @@ const SHOWN: usize = 5;
 /// size: in a square lattice, the worst there is, their loads are off by 0.8 % and 0.6 % there (`docs/coupling.md`).
 const CROWDED: [f64; 2] = [0.3, 0.6];
 
-/// What coupling changes of the pull-off; nothing where asperities are independent.
+/// The change of the pull-off by coupling; nothing where asperities are independent.
 pub(super) fn changes(results: &Results) -> String {
     let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
         return String::new();
@@ -75,7 +75,7 @@ pub(super) fn troubles(results: &Results) -> String {
     )
 }
 
-/// How many states there are of a kind, and where; nothing of none.
+/// The number of states of a kind, and where they are; nothing if there are none.
 fn counted(results: &Results, shares: &Moments, count: u64, [what, advice]: [&str; 2]) -> String {
     if count == 0 {
         return String::new();

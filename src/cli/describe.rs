@@ -64,7 +64,7 @@ fn targets(stopping: &Stopping) -> String {
     lines.collect::<String>() + &row("", &looks)
 }
 
-/// How the replicas are drawn relative to each other.
+/// The relation between the draws of the replicas.
 fn sampling(scheme: SamplingScheme) -> String {
     let about = match scheme {
         SamplingScheme::Independent => "each replica by itself".to_owned(),
@@ -183,7 +183,7 @@ fn films(scene: &Scene, film: Film) -> String {
     row("film", &text)
 }
 
-/// Laws of heights and radii, where they are not all Gaussian and the same.
+/// Laws of heights and radii, where heights are not Gaussian or radii not equal.
 fn laws(surface: &Surface, mean_height: f64) -> String {
     let mut text = String::new();
     if surface.heights.law != HeightLaw::Gaussian {

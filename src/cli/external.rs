@@ -11,8 +11,8 @@ use std::process::{Command, ExitCode};
 /// Commands that the Python package brings.
 const OF_PACKAGE: [&str; 6] = ["design", "finite-size", "infer", "plot", "report", "sensitivity"];
 
-/// Runs the program of a command that is none of `own`, with `arguments`, beside this program or on the PATH,
-/// and ends with its exit code. It finds the path of this program in `STICTION`.
+/// Runs the program of a command that is none of `own`, with `arguments`, next to this program or on the
+/// PATH, and ends with its exit code. It finds the path of this program in `STICTION`.
 pub(super) fn external<'a>(
     name: &OsStr,
     arguments: impl Iterator<Item = OsString>,
@@ -43,7 +43,7 @@ fn run(mut command: Command) -> std::io::Result<ExitCode> {
 }
 
 /// The program of a command: in the folder of this one, or the first on the PATH. Of the PATH only absolute
-/// folders count: `.` and an empty name stand for wherever somebody happens to be.
+/// folders count: `.` and an empty name are wherever somebody happens to be.
 fn find(name: &OsStr) -> Option<PathBuf> {
     if Path::new(name).components().count() != 1 || Path::new(name).file_name() != Some(name) {
         return None;
@@ -67,7 +67,7 @@ fn is_program(path: &Path) -> bool {
     return path.is_file();
 }
 
-/// That there is no such command, and what to do.
+/// The message that there is no such command, and what to do.
 fn missing<'a>(name: &str, own: impl Iterator<Item = &'a str>) -> String {
     if OF_PACKAGE.contains(&name) {
         return format!(

@@ -1,4 +1,4 @@
-//! Why a command ends without its result: messages with the options that help, and exit codes.
+//! Reasons why a command ends without its result: messages with the options that help, and exit codes.
 
 use crate::experiment::Error;
 use crate::input::maps::MapFileError;
@@ -7,7 +7,7 @@ use crate::scene::SceneError;
 use anyhow::anyhow;
 use std::path::Path;
 
-/// Why a command ends without its result.
+/// The reason why a command ends without its result.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Failure {
     /// The command or the scene is wrong; nothing was written.
@@ -35,7 +35,7 @@ pub(super) enum Failure {
     /// Something happened at a point of a sweep.
     #[error("{point}: {failure}")]
     AtPoint {
-        /// Which, with the values of its keys.
+        /// The point, with the values of its keys.
         point: String,
         /// The failure.
         failure: Box<Failure>,
@@ -53,7 +53,7 @@ pub(super) enum Failure {
     Kept {
         /// The failure.
         failure: Box<Failure>,
-        /// How to go on.
+        /// Advice on how to go on.
         advice: String,
     },
 }

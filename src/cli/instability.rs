@@ -8,14 +8,14 @@ use crate::format::{percent, si};
 use crate::integral::substrate_stiffness;
 use crate::scene::Scene;
 
-/// The replicas that take a way, and the separation where it begins.
+/// The replicas that go one way, and the separation where it begins.
 struct Way {
     replicas: u64,
     begin: &'static str,
 }
 
-/// How often surfaces snap in; after the first and the last preload that is reached how hard they are pulled off,
-/// and how often they snap off.
+/// The share of surfaces that snap in; after the first and the last preload that is reached, the force of
+/// pull-off, and the share that snap off.
 pub(super) fn instability(results: &Results) -> String {
     let (scene, snaps) = (&results.scene, Snaps::of(results));
     let loading = snaps.loading;
@@ -49,7 +49,7 @@ pub(super) fn instability(results: &Results) -> String {
     text
 }
 
-/// What pulls surfaces off that turned back.
+/// The pull-off of surfaces that turned back.
 fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> String {
     let taken = snaps.pull_off(turn);
     let (mean, std, count) = (taken.mean()[0], taken.std()[0], taken.count());
@@ -64,8 +64,9 @@ fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> S
     format!("{place}{of}: pull-off {}{scatter}", si(mean, "N"))
 }
 
-/// How many replicas snap, held by the two stiffnesses between which half of them do, or by one if it is the same
-/// for all. A replica that is unstable where the separations begin would have snapped beyond.
+/// The share of replicas that snap, held by the two stiffnesses between which half of them do, or by one if
+/// none lies on the other side. A replica that is unstable where the separations begin would have snapped
+/// beyond.
 fn snapping(scene: &Scene, counts: &[Counts], way: &Way) -> String {
     let is_known = |i: &usize| counts[*i].known > 0;
     let most = (0..counts.len()).filter(is_known).rfind(|i| counts[*i].share() >= 0.5);
@@ -78,7 +79,7 @@ fn snapping(scene: &Scene, counts: &[Counts], way: &Way) -> String {
     shown.join(", ")
 }
 
-/// How many replicas snap that a stiffness holds.
+/// The share of the replicas that snap when held by a stiffness.
 fn held_by(scene: &Scene, stiffness: usize, counts: Counts, way: &Way) -> String {
     let (low, high) = counts.interval();
     let [share, low, high] = [counts.share(), low, high].map(|share| format!("{:.0}", 100.0 * share));

@@ -99,7 +99,7 @@ enum Command {
         after_help = "Examples:\n  stiction asperities configs/maps/polished.txt -o polished.h5\n  stiction asperities scan.npy --pixel \"9.8 nm\" --height-unit nm"
     )]
     Asperities(AsperitiesArguments),
-    /// Solve one asperity, in the scaled variables of Maugis, or those of a table, in SI too; prints CSV
+    /// Solve one asperity, in the scaled variables of Maugis, or a table of them, in SI too; prints CSV
     #[command(
         after_help = "Examples:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1\n  stiction asperity --law jkr --table tips.csv --path retraction"
     )]

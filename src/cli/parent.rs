@@ -1,10 +1,10 @@
 //! Ending with the process that this one computes for.
 
-/// In the environment: the number of the process with which this one is to end.
+/// The variable of the environment with the number of the process with which this one is to end.
 #[cfg(target_os = "linux")]
 const PARENT: &str = "STICTION_PARENT";
 
-/// Has this process interrupted, as by SIGTERM, when the one ends that has started it and is named in
+/// Interrupts this process, as by SIGTERM, when the process ends that has started it and is named in
 /// `STICTION_PARENT`, however that ends: the Python package names itself.
 #[cfg(target_os = "linux")]
 pub(super) fn end_with_parent() {

@@ -1,4 +1,4 @@
-//! Memory and disk: what a run takes beside what can be had.
+//! Memory and disk: what a run takes, compared with what can be had.
 
 use crate::estimate::{Choice, Estimate};
 use crate::format::bytes;
@@ -12,7 +12,7 @@ const GROUP_FILES: [(&str, [&str; 2]); 2] = [
 ];
 
 /// Bytes of address space that the program takes by itself, that the allocator of the GNU C library reserves
-/// for each thread, and threads beside those that compute.
+/// for each thread, and threads besides the computing ones.
 const RESERVE: (f64, f64, f64) = (3e8, 67_108_864.0, 4.0);
 
 /// Refuses a run that would take more memory, or more disk where its output is to be, than can be had.
@@ -23,7 +23,7 @@ pub(super) fn require(estimate: &Estimate, output: Option<&Path>) -> Result<(), 
     shortages(estimate, output).into_iter().next().map_or(Ok(()), Err)
 }
 
-/// How many elements of so many bytes fit in memory, at most `most`.
+/// The number of elements of `bytes` bytes that fit in memory, at most `most`.
 pub(super) fn fitting(bytes: f64, most: u64) -> u64 {
     memory(1.0).map_or(most, |memory| most.min((memory / bytes) as u64))
 }
@@ -55,7 +55,7 @@ fn shortage(
     Some(format!("the run would take about {needed} of {what}, and {limit} can be had; {fitting}"))
 }
 
-/// How so many of a size are chosen.
+/// The option or key that chooses this number of a size.
 fn chosen(choice: Choice, number: u64) -> String {
     match choice {
         Choice::Asperities => format!("a nominal_area of {number:e} asperities"),
@@ -65,8 +65,8 @@ fn chosen(choice: Choice, number: u64) -> String {
     }
 }
 
-/// Bytes of memory that can be had by so many threads: what is available, and what limits of this process and
-/// of its control groups leave.
+/// Bytes of memory that can be had by this number of threads: what is available, and what limits of this
+/// process and of its control groups leave.
 fn memory(threads: f64) -> Option<f64> {
     let ram = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
     let available = System::new_with_specifics(ram).available_memory() as f64;
@@ -74,8 +74,7 @@ fn memory(threads: f64) -> Option<f64> {
     [available, address_space(threads), control_groups()].into_iter().flatten().reduce(f64::min)
 }
 
-/// Bytes of address space that are left of a limit such as that of `ulimit -v`: in it counts what is reserved
-/// too.
+/// Bytes of address space that are left of a limit, as by `ulimit -v`: in it counts what is reserved too.
 #[cfg(unix)]
 fn address_space(threads: f64) -> Option<f64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current? as f64;

@@ -21,7 +21,7 @@ pub(super) fn labelled(label: &str, text: &str) -> String {
     broken(text, LINE).iter().enumerate().map(|(i, line)| row(label(i), line)).collect()
 }
 
-/// A text as lines of at most so many columns, a number on a line with its unit; a longer word stands alone.
+/// A text as lines of at most `columns` columns, a number on a line with its unit; a longer word is alone.
 pub(super) fn broken(text: &str, columns: usize) -> Vec<String> {
     let mut pieces: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -28,7 +28,7 @@ pub(super) const INTERRUPTED: i32 = 130;
 /// A session: all that the runs of a command have in common.
 pub(super) struct Session {
     shared: prepared::Session,
-    /// How progress is shown.
+    /// The form in which progress is shown.
     pub display: Display,
 }
 

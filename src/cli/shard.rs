@@ -55,7 +55,7 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
     }
 }
 
-/// The summary of a shard of a scene, or of so many points.
+/// The summary of a shard of a scene, or of `points` points.
 fn summary(shard: Shard, scene: &Scene, pieces: &[Piece], points: Option<usize>, threads: usize) -> String {
     let mut text = title(scene) + &row("shard", &format!("{} of {}", shard.index, shard.count));
     for (i, piece) in pieces.iter().enumerate() {

@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What stands for standard input on the command line.
+/// The name of standard input on the command line.
 const STANDARD_INPUT: &str = "-";
 
 #[derive(Args)]
@@ -25,7 +25,7 @@ pub(super) struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// Where the scene is, as messages name it and files in it are looked for.
+    /// The place of the scene, as messages name it and files in it are looked for.
     pub fn path(&self) -> &Path {
         if is_standard_input(&self.scene) { Path::new("standard input") } else { &self.scene }
     }
@@ -92,7 +92,7 @@ fn is_standard_input(path: &Path) -> bool {
     path == Path::new(STANDARD_INPUT)
 }
 
-/// The text of a file, or of standard input where `-` stands for it, of at most `most` bytes.
+/// The text of a file, or of standard input for `-`, of at most `most` bytes.
 pub(super) fn text(path: &Path, most: u64) -> Result<String, String> {
     if is_standard_input(path) { text_of(std::io::stdin().lock(), most) } else { read_text(path, most) }
 }

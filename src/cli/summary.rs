@@ -64,7 +64,7 @@ pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64
     (moments.mean()[0], moments.std()[0])
 }
 
-/// What is known where all groups of replicas agree, if they do.
+/// The statement for groups of replicas that all agree, if they do.
 pub(super) fn agreeing(groups: u64, differing: f64) -> Option<String> {
     differing.is_finite().then(|| format!("all {groups} replicas agree: {}", at_most(differing)))
 }
@@ -165,7 +165,7 @@ fn cycle(results: &Results) -> String {
     text
 }
 
-/// What a cycle dissipates.
+/// The energy that a cycle dissipates.
 fn energy(label: &str, mean: &ControlledMean) -> String {
     if mean.mean == 0.0 && !(mean.standard_error > 0.0) {
         return labelled(label, "nothing beyond rounding: both ways are one");
@@ -173,7 +173,7 @@ fn energy(label: &str, mean: &ControlledMean) -> String {
     labelled(label, &format!("per cycle: {}", quoted(mean, false, "J")))
 }
 
-/// How much of a wet surface bridges cover at the pull-off of the integral.
+/// The share of a wet surface that bridges cover at the pull-off of the integral.
 fn wet(results: &Results) -> String {
     let scene = &results.scene;
     let Some(meniscus) = scene.model.meniscus() else { return String::new() };
@@ -185,7 +185,7 @@ fn wet(results: &Results) -> String {
     labelled("wet", &text)
 }
 
-/// Why there are so many replicas.
+/// The reason for the number of replicas.
 fn ended(stopped: &Stopped, results: &Results) -> String {
     let (replicas, most) = (results.scene.replicas, stopped.max_replicas);
     let mut text =
@@ -226,7 +226,7 @@ fn flowed_tops(results: &Results) -> String {
     labelled("flowed tops", &format!("{change} by the integral with unloaded_radius = \"{name}\""))
 }
 
-/// Why surfaces were summed directly, if sums by moments were asked for.
+/// The reason why surfaces were summed directly, if sums by moments were asked for.
 fn refused_sums(summation: &Summation) -> String {
     let Some((tolerance, refusal)) = summation.tolerance.zip(summation.refusal) else { return String::new() };
     labelled("sums", &format!("direct, although moments to {tolerance:e} were asked for: {refusal}"))
@@ -245,7 +245,7 @@ fn open_loops(results: &Results) -> String {
     labelled("warning", &format!("{finding}; pull back to a larger one by [separation]"))
 }
 
-/// Where the file is, and what it took.
+/// The place of the file, and the time that it took.
 pub(super) fn written(results: &Results, output: &std::path::Path) -> String {
     let seconds = results.seconds.iter().map(|(_, seconds)| seconds).sum();
     labelled("written", &output.display().to_string())

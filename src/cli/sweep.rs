@@ -58,7 +58,7 @@ pub(super) fn described(sweep: &Sweep) -> String {
 /// A column of a table: its head and a cell for each point.
 type Column = Vec<String>;
 
-/// Most characters of the head of a column; the whole key stands above the table.
+/// Most characters of the head of a column; the whole key is above the table.
 const HEAD: usize = 10;
 
 /// Columns of results that follow from the integral alone.
@@ -142,7 +142,7 @@ fn aligned(left: &[Column], right: &[Column]) -> String {
     (0..right[0].len()).map(line).collect()
 }
 
-/// What is known where pull-offs, or their differences to the first point, are alike in all replicas.
+/// The statements where pull-offs, or their differences to the first point, are alike in all replicas.
 fn agreeing(rows: &[SweepPoint]) -> String {
     let differences = || rows.iter().skip(1).map(|row| row.differences[0]);
     let all = rows.iter().map(|row| row.most_differing).chain(differences().map(|own| own.most_differing));

@@ -41,7 +41,7 @@ pub(crate) fn quantities() -> Vec<Quantity> {
 }
 
 impl Quantity {
-    /// Its dataset, over leading dimensions and the separations.
+    /// The dataset, over leading dimensions and the separations.
     pub fn variable(&self, lead: &[Dimension]) -> Variable {
         let dimensions = [lead, &[Dimension::Separation]].concat();
         variable(format!("/background/{}", self.name), &dimensions, self.units, self.meaning)

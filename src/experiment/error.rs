@@ -1,4 +1,4 @@
-//! Why an experiment ends without its result.
+//! Reasons for which an experiment ends without its result.
 
 use crate::asperity::LawError;
 use crate::asperity::models::MODELS;
@@ -12,7 +12,7 @@ fn known_laws() -> Vec<&'static str> {
     MODELS.iter().map(|model| model.name).collect()
 }
 
-/// What became of a former name, or the name that was meant, if one is near.
+/// The fate of a former name, or the name that was meant, if one is near.
 fn hint(name: &str) -> String {
     if let Some(fate) = former_value(name) {
         return format!(", which {fate}");
@@ -21,7 +21,7 @@ fn hint(name: &str) -> String {
     near.map(|near| format!(" (did you mean {near}?)")).unwrap_or_default()
 }
 
-/// Why an experiment ends without its result.
+/// The reason why an experiment ends without its result.
 ///
 /// # Examples
 /// ```
@@ -45,7 +45,7 @@ pub enum Error {
     Unreadable {
         /// The file of the scene.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         problem: String,
     },
     /// A sweep was given where one scene is needed.
@@ -56,7 +56,7 @@ pub enum Error {
     Law {
         /// The name of the law.
         law: &'static str,
-        /// Why.
+        /// The reason.
         error: LawError,
     },
     /// There is no law of this name.
@@ -77,7 +77,7 @@ pub enum Error {
     /// An interrupted run is kept, and this one is neither to go on with it nor to drop it.
     #[error("{} holds {done} of {of} replicas of an interrupted run", partial.display())]
     Unfinished {
-        /// Where it is kept.
+        /// The file where it is kept.
         partial: PathBuf,
         /// Replicas that are done.
         done: u64,
@@ -87,7 +87,7 @@ pub enum Error {
     /// The partial result is of another run than the one that is to go on.
     #[error("{}: {problem}", partial.display())]
     OtherRun {
-        /// Where it is kept.
+        /// The file where it is kept.
         partial: PathBuf,
         /// The difference.
         problem: String,
@@ -95,12 +95,12 @@ pub enum Error {
     /// There is not enough memory or disk.
     #[error("{0}")]
     TooLarge(String),
-    /// A scene cannot have so many replicas.
+    /// A scene cannot have this number of replicas.
     #[error("{replicas} replicas: {problem}")]
     Replicas {
-        /// How many were asked for.
+        /// The number that was asked for.
         replicas: u64,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// Something is wrong with a scene of a file.
@@ -114,7 +114,7 @@ pub enum Error {
     /// Something happened at a point of a sweep.
     #[error("{point}: {error}")]
     AtPoint {
-        /// Which, with the values of its keys.
+        /// The point, with the values of its keys.
         point: String,
         /// The failure.
         error: Box<Error>,
@@ -122,14 +122,14 @@ pub enum Error {
     /// An interrupted sweep is kept, and this one is neither to go on with it nor to drop it.
     #[error("{} holds {done} points of an interrupted sweep, of {of} now", folder.display())]
     UnfinishedPoints {
-        /// Where it is kept.
+        /// The folder where it is kept.
         folder: PathBuf,
         /// Points that are done.
         done: usize,
         /// Points of this sweep.
         of: usize,
     },
-    /// A result that is kept is another point than that of this sweep.
+    /// A result that is kept is another point than the one of this sweep.
     #[error("{} is not {point} of this sweep as it would be computed now", file.display())]
     OtherPoint {
         /// The file of the result.
@@ -146,7 +146,7 @@ pub enum Error {
         done: usize,
         /// Points of the sweep.
         of: usize,
-        /// Where.
+        /// The folder where they are kept.
         folder: PathBuf,
     },
     /// Shards do not make up one run.
@@ -157,13 +157,13 @@ pub enum Error {
     SceneOfShards {
         /// The file of the scene.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// Shards are missing, or not finished.
     #[error("the run is not complete")]
     Incomplete(Vec<String>),
-    /// It was stopped from outside.
+    /// The run was stopped from outside.
     #[error("interrupted after {done} of {of} replicas; {} was kept", if *kept { "what was done" } else { "nothing" })]
     Interrupted {
         /// Replicas that were done.
@@ -173,20 +173,20 @@ pub enum Error {
         /// Whether anything was kept.
         kept: bool,
     },
-    /// It failed, and what was done is kept.
+    /// The run failed, and what was done is kept.
     #[error("{error}")]
     Kept {
         /// The failure.
         error: Box<Error>,
         /// Replicas that are kept.
         replicas: u64,
-        /// Where.
+        /// The file where it is kept.
         partial: PathBuf,
     },
 }
 
 impl Error {
-    /// The same of a scene of a file, which is named where only the scene may be wrong.
+    /// The error for a scene of a file, which is named where only the scene may be wrong.
     pub(crate) fn in_scene(self, path: &Path) -> Self {
         match self {
             Self::Law { .. } | Self::TooLarge(_) | Self::NotFor(_) => {
@@ -196,7 +196,7 @@ impl Error {
         }
     }
 
-    /// The same, of what is not kept.
+    /// The error where nothing is kept.
     pub(crate) fn not_kept(self) -> Self {
         match self {
             Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },

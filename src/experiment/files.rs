@@ -16,7 +16,7 @@ use std::time::Duration;
 const INTERVAL: Duration = Duration::from_secs(30);
 
 /// Runs every point of a scene with a table `[sweep]` into one file, on all cores. What an interrupted sweep
-/// into the same file has kept is gone on with.
+/// into this file has kept is gone on with.
 ///
 /// # Errors
 /// [`Error::NotFor`] for a scene without a sweep, [`Error::Output`] when the file exists; as
@@ -41,7 +41,7 @@ pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<Sw
     run_sweep(&points)?.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
 }
 
-/// A session on so many threads, or one for each core with 0, that nobody watches.
+/// A session on `threads` threads, or one for each core with 0, that nobody watches.
 pub(super) fn session(threads: usize) -> Result<Session, Error> {
     Ok(Session { stop: Arc::default(), pool: thread_pool(threads)?, interval: INTERVAL, host: Box::new(()) })
 }

@@ -1,17 +1,17 @@
-//! The host of experiments: whoever has them run.
+//! The host of experiments: whoever starts them.
 
 use super::Observer;
 use crate::estimate::Estimate;
 use std::path::Path;
 
-/// Whoever has experiments run. By default nobody watches, nothing is said, and everything is allowed.
+/// Whoever starts experiments. By default nobody watches, nothing is said, and everything is allowed.
 pub(crate) trait Host: Sync {
     /// Somebody who watches one of several runs, by its name.
     fn observer(&self, _run: String) -> Box<dyn Observer> {
         Box::new(())
     }
 
-    /// Is told of what ends nothing.
+    /// Receives a notice of what ends nothing.
     fn notice(&self, _text: &str) {}
 
     /// Refuses what takes more memory than there is, or more disk where its output is to be.

@@ -38,7 +38,7 @@ pub struct PathIntegral {
     pub(crate) at_pull_off: Expectations,
     /// The integral at the stiffest point.
     at_stiffest: Expectations,
-    /// What is known of the external force of a retraction.
+    /// Knowledge of the external force of a retraction.
     pub(crate) forces: Forces,
 }
 
@@ -153,7 +153,7 @@ impl PathIntegral {
         readings
     }
 
-    /// Where the approach of a loop ends, m: at its largest preload, or the smallest separation.
+    /// The separation where the approach of a loop ends, m: at its largest preload, or the smallest.
     fn turn(&self, scene: &Scene) -> f64 {
         let force = &self.expectations.expected[Quantity::ExternalForce.index()];
         let preload = scene.instability.preload.iter().copied().reduce(f64::max).unwrap_or(f64::INFINITY);
@@ -178,7 +178,7 @@ fn largest_slope(scene: &Scene, features: &Features, force: &[f64], at: impl Fn(
     let step = END_STEP * scene.surface.surface_height_std;
     match steepest.at_edge {
         false => steepest.value,
-        // It is that of a step beside the edge, which may be less.
+        // It is the slope of a step next to the edge, which may be less.
         true if steepest.place < 0.5 * (separations[0] + separations[last]) => {
             steepest.value.max((at(separations[0] + step) - force[0]) / step)
         }
@@ -235,7 +235,7 @@ impl Integral {
         Expected { readings, error, held: self.held(scene, model, law) }
     }
 
-    /// The pull-off on approach and that of surfaces that have touched, N, where these have another law.
+    /// The pull-offs on approach and of surfaces that have touched, N, where these have another law.
     fn held(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Option<[f64; 2]> {
         let pull_off = self.main.pull_off();
         if scene.cycle || scene.history != Path::Approach || !(pull_off > 0.0) {

@@ -1,4 +1,4 @@
-//! The keeper of a run: it writes a partial result beside the output now and then, and when the run ends
+//! The keeper of a run: it writes a partial result next to the output now and then, and when the run ends
 //! without its result.
 
 use super::layouts::RUN;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// From one partial result to the next there is at least so many times what writing one takes.
+/// The time from one partial result to the next, at least, over the time that writing one takes.
 const SPACING: u32 = 100;
 
 /// Keeps what a run has done.
@@ -35,7 +35,7 @@ pub(super) struct Keeper<'a> {
     seconds_before: f64,
     resumptions: u64,
     begun: Instant,
-    /// When a partial result was last written, and the time that took.
+    /// The instant when a partial result was last written, and the time that took.
     saved: Instant,
     took: Duration,
     /// Partial results that were written, and the time that took.
@@ -171,12 +171,12 @@ impl<'a> Keeper<'a> {
         self.seconds_before + self.begun.elapsed().as_secs_f64()
     }
 
-    /// How the run has gone so far.
+    /// The course of the run so far.
     fn metadata(&self) -> RunMetadata {
         RunMetadata { resumptions: self.resumptions, checkpoints: self.cost, partial: None }
     }
 
-    /// How it has gone, and which replicas are there.
+    /// The course of the run so far, and which replicas are there.
     fn partial_metadata(&self) -> RunMetadata {
         let first = self.replicas.start;
         let replicas = (first..first + self.done).collect();

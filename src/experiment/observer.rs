@@ -27,7 +27,7 @@ pub trait Observer {
     /// A phase begins that counts replicas, of which `done` are done already.
     fn replicas(&mut self, _name: &'static str, _done: u64, _total: u64) {}
 
-    /// So many more replicas are done.
+    /// This number of further replicas is done.
     fn advance(&mut self, _replicas: u64) {}
 
     /// The phase ends.
@@ -37,7 +37,7 @@ pub trait Observer {
 /// Nobody watches.
 impl Observer for () {}
 
-/// The phases of an experiment as it goes through them: their times, and an observer who is told of them.
+/// The phases of an experiment as it goes through them: their times, and an observer who follows them.
 pub(crate) struct Phases<'a> {
     observer: &'a mut dyn Observer,
     /// Name, begin, and seconds once it has ended.
@@ -45,7 +45,7 @@ pub(crate) struct Phases<'a> {
 }
 
 impl<'a> Phases<'a> {
-    /// None yet.
+    /// Begins without any.
     pub fn new(observer: &'a mut dyn Observer) -> Self {
         Self { observer, phases: Vec::new() }
     }
@@ -67,7 +67,7 @@ impl<'a> Phases<'a> {
         self.phases.push((name, Instant::now(), None));
     }
 
-    /// Tells that so many more replicas are done.
+    /// Reports that this number of further replicas is done.
     pub fn advance(&mut self, replicas: u64) {
         self.observer.advance(replicas);
     }

@@ -1,5 +1,5 @@
 //! Partial results: what a run has computed so far, or a shard of it, in a file of the layout of its result.
-//! Beside the datasets it holds the state that the run goes on from, or that shards are merged from.
+//! Besides the datasets it holds the state that the run goes on from, or that shards are merged from.
 
 use super::Error;
 use super::layouts::{RUN, SWEEP};
@@ -39,7 +39,7 @@ pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
 
 /// The beginning of an output.
 pub(crate) enum Beginning {
-    /// It is there already, of the same run.
+    /// The output is there already, of the same run.
     Complete,
     /// Nothing was kept.
     Anew,
@@ -56,7 +56,7 @@ pub(crate) struct OverwritePolicy {
     pub force: bool,
 }
 
-/// How to begin an output: refused if that would overwrite a result, or drop or mistake a partial one.
+/// The beginning of an output: refused if that would overwrite a result, or drop or mistake a partial one.
 pub(crate) fn beginning(
     lock: &OutputLock,
     run: Run<'_>,
@@ -77,7 +77,7 @@ pub(crate) fn beginning(
     }
 }
 
-/// How to bring an output to completion, whatever is there of it.
+/// The beginning that brings an output to completion, whatever is there of it.
 fn resumption(lock: &OutputLock, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
     let identity = identity(run);
     let found = PartialFile::find(lock)?;
@@ -142,11 +142,11 @@ pub(crate) struct Piece {
     pub point: u64,
     /// Indices of its replicas within the point that were to be computed.
     pub replicas: Range<u64>,
-    /// How many of these are done.
+    /// The number of these that are done.
     pub done: u64,
     /// Seconds that they took.
     pub seconds: f64,
-    /// How often the run was resumed.
+    /// The number of times that the run was resumed.
     pub resumptions: u64,
 }
 
@@ -269,7 +269,7 @@ fn place(reader: &Reader, point: usize) -> Result<Vec<usize>, OutputError> {
 /// Whether a state is of a scene.
 ///
 /// # Errors
-/// How it is not.
+/// The difference from the scene.
 fn is_of(scene: &Scene, State { functionals, .. }: &State) -> Result<(), String> {
     let (kept, given) = (functionals.fewest_replicas, scene.fewest_replicas());
     if kept != given {
@@ -314,7 +314,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// How many replicas it has of a scene.
+    /// The number of replicas that it has of a scene.
     pub fn count(&self, scene: &Scene) -> u64 {
         let replicas = replicas_of(self.batches.clone(), scene.replicas);
         replicas.end - replicas.start

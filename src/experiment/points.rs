@@ -1,7 +1,7 @@
-//! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of
+//! The points of a sweep: each an ordinary run with an output of its own, in a folder next to the output of
 //! all.
 //!
-//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its
+//! The folder `out.h5.points` holds `0001.h5` and so on, and next to the point that is being computed its
 //! partial result. It stays when the sweep is interrupted, and goes when the output of all is
 //! complete. Of a shard the folder holds the points of which the shard has any batches.
 
@@ -36,7 +36,7 @@ pub(crate) struct Points<'a> {
     /// The lock on the output of all.
     pub lock: &'a OutputLock,
     pub policy: OverwritePolicy,
-    /// In the place of the scene's.
+    /// Replicas and seed in the place of the scene's.
     pub replicas: Option<u64>,
     pub seed: Option<u64>,
     /// The shard that is computed, if not all points.
@@ -189,8 +189,7 @@ impl Points<'_> {
         Ok(shares(self.shard.unwrap_or(Shard { index: 1, count: 1 }), &batches))
     }
 
-    /// Computes all points, of a shard those of which it has any batches; those that are complete stay as
-    /// they are.
+    /// Computes all points, of a shard the points of which it has batches; complete ones stay as they are.
     ///
     /// # Errors
     /// [`Error`] with the point named; what has been done is kept.

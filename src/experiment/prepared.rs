@@ -35,9 +35,9 @@ pub(crate) struct Session {
     pub stop: Arc<AtomicBool>,
     /// The threads that compute.
     pub pool: ThreadPool,
-    /// How often what has been done is kept.
+    /// The interval at which what has been done is kept.
     pub interval: Duration,
-    /// Who has them run.
+    /// Whoever starts them.
     pub host: Box<dyn Host>,
 }
 
@@ -85,7 +85,7 @@ impl Task<'_> {
 /// Computes a scene into its output; what it has found out, or none where the output was complete before.
 ///
 /// # Errors
-/// [`Error`]; what has been done is kept beside the output, for a run that resumes it.
+/// [`Error`]; what has been done is kept next to the output, for a run that resumes it.
 pub(crate) fn run_scene(
     scene: Scene,
     laws: SceneLaws,
@@ -146,8 +146,8 @@ impl SceneLaws {
         })
     }
 
-    /// The laws of a scene of which so many replicas are computed for a task on so many threads, if there is
-    /// room for them.
+    /// The laws of a scene, if there is room for computing this number of replicas for a task on this number
+    /// of threads.
     ///
     /// # Errors
     /// [`Error::Law`], [`Error::TooLarge`].

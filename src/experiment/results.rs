@@ -26,7 +26,7 @@ pub(crate) struct Results {
     /// The integral of the second approach of a loop of several cycles.
     pub reapproach: Option<Expectations>,
     pub ensemble: Box<Ensemble>,
-    /// Why there are so many replicas, if targets decided.
+    /// The reason for the number of replicas, if targets decided.
     pub stopped: Option<Stopped>,
     pub summation: Arc<Summation>,
     pub basis: Basis,
@@ -45,7 +45,7 @@ pub(crate) struct Results {
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
-    /// What coupled asperities come to by mean field, on each path; none of independent ones.
+    /// Mean-field results of coupled asperities, on each path; none of independent ones.
     pub mean_fields: Vec<MeanField>,
     /// The phases and the seconds that each took.
     pub seconds: Vec<(&'static str, f64)>,
@@ -53,10 +53,10 @@ pub(crate) struct Results {
     pub metadata: RunMetadata,
 }
 
-/// How a run went, beside its results.
+/// The course of a run, besides its results.
 #[derive(Default)]
 pub(crate) struct RunMetadata {
-    /// How often the run was resumed.
+    /// The number of times that the run was resumed.
     pub resumptions: u64,
     /// Partial results that were written since it was, and the time that took.
     pub checkpoints: (u64, Duration),
@@ -101,8 +101,8 @@ impl RetractionResults {
     }
 }
 
-/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is that of a loop
-/// with its features.
+/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is the radius of a
+/// loop with its features.
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
     let other = scene.unloading.other_radius()?;
     let cycle = scene.loop_law_of(other).ok().filter(|_| cycle.flows())?;
@@ -145,7 +145,7 @@ impl Results {
     }
 }
 
-/// Why an ensemble has as many replicas as it has.
+/// The reason for the number of replicas of an ensemble.
 pub(crate) struct Stopped {
     /// The outcome of each target.
     pub targets: Vec<Attained>,

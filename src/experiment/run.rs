@@ -82,13 +82,13 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Computes on so many threads, or on one for each core with 0. They do not change the result.
+    /// Computes on this number of threads, or on one for each core with 0. They do not change the result.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Self { threads, ..self }
     }
 
-    /// Tells an observer of its progress.
+    /// Reports its progress to an observer.
     #[must_use]
     pub fn progress(self, observer: &'a mut dyn Observer) -> Self {
         Self { observer: Some(observer), ..self }
@@ -123,7 +123,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Runs the scene into a file. What is done is kept beside it, and what an interrupted run of the same
+    /// Runs the scene into a file. What is done is kept next to it, and what an interrupted run of the same
     /// scene into it has kept is gone on with. A complete result of it is left as it is.
     ///
     /// # Errors
@@ -209,7 +209,7 @@ impl RunResult {
         self.scalar("pull_off_force").expect("every run has a pull-off")
     }
 
-    /// The same of any number that is kept of every replica, by its name in [`scalars`](crate::engine::scalars).
+    /// The mean of a number that every replica has, by its name in [`scalars`](crate::engine::scalars).
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         self.results.scalar(name)
     }

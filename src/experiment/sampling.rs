@@ -66,7 +66,7 @@ impl Sampling<'_> {
         }
     }
 
-    /// How the replicas are summed.
+    /// The summation of the replicas.
     pub fn summation(&self, pool: &rayon::ThreadPool) -> Summation {
         match self.scene.sum_tolerance {
             // On replicas that are in the result wherever it ends.
@@ -122,10 +122,10 @@ impl Sampling<'_> {
     }
 }
 
-/// Puts another number of replicas and another seed, if given, in the place of those of a scene.
+/// Puts another number of replicas and another seed, if given, in the place of the scene's.
 ///
 /// # Errors
-/// [`Error::Replicas`] when the scene cannot have so many.
+/// [`Error::Replicas`] when the scene cannot have this number.
 pub(crate) fn set_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Error> {
     if let Some(replicas) = replicas {
         scene.sampling.check(replicas).map_err(|problem| Error::Replicas { replicas, problem })?;

@@ -64,7 +64,7 @@ pub(crate) fn text_of(source: impl Read, most: u64) -> Result<String, String> {
     })
 }
 
-/// How HDF5 files begin.
+/// The beginning of HDF5 files.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// A file to read from. A pipe that nobody writes to is an error: to open it would wait for ever.

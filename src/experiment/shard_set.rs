@@ -24,17 +24,17 @@ pub(crate) struct ShardSet {
     pub source: PathBuf,
     pub document: Document,
     pub shards: Vec<PartialFile>,
-    /// Where the pieces of each point are, in the order of their replicas.
+    /// Places of the pieces of each point, in the order of their replicas.
     pub places: Vec<Vec<Place>>,
     /// A line for each thing that is not there.
     pub missing: Vec<String>,
 }
 
-/// Why a path is no shard.
+/// The reason why a path is no shard.
 enum Not {
     /// The shard is not complete.
     Unfinished(String),
-    /// It is none.
+    /// The path is none.
     Shard(String),
 }
 
@@ -102,7 +102,7 @@ fn found(path: &Path) -> Result<PartialFile, Not> {
     Err(Not::Unfinished(problem))
 }
 
-/// How shards are of another run than the first.
+/// Differences of shards of another run than the first.
 fn differences(shards: &[PartialFile]) -> Vec<String> {
     let Some(first) = shards.first() else { return Vec::new() };
     let name = first.path.display().to_string();

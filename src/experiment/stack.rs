@@ -1,7 +1,7 @@
 //! Many results of one scene's kind as one: every dataset of a run, led by the dimensions of the points.
 //!
-//! What the points have in different lengths (regimes, functionals of the joint test, control variates,
-//! replicas) has the largest. A regime that a point does not have is empty there, with 0 asperities and 0
+//! Dimensions of different lengths at the points (regimes, functionals of the joint test, control variates,
+//! replicas) have the largest. A regime that a point does not have is empty there, with 0 asperities and 0
 //! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after
 //! the other.
 
@@ -34,7 +34,7 @@ enum Scale {
     Names(Vec<String>),
     /// Numbers, the same for all points.
     Numbers(Vec<f64>),
-    /// So many, by index.
+    /// This number of indices.
     Indices(usize),
 }
 
@@ -54,8 +54,7 @@ impl Scale {
     }
 }
 
-/// Stacks the points into a file whose dimensions of points are written. `false` when it was told not to go
-/// on.
+/// Stacks the points into a file whose dimensions of points are written. `false` when it was not to go on.
 ///
 /// # Errors
 /// When a point cannot be read, or the file not be written.
@@ -114,14 +113,14 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
     if group.link_exists(variable.name()) { group.dataset(variable.name()).ok() } else { None }
 }
 
-/// Where the scale of a dimension is read: its copy in the first group of the file that has it.
+/// The path of the scale of a dimension: its copy in the first group of the file that has it.
 fn coordinate(file: &File, dimension: Dimension) -> &'static str {
     let name = dimension.name();
     RUN.coordinates(name).find(|path| file.link_exists(path)).unwrap_or_else(|| RUN.coordinate(name))
 }
 
-/// Values that the points have in common along each dimension, in the order of the layout; none when told not
-/// to go on.
+/// Values that the points have in common along each dimension, in the order of the layout; none when not to
+/// go on.
 fn scales(points: &PointFiles<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
     let mut scales: Vec<(Dimension, Scale)> = Vec::new();
     for path in points.files.iter().flatten() {
@@ -177,7 +176,7 @@ fn copy(
     if first {
         made.push((path, Vec::new(), matches!(descriptor, TypeDescriptor::Float(_))));
     }
-    // What is a text is the same for all points.
+    // Texts are equal for all points.
     if descriptor == TypeDescriptor::VarLenUnicode {
         let texts = names(dataset)?;
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
@@ -201,7 +200,7 @@ fn copy(
     }
 }
 
-/// Where in the stack the indices of a point's dimension are.
+/// The indices in the stack of a point's dimension.
 fn indices(
     scales: &[(Dimension, Scale)],
     file: &File,
@@ -272,8 +271,8 @@ fn damaged(dataset: &Dataset) -> OutputError {
     OutputError::NotAResult { path: dataset.filename().into(), problem }
 }
 
-/// Where the element `index` of an array goes whose indices along each dimension go to those of `maps`, in an
-/// array of `shape`.
+/// The place of the element `index` of an array in an array of `shape`, where its indices along each
+/// dimension go to the indices in `maps`.
 fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
     let (mut rest, mut stride, mut place) = (index, 1, 0);
     for (map, length) in maps.iter().zip(shape).rev() {
@@ -284,7 +283,7 @@ fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
     place
 }
 
-/// Says so where only some points have a dataset.
+/// Fills datasets that only some points have with NaN for the others.
 fn fill_absent(writer: &Writer<'_>, points: &PointFiles<'_>, made: &[Made]) -> Result<(), OutputError> {
     let some = |filled: &[Vec<usize>]| !filled.is_empty() && filled.len() < points.places.len();
     for (path, filled, _) in made.iter().filter(|(_, filled, is_float)| *is_float && some(filled)) {
@@ -341,7 +340,7 @@ impl Attributes {
         Ok(())
     }
 
-    /// Has nothing of a point that is not there.
+    /// Skips a point that is not there.
     fn skip(&mut self) {
         self.read += 1;
     }

@@ -26,7 +26,7 @@ use std::sync::atomic::Ordering;
 /// was complete.
 ///
 /// # Errors
-/// [`Error`]; points that are done are kept beside the output.
+/// [`Error`]; points that are done are kept next to the output.
 pub(crate) fn run_sweep(points: &Points<'_>) -> Result<Option<Vec<SweepPoint>>, Error> {
     points.require()?;
     let identity = points.identity(points.sweep.source())?;
@@ -196,7 +196,7 @@ fn warn(warned: &mut Warned, point: usize, file: &Path) -> Result<(), OutputErro
     Ok(())
 }
 
-/// What the points warn of, a line each, with the points that do.
+/// Warnings of the points, a line each, with the points that give them.
 fn joined(sweep: &Sweep, warned: &Warned) -> String {
     let line = |(finding, points): &(String, Vec<usize>)| match points.len() {
         1 => format!("{finding} (at {})", sweep.assignments(points[0])),
@@ -238,8 +238,8 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
 struct Compared {
     /// The values of each of the [`SCALARS`] for all replicas.
     values: [Vec<f64>; 4],
-    /// The most that rounding may make of each: of a force its share of F_s + P, of a secant that of both
-    /// ends of the span, and of a separation a few units in its last place.
+    /// The most that rounding may make of each: of a force its share of F_s + P, of a secant that share at
+    /// both ends of the span, and of a separation a few units in its last place.
     rounding: [f64; 4],
 }
 
@@ -258,7 +258,7 @@ impl Compared {
         let [adhesion, contact, external] = ["adhesion_force", "contact_force", "external_force"].map(curve);
         let (adhesion, contact, external) = (adhesion?, contact?, external?);
         let separations = read(RUN.coordinate("separation"))?;
-        // That of the mean surface at or before the nearest place of any replica: it falls with the
+        // The load of the mean surface at or before the nearest place of any replica: it falls with the
         // separation.
         let load = |nearest: f64| {
             let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
@@ -272,12 +272,12 @@ impl Compared {
         Ok(Self { values, rounding: [of_force, of_place, of_secant, of_place] })
     }
 
-    /// How many replicas there are.
+    /// The number of replicas.
     fn replicas(&self) -> u64 {
         self.values[0].len() as u64
     }
 
-    /// The difference of each scalar to that of the first point.
+    /// The difference of each scalar to the scalar of the first point.
     fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
         std::array::from_fn(|i| {
             let rounding = first.rounding[i] + self.rounding[i];
@@ -296,8 +296,8 @@ fn of_integral(file: &Path) -> Result<SweepPoint, OutputError> {
     })
 }
 
-/// The row of a point, beside the replicas of the first. Only where all replicas of both are there they
-/// are compared; with targets, which end each point by itself, those that both have.
+/// The row of a point, with differences to the replicas of the first. Only where all replicas of both are
+/// there they are compared; with targets, which end each point by itself, the replicas that both have.
 fn compared(
     file: &Path,
     first: Option<&Compared>,

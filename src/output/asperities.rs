@@ -32,7 +32,7 @@ pub struct AsperityFile {
     pub nominal_area: f64,
     /// Asperities over that area, 1/m².
     pub density: f64,
-    /// Mean of the heights, m: how high the mean plane of the asperities is above that of the surface.
+    /// Mean of the heights, m: the height of the mean plane of the asperities above the surface's.
     pub mean_plane_offset: f64,
     /// Mean square height of the surface, m².
     pub m0: f64,

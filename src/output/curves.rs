@@ -14,7 +14,7 @@ pub(crate) const HELD: usize = 1 << 24;
 /// External force and, behind it, adhesion force of every replica over its states, N, in order.
 pub(crate) struct Curves {
     kept: SpooledTempFile,
-    /// Where they are kept, for messages.
+    /// The folder where they are kept, for messages.
     folder: PathBuf,
     /// Numbers of a replica; 0 where its curves are not kept.
     length: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Curves {
 pub(crate) type Visit<'a> = dyn FnMut(&[f64]) -> Result<bool, OutputError> + 'a;
 
 impl Curves {
-    /// None yet, of a scene whose output is in a folder.
+    /// Begins without curves, for a scene whose output is in a folder.
     pub fn new(scene: &Scene, folder: &Path) -> Self {
         let length = if scene.curves { 2 * scene.states() } else { 0 };
         Self { kept: tempfile::spooled_tempfile_in(HELD, folder), folder: folder.to_owned(), length }

@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 /// Bytes that a byte of a file can hold at most: deflate makes no more of one.
 const LARGEST_EXPANSION: u64 = 1032;
-/// How every HDF5 file begins, where nothing is prepended to it.
+/// The beginning of every HDF5 file, where nothing is prepended to it.
 pub(super) const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Refuses to go on where libhdf5 does not start, as it does not with drivers, connectors or plugins that it
@@ -60,10 +60,10 @@ pub(crate) fn length(path: &Path) -> Result<u64, String> {
 }
 
 /// An HDF5 file for reading, without a lock of its own: files are replaced as a whole here, and locks of
-/// readers stand in the way of others.
+/// readers hinder others.
 ///
 /// # Errors
-/// Why libhdf5 does not open it, or that another program has it open for writing.
+/// The reason why libhdf5 does not open it, or that another program has it open for writing.
 pub(crate) fn open(path: &Path) -> Result<File, String> {
     require_start()?;
     if path.to_str().is_none() {
@@ -86,7 +86,7 @@ fn is_locked(path: &Path) -> bool {
     !are_off && matches!(lock, Ok(Err(TryLockError::WouldBlock)))
 }
 
-/// Why libhdf5 does not open a file.
+/// The reason why libhdf5 does not open a file.
 fn not_opened(path: &Path) -> String {
     use std::io::Read;
     let mut beginning = [0; 8];

@@ -31,8 +31,8 @@ impl Identity {
         self.difference("", ("", ""), other).is_none()
     }
 
-    /// How this run differs from another, that of `whose`; none when it is that one. `verbs` say when each is
-    /// what it is.
+    /// The difference of this run from `kept`, the run of `whose`; none when they are one run. `verbs` say
+    /// when each is what it is.
     pub fn difference(&self, whose: &str, verbs: (&str, &str), kept: &Self) -> Option<String> {
         let is = |what: &str, kept: &dyn std::fmt::Display, own: &dyn std::fmt::Display| {
             Some(format!("{what} of {whose} {} {kept}, and {} {own}", verbs.0, verbs.1))

@@ -1,4 +1,4 @@
-//! The lock on an output: where it goes, what stands beside it while it is made, and that nobody else makes
+//! The lock on an output: where it goes, what is kept next to it while it is made, and that nobody else makes
 //! it at the same time.
 
 use super::{OutputError, guard};
@@ -10,7 +10,7 @@ use tempfile::TempPath;
 
 /// Most symbolic links from one to the next.
 const MOST_LINKS: usize = 40;
-/// Endings of the names of what is kept beside an output while it is made, and how such files may begin; the
+/// Endings of the names of what is kept next to an output while it is made, and how such files may begin; the
 /// folder of points is looked through file by file.
 const BESIDE: [(&str, &[&[u8]]); 2] = [(PARTIAL, &[&guard::SIGNATURE]), (".points", &[])];
 /// Endings of hidden ones. A lock holds the number of a process. The first bytes of an HDF5 file may be
@@ -26,7 +26,7 @@ const LOOKED_AT: u64 = 64;
 const DEEPEST: &str = ".points/.0000.h5.partial.partial";
 
 /// An output that this program may make, and no other at the same time: it holds the lock on a hidden file
-/// beside it. Dropped, it leaves neither lock nor file.
+/// next to it. Dropped, it leaves neither lock nor file.
 #[derive(Debug)]
 pub struct OutputLock {
     output: PathBuf,
@@ -35,12 +35,13 @@ pub struct OutputLock {
 }
 
 impl OutputLock {
-    /// Locks an output of what is computed from `inputs`. A symbolic link stands for the file that it leads
+    /// Locks an output of what is computed from `inputs`. A symbolic link is taken for the file that it leads
     /// to.
     ///
     /// # Errors
-    /// [`OutputError`] when it or a file beside it is one of the inputs, when its name cannot be written, its
-    /// folder is missing or not writable, when it names what is no file, or when another run has claimed it.
+    /// [`OutputError`] when it or a file next to it is one of the inputs, when its name cannot be written,
+    /// its folder is missing or not writable, when it names what is no file, or when another run has claimed
+    /// it.
     pub fn new(output: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         let output = followed(output);
         refuse_name(&output)?;
@@ -116,7 +117,7 @@ impl OutputLock {
         &self.output
     }
 
-    /// A file beside the output, whose name is that of the output with `suffix`.
+    /// A file next to the output, named like the output with `suffix`.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         beside(&self.output, suffix)
     }
@@ -158,7 +159,7 @@ fn flush_names(folder: &Path) -> std::io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
-/// A file beside an output, whose name is that of the output with `suffix`.
+/// A file next to an output, named like the output with `suffix`.
 pub fn beside(output: &Path, suffix: &str) -> PathBuf {
     named(output, "", suffix)
 }
@@ -175,17 +176,17 @@ fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// How files of a name may begin.
+/// Possible beginnings of files of a name.
 type Beginnings = &'static [&'static [u8]];
 
-/// Names of what is kept beside an output while it is made, and how such files may begin.
+/// Names of what is kept next to an output while it is made, and how such files may begin.
 fn kept(output: &Path) -> impl Iterator<Item = (PathBuf, Beginnings)> {
     let beside = BESIDE.into_iter().map(|(suffix, own)| (named(output, "", suffix), own));
     beside.chain(HIDDEN.into_iter().map(|(suffix, own)| (named(output, ".", suffix), own)))
 }
 
 /// Refuses an output whose name HDF5 does not take, or which the file system does not with all that is kept
-/// beside it.
+/// next to it.
 fn refuse_name(output: &Path) -> Result<(), OutputError> {
     let refused = |problem| Err(OutputError::NoName { path: output.to_owned(), problem });
     if output.to_str().is_none() {
@@ -260,7 +261,7 @@ fn refuse_foreign(name: &Path, beginnings: Beginnings) -> Result<(), OutputError
     Err(OutputError::NotAPartial { path: name.to_owned(), problem })
 }
 
-/// How a file of that very name is opened, and none that a symbolic link leads to.
+/// Options that open a file of that very name, and none that a symbolic link leads to.
 pub(super) fn unlinked() -> OpenOptions {
     let mut options = File::options();
     #[cfg(unix)]
@@ -281,7 +282,7 @@ pub(super) fn made_anew(name: &Path) -> std::io::Result<File> {
     unlinked().create_new(true).open(name)
 }
 
-/// Where symbolic links lead, to a file that need not exist.
+/// The end of symbolic links, a file that need not exist.
 fn followed(output: &Path) -> PathBuf {
     let mut output = output.to_owned();
     for _ in 0..MOST_LINKS {
@@ -346,7 +347,7 @@ fn still_named(file: &File, name: &Path) -> bool {
     }
 }
 
-/// Tells a file from all others.
+/// Distinguishes a file from all others.
 #[cfg(unix)]
 fn identity(metadata: &std::fs::Metadata) -> (u64, u64) {
     use std::os::unix::fs::MetadataExt;

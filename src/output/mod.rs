@@ -61,7 +61,7 @@ pub enum OutputError {
     NoName {
         /// The output.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: &'static str,
     },
     /// The output is what it is made from.
@@ -72,7 +72,7 @@ pub enum OutputError {
         /// The input that it is.
         input: PathBuf,
     },
-    /// A file that is kept beside the output is one that it is made from.
+    /// A file that is kept next to the output is one that it is made from.
     #[error(
         "{} has the name of what is kept beside {}, and this command reads it; give another name",
         input.display(), output.display()
@@ -99,7 +99,7 @@ pub enum OutputError {
     NotAPartial {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// The output cannot be made where it is asked for.
@@ -107,7 +107,7 @@ pub enum OutputError {
     NotWritable {
         /// The folder.
         folder: PathBuf,
-        /// Why.
+        /// The reason.
         error: std::io::Error,
     },
     /// A file cannot be read as a result of this program.
@@ -115,7 +115,7 @@ pub enum OutputError {
     NotAResult {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         problem: String,
     },
     /// libhdf5 cannot be used.
@@ -129,15 +129,15 @@ pub enum OutputError {
     Io {
         /// The action that was tried.
         action: &'static str,
-        /// On which file.
+        /// The file.
         path: PathBuf,
-        /// Why it failed.
+        /// The failure.
         error: std::io::Error,
     },
 }
 
 impl OutputError {
-    /// The same, with the file named that HDF5 was to write.
+    /// The error, with the file named that HDF5 was to write.
     pub fn writing(self, path: &Path) -> Self {
         match self {
             Self::Hdf5(error) => {

@@ -1,4 +1,4 @@
-//! The state of a run whose result is partial, which its file holds beside the datasets of the result.
+//! The state of a run whose result is partial, which its file holds besides the datasets of the result.
 //!
 //! The group `restart` of such a file has a [`Head`] in `run` and a [`State`] for each point of which it has
 //! replicas, in `0001` and so on: bytes of the Postcard format, and behind them their CRC-32 checksum,
@@ -25,14 +25,14 @@ pub struct Functionals {
     /// Indices of the separations of the control variates.
     pub controls: Vec<usize>,
     /// The fewest replicas that the run may end with, for which they are: a run that ends at targets may end
-    /// with fewer than the same one without.
+    /// with fewer than without them.
     pub fewest_replicas: u64,
 }
 
 /// The head of a partial result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
-    /// The run; of a sweep that of all points.
+    /// The run; for a sweep the run of all points.
     pub identity: Identity,
     /// The file of its scene, where a shard was computed.
     pub scene_file: String,
@@ -47,7 +47,7 @@ pub struct State {
     pub functionals: Functionals,
     /// Seconds that the replicas took.
     pub seconds: f64,
-    /// How often the run has been resumed.
+    /// The number of times that the run has been resumed.
     pub resumptions: u64,
     /// The sums, and the numbers of every replica.
     pub tree: ReductionTree,
@@ -64,7 +64,7 @@ pub fn encode(value: &impl Serialize) -> Vec<u8> {
 /// The value of some bytes.
 ///
 /// # Errors
-/// How they are damaged.
+/// The damage to them.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
     let (bytes, checksum) = bytes.split_last_chunk::<CHECKSUM>().ok_or("is truncated")?;
     if crc32fast::hash(bytes).to_le_bytes() != *checksum {

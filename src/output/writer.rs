@@ -1,4 +1,4 @@
-//! Writing a result: under a temporary name beside the output, and under its own name only when it is
+//! Writing a result: under a temporary name next to the output, and under its own name only when it is
 //! complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
@@ -37,7 +37,7 @@ pub struct Writer<'c> {
     /// The name that it will have, and whether a file of that name is replaced.
     name: PathBuf,
     force: bool,
-    /// Scales before what stands beside them; those of points slowest first.
+    /// Scales before what accompanies them; scales of points slowest first.
     coordinates: Vec<Coordinate>,
 }
 
@@ -72,7 +72,7 @@ fn made_of<T: H5Type + Clone>(values: &[T]) -> MakeDataset {
     })
 }
 
-/// Has nodes of the indices of chunks be small.
+/// Makes nodes of the indices of chunks small.
 fn few_chunks(create: &mut FileCreateBuilder) -> &mut FileCreateBuilder {
     create.istore_k(CHUNKS_OF_NODE / 2)
 }
@@ -87,7 +87,7 @@ fn builder<T: H5Type>(file: &File, shape: &[usize], chunk: &[usize]) -> DatasetB
     builder.chunk(chunk).fletcher32()
 }
 
-/// The shape of chunks of so many numbers at most, unless a row of the array has more.
+/// The shape of chunks of `most` numbers at most, unless a row of the array has more.
 fn chunk(shape: &[usize], most: usize) -> Vec<usize> {
     let Some((length, row)) = shape.split_first() else { return Vec::new() };
     let rows = most / row.iter().product::<usize>().max(1);
@@ -222,7 +222,7 @@ impl<'c> Writer<'c> {
         self.describe(path, &dataset, false)
     }
 
-    /// Writes bytes beside the datasets of the layout. Their dimension is one of netCDF without values.
+    /// Writes bytes besides the datasets of the layout. Their dimension is one of netCDF without values.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -418,8 +418,8 @@ impl<'c> Writer<'c> {
         self.coordinates.iter().filter(move |own| own.along == along)
     }
 
-    /// The scales of a dimension in a group, several of the points; made with what stands beside them where
-    /// the group has none yet.
+    /// The scales of a dimension in a group, several of the points; made with what accompanies them where the
+    /// group has none yet.
     fn scales_in(&self, group: &str, along: Along) -> Result<Vec<Dataset>, OutputError> {
         let mut scales: Vec<Dataset> = Vec::new();
         for own in self.along(along) {
@@ -448,7 +448,7 @@ impl<'c> Writer<'c> {
         self.scales_in(group, Along::Dimension(dimension)).map(|_| ())
     }
 
-    /// Gives a dataset its attributes and its scales, behind those of the points where it is led by them.
+    /// Gives a dataset its attributes and its scales, behind scales of the points where it is led by them.
     fn describe(&self, path: &str, dataset: &Dataset, of_points: bool) -> Result<(), OutputError> {
         let variable = self.layout.variable(path);
         let mut coordinates = variable.coordinates.clone();
@@ -522,7 +522,7 @@ mod tests {
         assert!(guard::open(&output).is_ok());
     }
 
-    /// What libhdf5 opens, a program that is started meanwhile has open too, and would hold its lock.
+    /// A file that libhdf5 opens, a program that is started meanwhile has open too, and would hold its lock.
     #[cfg(unix)]
     #[test]
     fn programs_started_during_a_write_hold_no_lock_on_the_file() {

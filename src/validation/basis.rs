@@ -19,7 +19,8 @@ const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event,
 /// the reciprocal of how often it is expected in the whole ensemble.
 const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
-/// Largest excess kurtosis of a mean over all replicas, likewise.
+/// Largest excess kurtosis of a mean over all replicas that is still treated as Gaussian; for a rare event,
+/// this reciprocal too.
 const LARGEST_KURTOSIS: f64 = 0.02;
 /// Largest correction of the p-value at the significance by the third and fourth cumulants, relative.
 const LARGEST_CORRECTION: f64 = 0.1;
@@ -54,8 +55,8 @@ const LARGEST_ERROR: f64 = 0.1;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
-    /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling
-    /// scheme leaves to chance.
+    /// Functionals, each scaled to a score of unit variance per replica, or per replica's worth of what the
+    /// sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
     /// Fourth and third cumulants of the scores of a replica.
     pub cumulants: Cumulants,
@@ -86,8 +87,8 @@ pub fn basis<'a>(
     basis_to(laws, surface, separations, scheme, replicas, ACCURACY)
 }
 
-/// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors
-/// that vary so little that this would count.
+/// The functionals for sums that are accurate to the share `accuracy` of F_s + P: left out are also
+/// eigenvectors that vary so little that this would count.
 pub fn basis_to<'a>(
     laws: impl Into<Laws<'a>>,
     surface: &Surface,
@@ -102,7 +103,7 @@ pub fn basis_to<'a>(
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
-/// The same for a loop: its functionals look at all its ways, between which only what differs counts.
+/// The functionals for a loop: they look at all its ways, between which only what differs counts.
 pub fn basis_of_loop<'a>(
     laws: impl Into<Laws<'a>>,
     cycle: &Loop,
@@ -122,7 +123,7 @@ pub fn basis_of_loop<'a>(
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
-/// The number of separations that the functionals look at, of so many.
+/// The number of separations that the functionals look at, out of `separations`.
 pub fn tested_separations(separations: usize) -> usize {
     separations.div_ceil(separations.div_ceil(MAX_SEPARATIONS).max(1))
 }
@@ -198,7 +199,7 @@ struct Contributions {
 fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
     let grid = grid(states, surface, scheme);
     let count: usize = grid.iter().map(|alike| alike.heights.len()).sum();
-    // Nodes of the same score stand together where a scheme relates scores.
+    // Nodes of the same score are together where a scheme relates scores.
     let rows = grid[0].heights.len();
     let radii = if scheme != SamplingScheme::Independent && rows > 1 { grid.len() } else { 1 };
     let place_of = |number: usize, first: usize, node: usize| {
@@ -249,8 +250,8 @@ fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSche
     Contributions { weights, values, largest, forces, strata }
 }
 
-/// Takes away what is not left to chance: the mean over all asperities, or over those of each stratum. So many `radii` that
-/// stand together have the same score.
+/// Takes away what is not left to chance: the mean over all asperities, or over all of each stratum. Each
+/// `radii` neighbouring values have the same score.
 fn centre(
     values: &mut [f64],
     weights: &[f64],

@@ -3,8 +3,8 @@
 use crate::asperity::{Law, Laws, Loop};
 use crate::surface::{Heights, RadiusClass, STRATA, SamplingScheme, Surface};
 
-/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
-/// end where a law is not smooth.
+/// Cells, about, of the grid on which the covariance of the law over separations is formed, besides those
+/// that end where a law is not smooth.
 const CELLS: usize = 1000;
 /// Places of the two nodes in a cell, of Gauss's rule.
 const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -42,7 +42,7 @@ impl GridSize {
         Self { fixed, per_separation: 0 }
     }
 
-    /// Asperities for so many separations, about.
+    /// Asperities for this number of separations, about.
     pub fn asperities(&self, separations: usize) -> f64 {
         (self.fixed + self.per_separation * separations) as f64
     }
@@ -55,7 +55,7 @@ pub(super) enum StateAt<'a> {
     Way(Laws<'a>, f64),
     /// The retraction of a loop from the separation d, m, further by a distance, m.
     Retraction(&'a Loop, f64, f64),
-    /// Its second approach, likewise.
+    /// The second approach of a loop from the separation d, m, further by a distance, m.
     Again(&'a Loop, f64, f64),
 }
 
@@ -76,7 +76,7 @@ impl StateAt<'_> {
     }
 }
 
-/// The laws of asperities of a radius, where they are not those of all.
+/// The laws of asperities of a radius, where they differ from the laws of all.
 #[derive(Default)]
 pub(super) struct OwnLaws {
     law: Option<Box<dyn Law>>,
@@ -114,8 +114,8 @@ pub(super) struct Alike {
     pub weights: Vec<f64>,
 }
 
-/// The grid: of each radius its heights. Of a scheme that relates replicas asperity by asperity those of each radius are at
-/// the same normal scores, which are as many below 0 as above, or they are given.
+/// The grid: of each radius its heights. For a scheme that relates replicas asperity by asperity, these are
+/// at the same normal scores for each radius, as many below 0 as above, or they are given.
 pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
@@ -124,7 +124,7 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
     parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
     let stride = parts.len().div_ceil(if each_given { MOST_GIVEN } else { OF_RADIUS.1 });
     let alike = |(index, alike): (usize, &[RadiusClass])| {
-        // The middle one stands for its neighbours.
+        // The middle one represents its neighbours.
         let RadiusClass { radius, heights, .. } = &alike[alike.len() / 2];
         let weight: f64 = alike.iter().map(|part| part.weight).sum();
         let laws = OwnLaws::new(states, surface, *radius);
@@ -182,8 +182,8 @@ fn split<T: Copy>(things: impl Iterator<Item = (T, f64)> + Clone) -> (Vec<T>, Ve
     split.into_iter().unzip()
 }
 
-/// Heights, m, rising, and their weights: nodes in about so many cells of the normal score, which end at strata and where
-/// the law is not smooth at states, on both sides of 0.
+/// Heights, m, rising, and their weights: nodes in about `cells` cells of the normal score, which end at
+/// strata and where the law is not smooth at states, on both sides of 0.
 fn scored(states: &[StateAt<'_>], heights: &Heights, cells: usize) -> (Vec<f64>, Vec<f64>) {
     let normal = Heights::gaussian(1.0);
     let even = cells.div_ceil(2 * NODES.len());
@@ -242,7 +242,7 @@ fn shifted(heights: &Heights, share: f64) -> (Vec<f64>, Vec<f64>) {
     nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
 }
 
-/// Ends of about so many cells of a law of heights, m, rising.
+/// Ends of about `cells` cells of a law of heights, m, rising.
 fn divided(heights: &Heights, cells: usize) -> Vec<f64> {
     let (low, high) = heights.reach(GRID_REACH);
     let panels = heights.panels(low, high);

@@ -71,8 +71,8 @@ pub struct JointTest {
 }
 
 impl JointTest {
-    /// Tests mean curves over S separations of so many replicas against their expectations: χ² = n |s̄ − μ|²
-    /// of k probes whose scores are uncorrelated and of unit variance, with the `cumulants` of those of a
+    /// Tests mean curves over S separations of n replicas against their expectations: χ² = n |s̄ − μ|² of k
+    /// probes whose scores are uncorrelated and of unit variance, with the `cumulants` of the scores of a
     /// replica.
     ///
     /// `mean` and `expected` hold adhesion force and external force, N.

@@ -24,7 +24,7 @@ pub use joint::{JointTest, Probe, SIGNIFICANCE, Verdict};
 pub use null::Cumulants;
 pub use several::{Difference, disagreeing, overall};
 
-/// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.
+/// Standard error, relative to the expectation, below which quadrature and sums have a larger error.
 const ROUNDING: f64 = 1e-10;
 
 /// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the

@@ -7,7 +7,7 @@
 //!
 //! S(k) + κ/8 [S(k+4) − 2 S(k+2) + S(k)] + s/24 [S(k+6) − 3 S(k+4) + 3 S(k+2) − S(k)]
 //!
-//! with S(k) that of χ² with k degrees of freedom, κ = Σ κ_iijj and s = Σ (3 κ_iij κ_jll + 2 κ_ijl²):
+//! with S(k) the tail of χ² with k degrees of freedom, κ = Σ κ_iijj and s = Σ (3 κ_iij κ_jll + 2 κ_ijl²):
 //! Edgeworth's expansion of the density, integrated over spheres term by term (Bhattacharya and Rao 1976,
 //! Normal Approximation and Asymptotic Expansions).
 
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
 
-/// The cumulants that the distribution depends on beside the number of scores.
+/// The cumulants that the distribution depends on besides the number of scores.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cumulants {
     /// κ.
@@ -102,7 +102,7 @@ impl<'a> GrowingCumulants<'a> {
                 self.scores[i].iter().zip(last).zip(self.weights).map(|((x, y), w)| w * x * y).collect();
             for j in 0..=i {
                 let third = dot(&product, &self.scores[j]);
-                // How often the three indices stand in the sum over all.
+                // The number of orders of the three indices in the sum over all.
                 let orders = match (i == k - 1, j == i) {
                     (true, true) => 1.0,
                     (false, false) => 6.0,

@@ -36,7 +36,7 @@ class Probability:
     total_error : float
         Its standard error.
     effective : float
-        The number of alike patches (below a threshold: runs) of the same weight as those in the event, (Σw)²/Σw².
+        The number of alike patches (below a threshold: runs) that weigh as much as the event's, (Σw)²/Σw².
     largest : float
         Share of the largest weight in the sum of them.
     """

@@ -22,7 +22,7 @@ _PILOT, _FIRST, _HITS = 256, 1024, 128
 _EFFECTIVE = 25.0
 # Patches at most, by default.
 _MOST_ABOVE, _MOST_BELOW = 200_000, 20_000_000
-# Pilots for a force above which patches pull with a probability, and how near that of the last is, as a logarithm.
+# Pilots for a force above which patches pull with a probability; how near the last one's is, as a logarithm.
 _FORCES, _NEAR = 20, 1.5
 # Scatter of low heights that splitting leaves out at most, as a share of the least pull-off of the pilot, and of the scatter of pull-offs.
 _IN_BINS, _OF_SCATTER = 2e-3, 0.03
@@ -124,7 +124,7 @@ class Patches:
         probability : float
             From 1e-12 to 0.5.
         below, error, most
-            As of `probability`, whose error makes that of the force.
+            As of `probability`, whose error makes the error of the force.
 
         Raises
         ------

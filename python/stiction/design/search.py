@@ -22,7 +22,7 @@ __all__ = ["Best", "Design", "Event", "best", "design", "event", "probability"]
 
 # A search ends when the number is known so well, relative to its range (or to the logarithm of that).
 _WIDTH = 0.005
-# By how much a parabola through the logarithms of probabilities is off, times their square.
+# The error of a parabola through the logarithms of probabilities, times their square.
 _BENT = 0.1
 _STEPS = 12
 
@@ -207,7 +207,7 @@ def design(
         tried.append((value, of))
         if of.value == 0.0:
             return math.log(LEAST / wanted), 0.0
-        # The mean of the logarithm is less than that of the mean.
+        # The mean of the logarithm is less than the logarithm of the mean.
         return math.log(of.value / wanted) + 0.5 * of.relative_error**2, of.relative_error
 
     good, bad = (1.0, 0.0) if largest else (0.0, 1.0)
@@ -242,8 +242,9 @@ def design(
 def _crossing(shares: Array, values: Array, spreads: Array) -> tuple[float, float]:
     """The share of the range at which values with standard errors are 0, and half of what holds it in 95 of 100 cases.
 
-    It is that of a parabola through all of them, of which the far ones weigh little. One value and the slope to the next
-    would not do: the search ends where a value happens to be near 0, and the next may be so near that the slope is chance.
+    It is where a parabola through all of them is 0, of which the far ones weigh little. One value and the
+    slope to the next would not do: the search ends where a value happens to be near 0, and the next may be so
+    near that the slope is chance.
     """
     nearest = int(np.abs(values).argmin())
     powers = np.vander(shares - shares[nearest], 3)

@@ -169,7 +169,7 @@ class Curves:
         self.share = float(self.beyond[0])
         above = -np.expm1(-count * self.beyond if poisson else self.count * np.log1p(-np.minimum(self.beyond, 1.0 - 1e-15)))
         own = above[:-1] - above[1:]
-        # The last is that of patches without a tall height.
+        # The last is for patches without a tall height.
         rarity = np.append(1.0 / np.maximum(above[:-1], _RAREST), 1.0)
         self.ratio: Array = 0.5 + 0.5 * rarity / (own @ rarity[:-1] + 1.0 - above[0])
         self._highest = _cumulated(own * self.ratio[:-1])

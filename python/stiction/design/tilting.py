@@ -17,8 +17,8 @@ all tops that pull together are drawn more often, not the highest alone.
 
 **Every separation at which the event happens has a law.** An asperity pulls over a part of a nanometre only. A patch
 whose best separation is between the laws, or beyond the last one, would have a large weight that few samples see. So
-laws stand much closer than the attraction is wide, as far as bounds are within e⁻⁸ of the largest. They have a fifth of
-the patches in equal shares, and a tenth is of the scene's own heights: weights are bounded.
+laws are much closer than the attraction is wide, as far as bounds are within e⁻⁸ of the largest. They have a
+fifth of the patches in equal shares, and a tenth is of the scene's own heights: weights are bounded.
 
 **The number of patches does not depend on the estimate.** A pilot gives the shares of the laws by cross-entropy (how
 probable it is that a patch of the event is of each) and the second moment of the weights, and that the number of patches
@@ -63,8 +63,8 @@ _MARGIN = 2.0
 
 @dataclass(frozen=True)
 class Drawn:
-    """Patches of a mixture: pull-off (N), ln of the likelihood by each law over that of the scene's own (n, laws), and
-    the law that each is of.
+    """Patches of a mixture: pull-off (N), ln of the likelihood by each law over the scene's own (n, laws),
+    and the law that each is of.
     """
 
     pull_off: Array
@@ -180,7 +180,7 @@ class Tilts:
             return Mixture(found, [own], np.ones(1))
         d = found.separations
         places = np.flatnonzero((d >= where[0] - found.step) & (d <= where[1] + found.step))
-        # As close as laws are to stand, and not closer.
+        # As close as laws are to be, and not closer.
         step = max(self._width / _WITHIN, (where[1] - where[0]) / _LAWS)
         places = places[np.unique(np.floor((d[places] - where[0]) / step + 1e-9), return_index=True)[1]]
         tilts, rates = np.transpose([self._chernoff(x, float(d[place])) for place in places])

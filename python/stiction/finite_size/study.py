@@ -1,8 +1,7 @@
-"""How the pull-off of a finite patch goes to that of the integral as the number N of its asperities grows.
+"""The approach of the pull-off of a finite patch to the integral's as the number N of its asperities grows.
 
 The pull-off of a patch is the minimum of its own curve, and the mean of minima is below the minimum of the
-mean: patches pull harder
-than the integral, and the less so the more asperities they have.
+mean: patches pull harder than the integral, and the less so the more asperities they have.
 """
 
 from __future__ import annotations
@@ -153,11 +152,10 @@ def study(sweep: Sweep | str | Path) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `asperity_count`: `bias`, mean pull-off force with control variates over that of the integral,
-        less 1, and
-        `bias_standard_error`; `bias_fitted` by the power law, and whether it `is_fitted` to the size;
+        Over `asperity_count`: `bias`, mean pull-off force with control variates over the integral's, less 1,
+        and `bias_standard_error`; `bias_fitted` by the power law, and whether it `is_fitted` to the size;
         `relative_std` and `skewness` of
-        the pull-off force of a patch, its `pull_off_quantiles` over that of the integral over `quantile`,
+        the pull-off force of a patch, its `pull_off_quantiles` over the integral's over `quantile`,
         `nominal_area` (m²),
         `p_value` of the cross-check, `summation`, `independence` (the verdict), and where all replicas
         agree `most_differing`, the share
@@ -244,7 +242,7 @@ def _scatter(values: Array) -> tuple[float, float, Array]:
 
 
 class NoApproach(ValueError):
-    """Why the biases of the sizes make no power law."""
+    """The reason why the biases of the sizes make no power law."""
 
 
 @dataclass(frozen=True)
@@ -380,7 +378,7 @@ class Approach:
 def reached(
     accuracy: float, counts: Array, bias: Array, error: Array, approach: Approach | None
 ) -> tuple[float, str]:
-    """From how many asperities on the bias is within an accuracy, and where that comes from.
+    """The number of asperities from which on the bias is within an accuracy, and where that comes from.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From measured outcomes of patches to the parameters of a scene, `stiction infer`.
+"""Inference of the parameters of a scene from measured outcomes of patches, `stiction infer`.
 
 `infer` takes a CSV file and a scene with priors; needs ``pip install stiction[inference]``.
 """

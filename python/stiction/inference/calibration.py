@@ -87,7 +87,7 @@ def calibrate(
     threads : int, optional
         Of the simulations.
     data_scene : path or dict, optional
-        Another scene with the same priors that makes the data, to see whether the check tells a wrong model.
+        Another scene with the same priors that makes the data, to see whether the check finds a wrong model.
 
     Raises
     ------

@@ -57,9 +57,9 @@ def farthest(
 ) -> list[tuple[int, float]]:
     """The datum of each outcome farthest off what the other data say, and the probability of one as far off.
 
-    A datum is compared with the prediction from all data but its own: draws of the posterior weigh 1/p(patch | draw), at
-    most √n times their mean of n draws (E. L. Ionides, *J. Comput. Graph. Stat.* 17 (2008) 295). The p-value is that of
-    the farthest of all data of the outcome, 1 − (1 − p)ⁿ.
+    A datum is compared with the prediction from all data but its own: draws of the posterior weigh
+    1/p(patch | draw), at most √n times their mean of n draws (E. L. Ionides, *J. Comput. Graph. Stat.* 17
+    (2008) 295). The p-value is for the farthest of all data of the outcome, 1 − (1 − p)ⁿ.
 
     Returns
     -------

@@ -50,7 +50,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Measurements:
-    """All data of a file.
+    """The data of a file.
 
     Attributes
     ----------

@@ -96,7 +96,7 @@ def simulate(
     replicas, seed, threads, progress
         As in `stiction.sweep`.
     floors : array (outcomes,) or float
-        Outcomes below are taken as these (SI): what no measurement tells apart.
+        Outcomes below are taken as these (SI): what no measurement distinguishes.
     conditions : dict, optional
         Other values of keys of the scene.
 
@@ -295,7 +295,7 @@ def _exact_integral(value: Array, error: Array, mean: Array, width: Array) -> Ar
         return result
 
     middle = (mean / width**2 + logs / relative**2) / (1.0 / width**2 + 1.0 / relative**2)
-    # One step of Gauss and Newton from where it would be if the error were one of the logarithm.
+    # One step of Gauss and Newton from its place if the error were one of the logarithm.
     ratio = over(middle)
     step = ((1.0 - ratio) * ratio / relative**2 - (middle - mean) / width**2) / ((ratio / relative) ** 2 + 1.0 / width**2)
     middle = middle + np.clip(step, -1.0, 1.0)

@@ -123,7 +123,7 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     known = kinds != MISSING
     replicated = result.data.posterior_predictive[name].values.reshape(-1, values.size)[:, known]
     factor, unit = scaled(str(observed[name].attrs["units"]), [np.median(values[known])])
-    # Limits stand below all others, or above them.
+    # Limits are below all others, or above them.
     places = np.select([kinds[known] == BELOW, kinds[known] == ABOVE], [0.0, np.inf], values[known])
     ordered = np.sort(places) / factor
     shares = np.arange(1, ordered.size + 1) / ordered.size

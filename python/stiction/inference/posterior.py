@@ -1,4 +1,4 @@
-"""From measured outcomes to the posterior of a scene's parameters."""
+"""The posterior of a scene's parameters from measured outcomes."""
 
 from __future__ import annotations
 
@@ -170,7 +170,7 @@ def infer(
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
-        Whether to show that of the simulations.
+        Whether to show the progress of the simulations.
 
     Raises
     ------

@@ -112,5 +112,5 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
         return stream.getvalue()
 
 
-# The same result gives the same bytes.
+# A result always gives the same bytes.
 _UNDATED: dict[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}

@@ -62,7 +62,7 @@ def coupling(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
-    """What coupling changes of the external force of the same asperities, with two standard errors.
+    """The change of the external force by coupling, of the same asperities, with two standard errors.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def avalanches(run: Run, ax: Axes | None = None) -> Axes:
-    """How many avalanches had which size, over all replicas and separations.
+    """Numbers of avalanches by their size, over all replicas and separations.
 
     Parameters
     ----------

@@ -81,7 +81,7 @@ def comparison(result: Comparison, ax: Axes | None = None) -> Axes:
 
 @dressed
 def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
-    """How far the pull-off force of each law is from that of the first, in per cent.
+    """The deviation of the pull-off force of each law from the first law's, in per cent.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ _COUNT = "asperities of a patch"
 
 @dressed
 def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
-    """Pull-off force of single patches over that of the integral, by the number of asperities of a patch.
+    """Pull-off force of single patches over the integral's, by the number of asperities of a patch.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 
 @dressed
 def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
-    """By how much the mean pull-off of patches is above the integral's, with the law that is fitted to it.
+    """The excess of the mean pull-off of patches over the integral's, with the law that is fitted to it.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ def nayak(s: Any, alpha: float) -> Any:
 
 @dressed
 def heights(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the heights of the asperities, with Nayak's density and the Gaussian that stands for them.
+    """Distribution of the heights of the asperities, with Nayak's density and the equivalent Gaussian.
 
     Parameters
     ----------
@@ -366,7 +366,7 @@ def relation(result: Asperities, ax: Axes | None = None) -> Axes:
 
 @dressed
 def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the curvatures of the asperities, their mean, and that of the equivalent surface.
+    """Distribution of the curvatures of the asperities, their mean, and the equivalent surface's.
 
     Parameters
     ----------
@@ -399,7 +399,7 @@ def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str,
     measured, chosen = float(result[f"measured/{name}"]), float(result.attrs["smooth"])
     x_unit, x_sign = scaled("m", cutoff)
     factor, sign = scaled(unit, of, measured) if power == 1 else (1e12, "1/µm²")
-    # Of a number that is counted, of the reciprocal of a mean, and of a standard deviation.
+    # Errors of a number that is counted, of the reciprocal of a mean, and of a standard deviation.
     error = of / np.sqrt(count if name != "asperity_height_std" else 2.0 * (count - 1.0))
     if name == "asperity_radius":
         error *= of * values(result, "cutoffs/asperity_curvature_std")[there]

@@ -35,7 +35,7 @@ _PANELS: dict[str, dict[str, Panel]] = {
     },
 }
 
-# Of sweeps over the nominal area.
+# Panels of sweeps over the nominal area.
 _OF_STUDIES = {"sizes": others.sizes, "bias": others.bias, "scatter": others.scatter}
 _OVER_CUTOFF: dict[str, Panel] = {
     "density_over_cutoff": others.density_over_cutoff,

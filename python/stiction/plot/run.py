@@ -124,7 +124,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         )
     handles += integral
     if bands:
-        # Of both ways there is one entry, which is grey then.
+        # One entry is for both ways, and grey then.
         handles.append(Patch(color=GREY, alpha=0.4, linewidth=0, label=shade.get_label()) if several else shade)
     attrs = run["ensemble"].attrs
     pull, place = (
@@ -132,7 +132,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         float(attrs["pull_off_separation"]) / float(run.attrs["surface_height_std"]),
     )
     if pull > 0.0:
-        # Of a loop on retraction.
+        # The marker of a loop is on retraction.
         way, _, color, _ = ways(run)[:2][-1]
         at = np.interp(place, x, means[way]) / unit
         marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
@@ -173,7 +173,7 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
 
 
 def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> list[Any]:
-    """Where surfaces on a spring snap in on approach, on average, as a marker on the curve."""
+    """Markers on the curve where surfaces on a spring snap in on approach, on average."""
     if "replicas/snap_in_separation" not in run:
         return []
     snaps = run["replicas/snap_in_separation"]
@@ -236,7 +236,7 @@ def regimes(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def attraction(run: Run, ax: Axes | None = None) -> Axes:
-    """What attracts over the separation: asperities, mean over replicas, and the mean planes by their terms.
+    """Attraction over the separation: by asperities, mean over replicas, and by terms of the mean planes.
 
     Parameters
     ----------
@@ -330,7 +330,7 @@ def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = "0.8
 
 @dressed
 def pull_off(run: Run, ax: Axes | None = None) -> Axes:
-    """Distribution of the pull-off force over replicas, its mean, and those of mean curve and integral.
+    """Distribution of the pull-off force over replicas, its mean, and pull-offs of mean curve and integral.
 
     Parameters
     ----------

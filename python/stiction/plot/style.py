@@ -39,7 +39,7 @@ H_STAR = "separation $h/\\sigma$"
 _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))
 # Lengths that widths may be given in, inches.
 _LENGTHS = {"mm": 1.0 / 25.4, "cm": 1.0 / 2.54, "in": 1.0, "pt": 1.0 / 72.0}
-# Positive data over more than so many times get a logarithmic axis.
+# Positive data over more than this factor get a logarithmic axis.
 _DECADES = 100.0
 # Characters of a text of a file that are shown.
 _LONGEST = 80
@@ -90,7 +90,7 @@ def inches(width: str | float) -> float:
 
 
 def new_axes(ax: Axes | None) -> Axes:
-    """The axes that are given, or those of a new figure as wide as a column."""
+    """The axes that are given, or axes of a new figure as wide as a column."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

@@ -29,7 +29,7 @@ from .style import (
 
 __all__ = ["QUANTITIES", "sweep"]
 
-# What can be drawn over the points: words, unit, mean and standard error over replicas, of the integral.
+# Quantities over the points: words, unit, mean and standard error over replicas, of the integral.
 QUANTITIES: dict[str, tuple[str, str, str | None]] = {
     "pull_off_force": ("pull-off force", "N", "pull_off_force"),
     "pull_off_excess": ("excess over the integral", "%", None),
@@ -37,7 +37,7 @@ QUANTITIES: dict[str, tuple[str, str, str | None]] = {
     "pull_off_separation": ("pull-off separation $h/\\sigma$", "", "pull_off_separation"),
     "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
 }
-# Curves that can be told apart.
+# Most curves that can be distinguished.
 _MOST = len(COLORS)
 
 
@@ -141,15 +141,16 @@ def sweep(
         ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation`` or
         ``peak_secant_stiffness``.
     x, by : str, optional
-        The key for the axis, or a number of the points that follows from the keys, such as ``asperity_plasticity_index``; and the first
-        of the keys that tell the curves apart. By default the first that varies, and the one with fewest values.
+        The key for the axis, or a number of the points that follows from the keys, such as
+        ``asperity_plasticity_index``; and the first of the keys that distinguish the curves. By default the
+        first that varies, and the one with fewest values.
     names : bool
         Whether the legend names the curves.
 
     Raises
     ------
     FileError
-        There is no such quantity or key, or there are more curves than can be told apart.
+        There is no such quantity or key, or there are more curves than can be distinguished.
     """
     if quantity not in QUANTITIES:
         raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")

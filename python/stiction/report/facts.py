@@ -1,4 +1,4 @@
-"""What a result says: the numbers to quote, what was computed, verdicts, how to make it again."""
+"""Facts of a result: the numbers to quote, what was computed, verdicts, how to make it again."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Facts:
-    """All that a report says of one result but its figures."""
+    """The content of a report on one result but its figures."""
 
     kind: str
     numbers: list[Number]
@@ -103,7 +103,7 @@ def _span(low: float, high: float, unit: str) -> str:
     return f"{quantities.si(low, unit)} to {quantities.si(high, unit)}"
 
 
-# What was computed.
+# Rows on what was computed.
 
 
 def _surface(result: Result) -> Iterator[tuple[str, str]]:
@@ -524,7 +524,7 @@ def _comparison(result: Comparison) -> Facts:
 
 
 def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:
-    """The facts of a sweep over the nominal area that say how patches go to the integral, before those of any sweep."""
+    """The facts of a sweep over the nominal area on how patches go to the integral, before any sweep's."""
     sizes = study(sweep)
     attrs, counts = sizes.attrs, sizes["asperity_count"].values
     numbers = []
@@ -551,7 +551,7 @@ def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:
 
 
 def _filter(attrs: dict[str, Any]) -> list[tuple[str, str]]:
-    """What a map was smoothed with, and how prominent its summits are; nothing of files that do not say."""
+    """The smoothing of a map, and the prominence of its summits; nothing of files that do not say."""
     said = (("smoothed, cut-off", "smooth"), ("prominence, at least", "prominence"))
     return [(words, quantities.si(float(attrs[name]), "m")) for words, name in said if float(attrs.get(name, 0.0)) > 0.0]
 

@@ -31,7 +31,7 @@ from .facts import Facts, Table, Verdict, facts
 __all__ = ["page", "write"]
 
 _SIGNS = {"good": "✓", "caution": "!", "bad": "✗", "none": "–"}
-# Rows that a table of data shows; its CSV has up to so many.
+# Rows that a table of data shows at most, and rows of its CSV.
 _SHOWN, _KEPT = 200, 50_000
 _VARIABLES = ("blue", "vermilion", "green", "pink", "orange", "sky")
 
@@ -70,7 +70,7 @@ def write(results: Sequence[Result | str | os.PathLike[str]], output: str | os.P
 
 
 def page(results: Sequence[Result]) -> str:
-    """The page of one result or of several side by side, as HTML. The same files give the same page.
+    """The page of one result or of several side by side, as HTML. Equal files give equal pages.
 
     Parameters
     ----------
@@ -127,13 +127,13 @@ def page(results: Sequence[Result]) -> str:
 
 
 def _read(result: Result, content: Callable[..., Any], *more: Any) -> Any:
-    """What is made of a result; if that fails, its file is at fault."""
+    """The content that is made of a result; if that fails, its file is at fault."""
     with stored.reading(result.path):
         return content(result, *more)
 
 
 def _names(results: Sequence[Result]) -> list[str]:
-    """Names of the files, with their folders where names are the same."""
+    """Names of the files, with their folders where names are equal."""
     names = [result.path.name for result in results]
     return names if len(set(names)) == len(names) else [str(result.path) for result in results]
 
@@ -218,7 +218,7 @@ def _side_by_side(names: Sequence[str], said: Sequence[Facts]) -> str:
 
 
 def _against(first: Any, other: Any) -> str:
-    """By how many per cent or times a number differs from the first, with the standard error of two independent runs."""
+    """A number against the first, in per cent or times, with the standard error of two independent runs."""
     if other is None or not math.isfinite(other.value):
         return "–"
     ratio = other.value / first.value

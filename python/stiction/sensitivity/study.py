@@ -57,7 +57,7 @@ def sensitivity(
     samples : int
         Rows n of Saltelli's design, a power of 2 of at least 128: n (k + 2) points of k keys are computed, in 32 independent blocks.
     replicas : int, optional
-        Patches at each point, in the place of the scene's; the same ones at all points of a block.
+        Patches at each point, in the place of the scene's; they are shared by all points of a block.
     seed, threads : int, optional
         As in `stiction.run`.
     level : float
@@ -72,8 +72,9 @@ def sensitivity(
     xarray.Dataset
         Over `quantity` (pull_off_force, N; peak_secant_stiffness, N/m; energy, J) and `key`: `first_order` and `total` indices of the mean
         over patches, `scatter`, the share of the scatter between patches in the variance of one patch, their `…_interval` over `range_end`,
-        `mean` and `standard_deviation` of one patch in SI units. Energy is that which a cycle dissipates with ``history = "loop"``, else
-        the work to part the surfaces from where they hold by themselves to the largest separation.
+        `mean` and `standard_deviation` of one patch in SI units. Energy is what a cycle dissipates with
+        ``history = "loop"``, else the work to part the surfaces from where they hold by themselves to the
+        largest separation.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any]
         raise SceneError(f"replicas = {patches}: at least 2 patches are needed, to tell their scatter from parameters")
     tables["ensemble"] = {**ensemble, "replicas": patches}
     if tables.get("model", {}).get("history") != "loop":
-        # The energy is that of the curves.
+        # The energy is calculated from the curves.
         tables["output"] = {**tables.get("output", {}), "curves": True}
     return tables, patches
 

@@ -32,7 +32,7 @@ pub(crate) struct AsperitiesArguments {
     /// Count only summits that are so high above the saddle on the way to higher ground, such as "0.5 nm"
     #[arg(long, value_name = "HEIGHT", value_parser = prominence, allow_hyphen_values = true)]
     pub prominence: Option<f64>,
-    /// Tell density, radius and scatter of the summits over so many cut-offs too, from 2 pixels to a quarter of
+    /// Report density, radius and scatter of the summits over N cut-offs too, from 2 pixels to a quarter of
     /// the map's side
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_CUTOFFS))]
     pub cutoffs: Option<u16>,

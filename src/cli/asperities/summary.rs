@@ -81,7 +81,7 @@ fn parameters(surface: &Surface<'_>) -> String {
     text + &line("eta R sigma_s", pure(ours), pure(theirs), ours / theirs)
 }
 
-/// How far `count` summits are from the spheres of the laws, and what that makes of their force.
+/// The deviation of `count` summits from the spheres of the laws, and its effect on their force.
 fn shape(shape: &Shape, count: usize) -> String {
     if !shape.ratio.is_finite() {
         return String::new();
@@ -103,7 +103,7 @@ fn shape(shape: &Shape, count: usize) -> String {
     text
 }
 
-/// The parameters over the cut-off; that of the map has a mark.
+/// The parameters over the cut-off; the cut-off of the map has a mark.
 fn series(surface: &Surface<'_>) -> String {
     if surface.series.is_empty() {
         return String::new();

@@ -16,7 +16,7 @@ const USUAL_SLOPES: RangeInclusive<f64> = 1e-4..=1.0;
 /// Units that heights may be in.
 const UNITS: [&str; 5] = ["m", "mm", "um", "nm", "pm"];
 
-/// Sizes that differ by less, relatively, are the same.
+/// Relative difference below which sizes are equal.
 const ALIKE: f64 = 1e-6;
 
 /// A measured surface and what was found on it.
@@ -28,7 +28,7 @@ pub(super) struct Surface<'a> {
     pub map: HeightMap,
     pub missing: usize,
     pub asperities: Asperities,
-    /// Its summits over the cut-off, where they are asked for.
+    /// The summits over the cut-off, where they are asked for.
     pub series: Vec<AtCutoff>,
     pub caveats: Vec<String>,
 }
@@ -64,7 +64,7 @@ pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surf
     Ok(Surface { arguments, source, map, missing, asperities, series, caveats })
 }
 
-/// The summits over the cut-off, that of the map among them.
+/// The summits over the cut-off, the cut-off of the map included.
 fn series(arguments: &AsperitiesArguments, levelled: &HeightMap) -> Result<Vec<AtCutoff>, MapError> {
     let Some(count) = arguments.cutoffs else { return Ok(Vec::new()) };
     let mut cutoffs = levelled.cutoff_series(usize::from(count))?;
@@ -74,7 +74,7 @@ fn series(arguments: &AsperitiesArguments, levelled: &HeightMap) -> Result<Vec<A
     levelled.at_cutoffs(&cutoffs, arguments.prominence)
 }
 
-/// What is wrong with a map, and what would do.
+/// The problem of a map, and its remedy.
 fn told(error: &MapError) -> String {
     let length = |length: f64| si(length, "m");
     match *error {

@@ -1,4 +1,4 @@
-//! `stiction asperity`: one asperity in scaled variables, or those of a table, as CSV.
+//! `stiction asperity`: one asperity in scaled variables, or the asperities of a table, as CSV.
 
 mod si;
 mod table;
@@ -29,7 +29,7 @@ pub(super) struct AsperityArguments {
     pub delta: Vec<f64>,
     /// CSV with the columns lambda,delta, or in SI with radius,reduced_modulus,work_of_adhesion,
     /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness;
-    /// - for standard input. Of a table in SI the forces stand behind its own columns, SI too
+    /// - for standard input. Of a table in SI the forces are put behind its own columns, SI too
     #[arg(long, value_name = "IN.csv")]
     pub table: Option<PathBuf>,
     /// History: approach or retraction
@@ -164,7 +164,7 @@ fn is_scaled(table: &Table<'_>) -> bool {
     SCALED.iter().any(|name| table.column(name).is_some())
 }
 
-/// Refuses options in scaled variables beside a table in SI.
+/// Refuses options in scaled variables next to a table in SI.
 fn refuse_scaled(arguments: &AsperityArguments) -> Result<(), Failure> {
     let given = [
         ("--critical-interference", arguments.critical_interference.is_some(), "; give the column hardness"),

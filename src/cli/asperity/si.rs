@@ -27,7 +27,7 @@ struct Tip {
 /// The table with the forces of every row behind what is given, all of it SI.
 ///
 /// # Errors
-/// What is wrong with which line and column.
+/// The problem, with its line and column.
 pub(super) fn solved(
     table: &Table<'_>,
     model: &Model,
@@ -69,7 +69,7 @@ pub(super) fn solved(
     Ok(text)
 }
 
-/// Where the columns are, those that may be missing behind the others.
+/// Places of the columns, the optional ones behind the others.
 fn columns(table: &Table<'_>) -> Result<[Option<usize>; NEEDED.len() + OPTIONAL.len()], String> {
     let known = || NEEDED.into_iter().chain(OPTIONAL);
     if let Some(missing) = NEEDED.iter().find(|name| table.column(name).is_none()) {

@@ -13,7 +13,7 @@ pub(super) struct Table<'a> {
 pub(super) struct Row<'a> {
     /// The line, from 1.
     pub line: usize,
-    /// What the columns hold.
+    /// The texts in the columns.
     pub fields: Vec<&'a str>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Table<'a> {
 }
 
 impl Row<'_> {
-    /// What stands in a column, empty where the row ends before it.
+    /// The text in a column, empty where the row ends before it.
     pub fn field(&self, column: usize) -> &str {
         self.fields.get(column).copied().unwrap_or_default()
     }
@@ -52,7 +52,7 @@ impl Row<'_> {
         field.parse().map_err(|_| self.wrong(name, field, "is not a number"))
     }
 
-    /// An error about what stands in a column.
+    /// An error about the text in a column.
     pub fn wrong(&self, name: &str, field: &str, problem: &str) -> String {
         self.at(&format!("{name} = `{}` {problem}", shortened(field)))
     }

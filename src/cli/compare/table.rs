@@ -263,7 +263,7 @@ fn limits(scene: &Scene, law: Laws<'_>) -> Vec<String> {
     limits
 }
 
-/// Where laws are not valid.
+/// Limits beyond which laws are not valid.
 fn validity(rows: &[Row<'_>]) -> String {
     let mut text = String::new();
     for row in rows {

@@ -6,14 +6,14 @@ use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;
 
-/// What rows are by default, of files without points.
+/// Dimensions of the rows by default, for files without points.
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
     [(&RUN, Dimension::Separation), (&ASPERITIES, Dimension::Asperity)];
 
-/// A column: its name, and what stands in its rows.
+/// A column: its name, and the texts in its rows.
 type Column = (String, Vec<String>);
 
-/// The table of a dimension, or what there is in its place. Coordinates stand first, once each.
+/// The table of a dimension, or what there is in its place. Coordinates come first, once each.
 pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, String>, OutputError> {
     let points = reader.point_dimensions()?;
     let format = reader.layout().format;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// Most values of a dataset that stand there unless all are asked for.
+/// Most values of a dataset that are listed unless all are asked for.
 const MOST: usize = 100_000;
 
 #[derive(Serialize)]

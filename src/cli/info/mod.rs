@@ -80,7 +80,7 @@ fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// What is there of a run that is not complete; nothing of others.
+/// Rows on what is there of a run that is not complete; none for others.
 fn completeness(reader: &Reader) -> Result<Vec<Row>, Failure> {
     let row = |text: &str| Ok(vec![["incomplete", text].map(str::to_owned)]);
     if !reader.has_attribute("/", "partial")? {
@@ -115,7 +115,7 @@ fn points(folder: &Path) -> Result<(), Failure> {
         if name.starts_with('.') || ![".h5", PARTIAL].iter().any(|end| name.ends_with(end)) {
             continue;
         }
-        // Points that are complete are no partial results, but those of a shard.
+        // Points that are complete are no partial results, except the points of a shard.
         let said = match PartialFile::open(&path) {
             Ok(file) => done(&file).join(", "),
             Err(_) if name.ends_with(".h5") => "complete".to_owned(),
@@ -126,7 +126,7 @@ fn points(folder: &Path) -> Result<(), Failure> {
     print(&text)
 }
 
-/// How far each piece of a run, or of a shard of one, has got.
+/// The progress of each piece of a run, or of a shard of one.
 fn done(PartialFile { head, pieces, .. }: &PartialFile) -> Vec<String> {
     let all = head.identity.replicas;
     let told = pieces.iter().map(|piece| {

@@ -20,12 +20,12 @@ const NAMED: [Dimension; 9] = [
     Dimension::FittedForce,
 ];
 
-/// A name and what it stands for.
+/// A name and its meaning.
 pub(super) type Row = [String; 2];
 
 /// The rows of a result, group by group, the first of the root given.
 pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputError> {
-    let described = reader.described()?;
+    let described = reader.described_as_found()?;
     let mut groups = vec![(String::new(), first)];
     groups.extend(reader.groups().iter().map(|group| (format!("/{group}"), Vec::new())));
     for (group, rows) in &mut groups {
@@ -49,6 +49,9 @@ pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputErr
 /// The rows of a dataset among all of its group.
 fn of_dataset(reader: &Reader, own: &Description, group: &[&Description]) -> Vec<Row> {
     let name = own.names().1;
+    if !own.has_shape() {
+        return vec![[name.to_owned(), "(not of the shape that the format has)".to_owned()]];
+    }
     if !own.dimensions.iter().all(|dimension| NAMED.iter().any(|named| named.name() == dimension)) {
         let shape: Vec<String> = own.shape.iter().map(usize::to_string).collect();
         return vec![[name.to_owned(), format!("{} ({})", shape.join(" x "), own.dimensions.join(", "))]];
@@ -65,7 +68,7 @@ fn of_dataset(reader: &Reader, own: &Description, group: &[&Description]) -> Vec
     let Some(values) = read(name).map(texts) else {
         return vec![[name.to_owned(), "(cannot be read)".to_owned()]];
     };
-    // The ends of a range stand in one row.
+    // The ends of a range share one row.
     let is_range = own.dimensions.last().is_some_and(|last| last == Dimension::RangeEnd.name());
     let (ends, along) = if is_range { (2, own.dimensions.len() - 1) } else { (1, own.dimensions.len()) };
     let names: Vec<Vec<String>> =
@@ -96,7 +99,7 @@ fn units_of(reader: &Reader, own: &Description) -> Option<&'static str> {
     variable.coordinates.iter().find(|name| name.ends_with("_units")).copied()
 }
 
-/// The places along dimensions of so many names each of the value at an index; the last runs fastest.
+/// The places of the value at an index along dimensions with these names; the last runs fastest.
 fn indices(names: &[Vec<String>], mut index: usize) -> Vec<usize> {
     let mut places = vec![0; names.len()];
     for (place, along) in places.iter_mut().zip(names).rev() {
@@ -106,7 +109,7 @@ fn indices(names: &[Vec<String>], mut index: usize) -> Vec<usize> {
     places
 }
 
-/// The name of a dataset with those of a place along its dimensions.
+/// The name of a dataset with the names of a place along its dimensions.
 fn named(name: &str, names: &[Vec<String>], places: &[usize]) -> String {
     if names.is_empty() {
         return name.to_owned();

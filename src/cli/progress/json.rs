@@ -15,12 +15,12 @@ pub(super) struct Phase {
     /// Replicas that are done, and all.
     count: Option<(u64, u64)>,
     told: Instant,
-    /// Replicas that were done when that was last told.
+    /// Replicas that were done at the last report.
     done: u64,
 }
 
 impl Phase {
-    /// A phase that begins, which is told.
+    /// A phase that begins, which is reported.
     pub fn new(run: String, name: &'static str, count: Option<(u64, u64)>) -> Self {
         let mut phase = Self { run, name, count, told: Instant::now(), done: 0 };
         phase.tell();
@@ -37,7 +37,7 @@ impl Phase {
         }
     }
 
-    /// Tells how far a phase has got that ends.
+    /// Reports the progress of a phase that ends.
     pub fn end(mut self) {
         if self.count.is_some_and(|(done, _)| done != self.done) {
             self.tell();

@@ -12,13 +12,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// When the first line of a log is due, and how far apart lines are at most.
+/// The time until the first line of a log, and the longest between lines.
 const LINES: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(300));
 
-/// When the next line of this program is due, whatever run of several it is of.
+/// The time of the next line of this program, whatever run of several it is of.
 static SCHEDULE: Mutex<Option<Schedule>> = Mutex::new(None);
 
-/// How progress is shown.
+/// The form in which progress is shown.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Display {
     /// Not at all.
@@ -35,9 +35,9 @@ pub(super) struct Progress {
     /// The run that the phases belong to, of several.
     run: String,
     bar: ProgressBar,
-    /// In the place of the bar where nobody would see it.
+    /// The log in the place of the bar where nobody would see that.
     log: Option<Log>,
-    /// The phase that is told in JSON.
+    /// The phase that is reported in JSON.
     told: Option<json::Phase>,
 }
 
@@ -153,7 +153,7 @@ fn lasting(time: Duration) -> String {
     }
 }
 
-/// When lines are due: each time after twice as long as before, up to a limit.
+/// The times of lines: each after twice as long as the one before, up to a limit.
 struct Schedule {
     due: Instant,
     interval: Duration,

@@ -80,7 +80,7 @@ fn of_history(history: History) -> Vec<Dataset> {
     ]
 }
 
-/// Values of each asperity in each state on a way, by units and meaning.
+/// Values of each asperity in each state of a history, by units and meaning.
 fn dataset<T: Clone>(
     history: History,
     name: &str,

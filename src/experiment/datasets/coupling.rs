@@ -1,4 +1,4 @@
-//! What coupling makes of an ensemble.
+//! Effects of coupling on an ensemble.
 
 use super::replicas::{GROUP as REPLICAS, per_replica};
 use super::{Dataset, History, Results, Values, path};
@@ -106,7 +106,7 @@ fn mean(
     })
 }
 
-/// In how many replicas something is so at each separation.
+/// The number of replicas in which something is so at each separation.
 fn count(history: History, name: &str, words: &str, of: fn(&CoupledMoments) -> &Moments) -> Dataset {
     let meaning = history.meaning(words);
     Dataset::new(history.path(GROUP, name), &[Separation], "1", meaning, move |results| {
@@ -145,7 +145,7 @@ fn of_scalars() -> Vec<Dataset> {
     ]
 }
 
-/// How many there are in each class, in all replicas.
+/// The number in each class, in all replicas.
 fn classes<const CLASSES: usize>(
     name: &str,
     class: Dimension,
@@ -176,7 +176,7 @@ where
     })
 }
 
-/// How many there are in each class, of each replica.
+/// The number in each class, of each replica.
 fn classes_of_replica<const CLASSES: usize>(
     name: &str,
     class: Dimension,
@@ -190,7 +190,7 @@ fn classes_of_replica<const CLASSES: usize>(
     })
 }
 
-/// What a coupled replica has beyond others.
+/// Datasets that a coupled replica has beyond others.
 pub(super) fn of_replicas() -> Vec<Dataset> {
     let without = |scalar: crate::engine::Scalar| {
         let meaning = format!("{}, without coupling", scalar.meaning);

@@ -1,4 +1,4 @@
-//! How a run went.
+//! The course of a run.
 
 use super::{Dataset, Results, path};
 use crate::asperity::SolverStats;

@@ -170,10 +170,10 @@ fn of_targets() -> [Dataset; 7] {
     ]
 }
 
-/// Asperities in each regime on a way of a loop.
+/// Asperities in each regime on one way of a loop.
 type Counts = fn(&Results, usize) -> Option<Vec<Vec<f64>>>;
 
-/// How many asperities of a loop come into contact, and how many lose it, between neighbouring separations.
+/// Numbers of asperities of a loop that come into contact, and lose it, between neighbouring separations.
 pub(super) fn jumps(group: &str, statistic: Statistic<'_>, counts: Counts) -> [Dataset; 2] {
     let (suffix, meaning) = statistic;
     let one = |name: &str, way: usize, words: &str| {
@@ -189,8 +189,8 @@ pub(super) fn jumps(group: &str, statistic: Statistic<'_>, counts: Counts) -> [D
     ]
 }
 
-/// By how many asperities out of contact become more between neighbouring separations: on one way an asperity
-/// does so once.
+/// The increase of asperities out of contact between neighbouring separations: on one way an asperity
+/// changes once.
 fn changes(results: &Results, counts: &[Vec<f64>]) -> Vec<f64> {
     let is_contact = |name: &str| Regime::named(name).is_some_and(Regime::is_contact);
     let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));

@@ -76,7 +76,7 @@ pub(super) fn datasets() -> Vec<Dataset> {
     all
 }
 
-/// How often surfaces snap, with the interval of its probability.
+/// The share of surfaces that snap, with the interval of its probability.
 fn snaps(name: &str, dimensions: &'static [Dimension], share: &str, places: Places) -> Vec<Dataset> {
     let end = |end: &str| format!("{end} end of the 95 % Wilson interval of the probability to snap {name}");
     let own = |of: &str, meaning: &str, value: fn(&Counts) -> f64| {
@@ -134,7 +134,7 @@ impl Kept {
     }
 }
 
-/// What is kept of the snaps of every replica.
+/// Datasets of the snaps of every replica.
 pub(super) fn of_replicas() -> [Dataset; 9] {
     [
         SNAPS_IN.number(

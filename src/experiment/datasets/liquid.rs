@@ -102,7 +102,7 @@ fn of_history(history: History) -> [Dataset; 4] {
     ]
 }
 
-/// Bridges in each state on a way, means over the replicas.
+/// Bridges in each state of a history, means over the replicas.
 struct Bridges<'a> {
     meniscus: &'a Meniscus,
     wet: Vec<Wet>,

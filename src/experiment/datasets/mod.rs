@@ -124,7 +124,7 @@ impl From<Vec<&'static str>> for Values {
     }
 }
 
-/// How values follow from the results of a run.
+/// A function from the results of a run to values.
 type Of = dyn Fn(&Results) -> Option<Values> + Send + Sync;
 
 /// A dataset, and its values in the results of a run; none where these do not have it.
@@ -154,7 +154,7 @@ impl Dataset {
     }
 }
 
-/// A way that a surface takes, which has datasets of its own.
+/// A path of a surface, which has datasets of its own.
 #[derive(Clone, Copy)]
 struct History {
     place: usize,
@@ -180,7 +180,7 @@ impl History {
         words.replace("{}", self.direction().1)
     }
 
-    /// Its states in a run; none where the run does not go this way.
+    /// The states in a run; none where the run does not go this way.
     fn states(self, results: &Results) -> Option<Range<usize>> {
         let s = results.scene.separations.len();
         (self.place < results.scene.ways().count()).then(|| self.place * s..(self.place + 1) * s)

@@ -20,7 +20,7 @@ pub static SWEEP: Layout = Layout {
     of_points: Some(&RUN),
 };
 
-/// Datasets of a sweep beside those of a run: indices as scales, and over the points alone what a run has
+/// Datasets of a sweep in addition to a run's: indices as scales, and over the points alone what a run has
 /// as attributes, and differences.
 fn variables() -> Vec<Variable> {
     let groups = [

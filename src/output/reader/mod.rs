@@ -147,7 +147,7 @@ impl Reader {
         Ok(dataset)
     }
 
-    /// Where a coordinate of the layout is read, which every group has that needs it.
+    /// The path at which a coordinate of the layout is read, which every group has that needs it.
     pub fn coordinate(&self, name: &str) -> &'static str {
         let is_there = |path: &&str| match path.rsplit_once('/') {
             Some((group, _)) if !group.is_empty() => self.file.link_exists(group),
@@ -157,7 +157,7 @@ impl Reader {
         there.unwrap_or_else(|| self.layout.coordinate(name))
     }
 
-    /// Where the file is.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }

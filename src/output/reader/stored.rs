@@ -1,4 +1,4 @@
-//! What a file holds as it is, whatever its layout says of it.
+//! Contents of a file as they are, whatever its layout says of them.
 
 use super::{Dataset, H5Type, Hyperslab, Reader, SliceOrIndex, lossy};
 use crate::output::attributes::read_text;
@@ -42,7 +42,7 @@ impl Stored {
         })
     }
 
-    /// How many there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),
@@ -71,11 +71,16 @@ pub struct Description {
     pub units: Option<String>,
     /// The meaning.
     pub long_name: String,
-    /// Whether it is a scale or stands beside one.
+    /// Whether it is a scale or accompanies one.
     pub is_coordinate: bool,
 }
 
 impl Description {
+    /// Whether it has as many dimensions as the layout says.
+    pub fn has_shape(&self) -> bool {
+        self.shape.len() == self.dimensions.len()
+    }
+
     /// The group, empty for the root, and the name in it.
     pub fn names(&self) -> (&str, &str) {
         self.path.trim_start_matches('/').rsplit_once('/').unwrap_or(("", &self.path[1..]))
@@ -108,6 +113,21 @@ impl Reader {
     /// # Errors
     /// When one has other dimensions than the layout says.
     pub fn described(&self) -> Result<Vec<Description>, OutputError> {
+        let all = self.described_as_found()?;
+        match all.iter().find(|own| !own.has_shape()) {
+            Some(Description { path, shape, .. }) => {
+                let shown = lossy(path.as_bytes());
+                Err(self.broken(format!("has a dataset {shown} of the shape {shape:?}")))
+            }
+            None => Ok(all),
+        }
+    }
+
+    /// All datasets that the layout knows, also those that have other dimensions than it says.
+    ///
+    /// # Errors
+    /// When one cannot be opened.
+    pub fn described_as_found(&self) -> Result<Vec<Description>, OutputError> {
         let points = self.point_dimensions()?;
         let mut all = Vec::new();
         for group in std::iter::once("").chain(self.groups()).filter(|_| !points.is_empty()) {
@@ -139,10 +159,6 @@ impl Reader {
     ) -> Result<Description, OutputError> {
         let dataset = self.opened(&path)?;
         let shape = dataset.shape();
-        if shape.len() != dimensions.len() {
-            let shown = lossy(path.as_bytes());
-            return Err(self.broken(format!("has a dataset {shown} of the shape {shape:?}")));
-        }
         let of = |name: &str| dataset.attr(name).is_ok().then(|| read_text(&dataset, name).ok()).flatten();
         let (units, long_name) = (of("units"), of("long_name").unwrap_or_default());
         Ok(Description { path, dimensions, shape, units, long_name, is_coordinate })

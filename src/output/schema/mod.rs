@@ -45,7 +45,7 @@ pub struct Layout {
     pub groups: &'static [&'static str],
     /// Groups that some of its files have.
     pub optional_groups: &'static [&'static str],
-    /// All datasets that a file may hold, group by group, but for those of points.
+    /// All datasets that a file may hold, group by group, but for datasets of points.
     pub variables: LazyLock<Vec<Variable>>,
     /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by
     /// the dimensions of the points ([`Dimension::of_points`]).
@@ -53,7 +53,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// All datasets that a file may hold, those of points included.
+    /// All datasets that a file may hold, datasets of points included.
     pub fn known(&'static self) -> impl Iterator<Item = &'static Variable> {
         let of_points: &[Variable] = self.of_points.map_or(&[], |layout| &layout.variables);
         self.variables.iter().chain(of_points)
@@ -68,7 +68,7 @@ impl Layout {
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
 
-    /// The copy of a coordinate, a scale or what stands beside one, in the first group that may have it.
+    /// The copy of a coordinate, a scale or what accompanies one, in the first group that may have it.
     ///
     /// # Panics
     /// When the layout has no such coordinate, which is an error in this program.
@@ -115,7 +115,7 @@ pub enum Dimension {
     SeparationIndex,
     /// Control variates, by index: every point may have its own.
     ControlIndex,
-    /// Stiffnesses, by index: that of the half-space under a patch is one of every point.
+    /// Stiffnesses, by index: the stiffness of the half-space under a patch is one of every point.
     StiffnessIndex,
     /// Sizes of avalanches, by the smallest of a class.
     AvalancheSize,
@@ -131,7 +131,7 @@ pub enum Dimension {
     Cutoff,
     /// Asperities of a surface.
     Asperity,
-    /// States in which the asperities are told one by one.
+    /// States in which the asperities are recorded one by one.
     State,
     /// Steps between neighbouring separations, m.
     Step,
@@ -219,7 +219,7 @@ pub struct Variable {
     pub units: Option<&'static str>,
     /// The meaning, in words.
     pub long_name: String,
-    /// Datasets of its group that belong to its dimensions beside the scales.
+    /// Datasets of its group that belong to its dimensions besides the scales.
     pub coordinates: Vec<&'static str>,
 }
 
@@ -242,7 +242,7 @@ impl Variable {
         }
     }
 
-    /// Whether it is a scale or stands beside one.
+    /// Whether it is a scale or accompanies one.
     pub fn is_coordinate(&self) -> bool {
         self.scales().is_some()
             || self.dimensions == S && BESIDE_SEPARATION.iter().any(|(name, ..)| self.name() == *name)
@@ -257,7 +257,7 @@ pub fn name_of_key(key: &str) -> String {
 /// The ends of a range, the names of [`Dimension::RangeEnd`].
 pub const RANGE_ENDS: [&str; 2] = ["from", "to"];
 
-/// Name, units and meaning of what every group has beside the scale of the separations.
+/// Name, units and meaning of what every group has besides the scale of the separations.
 const BESIDE_SEPARATION: [(&str, &str, &str); 2] = [
     ("h_star", "1", "separation h over the standard deviation of the surface heights"),
     ("asperity_separation", "m", "separation d = h - y_s of flat and asperity mean plane"),
@@ -268,7 +268,7 @@ const S: &[Dimension] = &[Dimension::Separation];
 const N: &[Dimension] = &[Dimension::Replica];
 
 /// Name, dimensions, units and meaning of a dataset of a group. Units that end with `_units` name the dataset
-/// that lists those of each row.
+/// that lists the units of each row.
 pub(crate) type Row = (&'static str, &'static [Dimension], &'static str, &'static str);
 
 /// The datasets of a group, their dimensions led by others.

@@ -125,7 +125,7 @@ def test_the_share_of_the_mean_planes_is_told(result):
     at = np.interp(place, h, run["background/force"].values)
     np.testing.assert_allclose(number.value, at)
     share = at / (at + np.interp(place, h, run["integral/adhesion_force"].values))
-    assert f"{100 * share:.3g} %" in number.note and "voltage 1.8" in number.note
+    assert f"{100 * share:.3g} %" in number.note and "electrostatic 1.8" in number.note
 
 
 def test_verdicts_have_a_word_a_sign_and_a_grade(result):

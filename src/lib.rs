@@ -84,8 +84,7 @@ pub use experiment::layouts;
 #[cfg(feature = "hdf5")]
 #[doc(inline)]
 pub use experiment::{
-    Builder, Error, Integral, Observer, PathIntegral, RunResult, SweepPoint,
-    builder, integrate, run, sweep,
+    Builder, Error, Integral, Observer, PathIntegral, RunResult, SweepPoint, builder, integrate, run, sweep,
 };
 #[cfg(feature = "hdf5")]
 #[doc(inline)]

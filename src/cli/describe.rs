@@ -8,15 +8,10 @@ use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
 use crate::liquid::{Film, Meniscus};
+use crate::scene::Scene;
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
-use crate::scene::{Scene, Warning};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
-
-/// Warnings, a line each.
-pub(super) fn warned(warnings: &[Warning]) -> String {
-    warnings.iter().map(|warning| row("warning", &warning.finding)).collect()
-}
 
 /// The title, the model, and what characterises the scene.
 pub(super) fn heading(scene: &Scene) -> String {

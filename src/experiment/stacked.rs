@@ -135,6 +135,9 @@ fn assembled(
         }
         rows.push(match file {
             Some(file) => {
+                if sweep.is_left_dry(point) {
+                    add(&mut warned, point, DRY);
+                }
                 warn(&mut warned, point, file)?;
                 match has_replicas {
                     true => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
@@ -181,6 +184,9 @@ fn write_states(
     write_restart(writer, &head, there().map(|(_, file)| state_in(file)))
 }
 
+/// The finding of points whose law knows no liquid, of a scene that has one.
+pub(crate) const DRY: &str = "knows no liquid: computed as dry";
+
 /// Findings of the points, and the points that have them.
 type Warned = Vec<(String, Vec<usize>)>;
 
@@ -188,12 +194,16 @@ type Warned = Vec<(String, Vec<usize>)>;
 fn warn(warned: &mut Warned, point: usize, file: &Path) -> Result<(), OutputError> {
     let reader = Reader::open(file, &[&RUN])?;
     for finding in reader.optional_text("/", "warnings")?.unwrap_or_default().lines() {
-        match warned.iter_mut().find(|(known, _)| known == finding) {
-            Some((_, points)) => points.push(point),
-            None => warned.push((finding.to_owned(), vec![point])),
-        }
+        add(warned, point, finding);
     }
     Ok(())
+}
+
+fn add(warned: &mut Warned, point: usize, finding: &str) {
+    match warned.iter_mut().find(|(known, _)| known == finding) {
+        Some((_, points)) => points.push(point),
+        None => warned.push((finding.to_owned(), vec![point])),
+    }
 }
 
 /// Warnings of the points, a line each, with the points that give them.

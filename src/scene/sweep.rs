@@ -16,8 +16,17 @@ use super::files::Files;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::place;
+use crate::asperity::models::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
+
+/// Tables and keys of `[model]` that only some laws take. Of a sweep over laws they are left out at points of others.
+const OF_SOME_LAWS: [(&str, &str, fn(&Model) -> bool); 3] = [
+    ("", LIQUID, Model::is_wet),
+    ("model", "critical_approach", |law| law.name == PUBLISHED_FITS),
+    ("model", "plastic_contact", |law| law.contact().is_some()),
+];
+const LIQUID: &str = "capillary";
 
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
@@ -109,7 +118,24 @@ impl Sweep {
         for (axis, number) in self.axes.iter().zip(self.values(point)) {
             put(&mut scene, axis.key.name, axis.key.item(number))?;
         }
+        let Some(law) = self.law(point) else { return Ok(scene.to_string()) };
+        for (table, key, _) in OF_SOME_LAWS.iter().filter(|(.., takes)| !takes(&law)) {
+            let table = if table.is_empty() { Some(scene.as_item_mut()) } else { scene.get_mut(table) };
+            table.and_then(Item::as_table_like_mut).and_then(|table| table.remove(key));
+        }
         Ok(scene.to_string())
+    }
+
+    /// The law of a point of a sweep over laws.
+    fn law(&self, point: usize) -> Option<Model> {
+        let values = self.values(point);
+        let of_law = self.axes.iter().zip(values).find(|(axis, _)| axis.key.name == "model.law");
+        of_law.and_then(|(axis, value)| model(&axis.key.shown(value)))
+    }
+
+    /// Whether the liquid of the scene is left out at a point, as its law knows none.
+    pub fn is_left_dry(&self, point: usize) -> bool {
+        self.template.contains_key(LIQUID) && self.law(point).is_some_and(|law| !law.is_wet())
     }
 
     /// The scene of a point.

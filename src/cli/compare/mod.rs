@@ -38,6 +38,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         return Err(Failure::Usage("--replicas is for ensembles: give --ensemble, too".to_owned()));
     }
     let laws = arguments.laws.iter().map(law).collect::<Result<Vec<String>, Failure>>()?;
+    if let Some(twice) = (1..laws.len()).find(|at| laws[..*at].contains(&laws[*at])) {
+        return Err(Failure::Usage(format!("--laws: {} is given twice; give it once", laws[twice])));
+    }
     let Document { scene: first, sweep: Some(sweep) } = scene.along_laws(&laws)? else {
         unreachable!("the laws are swept");
     };

@@ -5,13 +5,13 @@ use crate::asperity::{FitReport, Laws};
 use crate::cli::describe::{numbers, title};
 use crate::cli::failure::Failure;
 use crate::cli::independence::ratio;
-use crate::cli::rows::row;
+use crate::cli::rows::{labelled, row};
 use crate::cli::summary::at_most;
 use crate::estimate::beyond;
 use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::SceneLaws;
-use crate::experiment::stacked::SweepPoint;
+use crate::experiment::stacked::{DRY, SweepPoint};
 use crate::format::{percent, si, signed_percent};
 use crate::math::moments::Moments;
 use crate::output::OutputError;
@@ -45,10 +45,13 @@ impl<'a> Row<'a> {
         let scene = points.scene(at)?;
         let laws = SceneLaws::new(&scene)?;
         let law = laws.law.view();
+        let dry = points.sweep.is_left_dry(at).then(|| DRY.to_owned());
         let number = |name: &str| -> Result<f64, OutputError> {
             Ok(reader.at_point::<f64>(&format!("/integral/{name}"), &[at])?[0])
         };
-        let pair = |name: &str, place: &str| -> Result<[f64; 2], OutputError> { Ok([number(name)?, number(place)?]) };
+        let pair = |name: &str, place: &str| -> Result<[f64; 2], OutputError> {
+            Ok([number(name)?, number(place)?])
+        };
         let forces = match scene.replicas {
             0 => Vec::new(),
             _ => reader.at_point::<f64>("/replicas/pull_off_force", &[at])?,
@@ -60,7 +63,7 @@ impl<'a> Row<'a> {
             stiffness: pair("peak_stiffness", "peak_stiffness_separation")?,
             std: Moments::of(forces.into_iter().filter(|force| !force.is_nan())).std()[0],
             fit: law.fit().cloned(),
-            limits: limits(&scene, law),
+            limits: limits(&scene, law).into_iter().chain(dry).collect(),
         })
     }
 }
@@ -83,8 +86,10 @@ pub(super) fn table(
     let warnings = reader.optional_text("/", "warnings")?.unwrap_or_default();
     // Limits of the laws stand above.
     let finding = |line: &str| line.split(" (at ").next().unwrap_or_default().to_owned();
-    let is_limit = |line: &str| rows.iter().flat_map(|row| &row.limits).any(|limit| limit.starts_with(&finding(line)));
-    let of_scene: String = warnings.lines().filter(|line| !is_limit(line)).map(|line| row("warning", line)).collect();
+    let is_limit =
+        |line: &str| rows.iter().flat_map(|row| &row.limits).any(|limit| limit.starts_with(&finding(line)));
+    let of_scene: String =
+        warnings.lines().filter(|line| !is_limit(line)).map(|line| labelled("warning", line)).collect();
     if !of_scene.is_empty() {
         text += &format!("\n{of_scene}");
     }
@@ -184,7 +189,8 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
         }
         text += &format!("  {:<12}{values}   {}\n", row.name, verdict(row.point.p_value));
     }
-    let replicas = if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };
+    let replicas =
+        if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };
     let sampling = match scene.sampling {
         SamplingScheme::Independent => String::new(),
         scheme => format!(", {}", scheme.name()),

@@ -27,20 +27,12 @@ pub(super) fn datasets() -> Vec<Dataset> {
             "coefficient with the approach in nm and forces in uN",
             |fit| fit.coefficients.to_vec(),
         ),
-        own(
-            "range",
-            &[FittedForce, RangeEnd],
-            "m",
-            "interferences from and to that the fit is for",
-            |fit| fit.range.concat(),
-        ),
-        own(
-            "largest_force",
-            force,
-            "N",
-            "largest magnitude of the direct solution on that range",
-            |fit| fit.largest_force.to_vec(),
-        ),
+        own("range", &[FittedForce, RangeEnd], "m", "interferences from and to that the fit is for", |fit| {
+            fit.range.concat()
+        }),
+        own("largest_force", force, "N", "largest magnitude of the direct solution on that range", |fit| {
+            fit.largest_force.to_vec()
+        }),
         own(
             "largest_residual",
             force,

@@ -207,11 +207,8 @@ fn dataset(layout: &Layout, variable: &Variable) -> String {
 
 #[test]
 fn the_pages_of_files_are_what_the_layouts_say() {
-    let pages: [(&str, &'static Layout); 3] = [
-        ("format.md", &RUN),
-        ("sweep-format.md", &SWEEP),
-        ("asperity-file.md", &ASPERITIES),
-    ];
+    let pages: [(&str, &'static Layout); 3] =
+        [("format.md", &RUN), ("sweep-format.md", &SWEEP), ("asperity-file.md", &ASPERITIES)];
     for (page, layout) in pages {
         let kind = layout.format.trim_start_matches("stiction-");
         let name = |variable: &Variable| match variable.group() {

@@ -75,7 +75,7 @@ enum Command {
         after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.1-of-2.shard case_ii.2-of-2.shard"
     )]
     Merge(MergeArguments),
-    /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
+    /// Compare laws on the same asperities: the sweep over model.law, as a table, and its HDF5 file if asked for
     #[command(after_help = "Example:\n  stiction compare configs/case_ii.toml --laws hybrid,emd,isbl,sbl")]
     Compare(CompareArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing

@@ -201,6 +201,7 @@ impl Error {
         match self {
             Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },
             Self::Kept { error, .. } | Self::PointsKept { error, .. } => error.not_kept(),
+            Self::AtPoint { point, error } => Self::AtPoint { point, error: Box::new(error.not_kept()) },
             other => other,
         }
     }

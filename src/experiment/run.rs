@@ -8,7 +8,6 @@ use super::observer::{Observer, Phases};
 use super::partial::OverwritePolicy;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, run_scene, write};
 use super::results::{Results, RunMetadata};
-use crate::asperity::models::{Model, model};
 use crate::engine::Ensemble;
 use crate::integral::Independence;
 use crate::math::control_variates::ControlledMean;
@@ -167,14 +166,6 @@ impl<'a> Builder<'a> {
         phases.end();
         result
     }
-}
-
-/// The law of a name.
-///
-/// # Errors
-/// [`Error::UnknownLaw`].
-pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
-    model(name).ok_or_else(|| Error::UnknownLaw(name.to_owned()))
 }
 
 /// The result of a run.

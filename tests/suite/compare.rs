@@ -1,6 +1,6 @@
 //! `stiction compare` and every law of the registry as a user drives them.
 
-use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
+use crate::common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text, told};
 use crate::common::{dry_laws, unlocked};
 
 /// One law of a dataset of a comparison.
@@ -40,15 +40,33 @@ fn a_comparison_without_output_is_a_table() {
     assert!(!table.contains("ensemble"), "{table}");
 }
 
-/// A loop is no law's own: which way is compared has to be said.
+/// A liquid is left out for laws that know none, and keys of one law for the others.
 #[test]
-fn loops_are_not_compared() {
-    let folder = Folder::new(&small().replace("history = \"approach\"", "history = \"loop\""));
-    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "-o", "out.h5"]);
-    assert_exit(&compare, 2);
-    let error = text(&compare.stderr);
-    assert!(error.contains("scene.toml: history = \"loop\"") && error.contains("\"retraction\""), "{error}");
-    assert_eq!(folder.files(), ["scene.toml"]);
+fn what_only_other_laws_take_is_left_out() {
+    let wet = "\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"0 deg\", \"0 deg\"]\n";
+    let wet = small().replace("\"hybrid\"", "\"capillary\"\nplastic_contact = \"zmc\"") + wet;
+    let published = small().replace("\"hybrid\"", "\"fit:paper\"\ncritical_approach = \"0.2732 nm\"");
+    for (scene, own) in [(wet, "capillary"), (published, "fit:paper")] {
+        let folder = Folder::new(&scene);
+        let laws = format!("{own},hybrid");
+        let compare = folder.stiction(&["compare", "scene.toml", "--laws", &laws, "-o", "laws.h5"]);
+        assert_exit(&compare, 0);
+        let is_wet = own == "capillary";
+        assert_eq!(text(&compare.stdout).contains("hybrid      knows no liquid: computed as dry"), is_wet);
+        let found = attribute(&folder.path("laws.h5"), "/", "warnings");
+        assert_eq!(
+            found.contains("knows no liquid: computed as dry (at model.law = hybrid)"),
+            is_wet,
+            "{found}"
+        );
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "0"]), 0);
+        std::fs::write(folder.path("hybrid.toml"), small()).unwrap();
+        assert_exit(&folder.stiction(&["run", "hybrid.toml", "--replicas", "0"]), 0);
+        for (law, file) in ["scene.h5", "hybrid.h5"].into_iter().enumerate() {
+            let of = |file, law, laws| row(&folder, file, "integral/external_force", law, laws);
+            assert_eq!(of("laws.h5", law, 2), of(file, 0, 1), "{own} {file}");
+        }
+    }
 }
 
 /// Each law of a comparison is what a run with that law gives, bit by bit: the same integral, and the same
@@ -87,9 +105,7 @@ fn a_law_of_a_comparison_is_its_run() {
     }
     let info = folder.stiction(&["info", "all.h5"]);
     assert_exit(&info, 0);
-    assert!(
-        text(&info.stdout).contains("stiction-comparison") && text(&info.stdout).contains("coefficients")
-    );
+    assert!(text(&info.stdout).contains("stiction-sweep") && text(&info.stdout).contains("coefficients"));
     let validate = folder.stiction(&["validate", "all.h5"]);
     assert_exit(&validate, 0);
     assert!(text(&validate.stdout).contains("whole"), "{}", text(&validate.stdout));
@@ -162,13 +178,11 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     assert_eq!(std::fs::read_to_string(folder.path("there.h5")).unwrap(), "precious");
 }
 
-/// Where the first law has no pull-off, or one replica no scatter, there is nothing to compare with: a dash,
-/// NaN in the file.
+/// Where the first law has no pull-off, or one replica no scatter, there is nothing to compare with: a dash.
 #[test]
 fn what_is_not_known_is_a_dash() {
     let folder = Folder::new(&small());
-    let arguments =
-        ["compare", "scene.toml", "--laws", "gw,hybrid", "--ensemble", "--replicas", "1", "-o", "all.h5"];
+    let arguments = ["compare", "scene.toml", "--laws", "gw,hybrid", "--ensemble", "--replicas", "1"];
     let compare = folder.stiction(&arguments);
     assert_exit(&compare, 0);
     let table = text(&compare.stdout);
@@ -179,7 +193,6 @@ fn what_is_not_known_is_a_dash() {
     let hybrid: Vec<&str> = table.lines().filter(|line| line.starts_with("  hybrid ")).collect();
     assert_eq!(hybrid.len(), 3, "{table}");
     assert!([hybrid[0], hybrid[2]].iter().all(|line| line.contains(" - ")), "{table}");
-    assert!(row(&folder, "all.h5", "integral/pull_off_deviation", 1, 2)[0].is_nan());
 }
 
 /// The summary of a run without adhesion has no pull-off.

@@ -155,9 +155,6 @@ fn what_cannot_be_coupled_is_refused() {
         assert!(text(&run.stderr).contains(expected), "{table}: {}", text(&run.stderr));
         assert_eq!(folder.files(), ["scene.toml"]);
     }
-    let folder = Folder::new(&scene(PERIODIC));
-    let compared = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd"]);
-    assert!(text(&compared.stderr).contains("[substrate]"), "{}", text(&compared.stderr));
 }
 
 /// How close contacts come is in the file and the summary, by either kernel; where their circles overlap that is told, state

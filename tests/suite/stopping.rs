@@ -236,15 +236,6 @@ fn what_is_no_target_is_refused() {
         assert!(text(&run.stderr).contains(part), "{keys}: {}", text(&run.stderr));
         assert_eq!(folder.files(), ["scene.toml"]);
     }
-    let folder = Folder::new(&ensemble(&format!("target = {target}")));
-    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,gw", "--ensemble"]);
-    assert_exit(&compare, 2);
-    assert!(
-        text(&compare.stderr).contains("give a number of replicas for all of them"),
-        "{}",
-        text(&compare.stderr)
-    );
-    assert_exit(&folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,gw"]), 0);
 }
 
 /// A tiny patch of case II whose pull-off is dealt with in microseconds.

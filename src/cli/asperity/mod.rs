@@ -9,10 +9,10 @@ use super::failure::Failure;
 use super::source;
 use super::terminal::print;
 use crate::asperity::Path as History;
-use crate::asperity::models::Model;
+use crate::asperity::models::{Model, model};
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
-use crate::experiment::run::law_named;
+use crate::experiment::Error;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -111,7 +111,8 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
 
 /// The law of a name that was given for `argument`.
 pub(super) fn find(argument: &str, name: &str) -> Result<Model, Failure> {
-    law_named(name).map_err(|error| Failure::Usage(format!("{argument} {error}")))
+    let unknown = || Failure::Usage(format!("{argument} {}", Error::UnknownLaw(name.to_owned())));
+    model(name).ok_or_else(unknown)
 }
 
 /// The scaled asperity that the arguments ask for.

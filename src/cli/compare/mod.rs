@@ -8,6 +8,7 @@ use super::failure::Failure;
 use super::session::{Session, points};
 use super::source::SceneArguments;
 use super::terminal::{complete_before, print, print_of};
+use crate::experiment::Error;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::run_sweep;
 use crate::output::OutputLock;
@@ -50,7 +51,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let lock = OutputLock::new(&output, &scene.inputs(&first))?;
     let points = points(&sweep, scene.path(), &lock, options, &session, None);
     let points = if arguments.ensemble { points } else { Points { replicas: Some(0), ..points } };
-    let Some(rows) = run_sweep(&points)? else { return complete_before(&output) };
+    // A folder that goes keeps nothing.
+    let kept = |error: Error| if arguments.output.is_some() { error } else { error.not_kept() };
+    let Some(rows) = run_sweep(&points).map_err(kept)? else { return complete_before(&output) };
     let table = table::table(&points, &rows, arguments.output.as_deref())?;
     match &arguments.output {
         Some(output) => print_of(output, &table),

@@ -3,7 +3,6 @@
 import csv
 import subprocess
 import tempfile
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -30,13 +29,13 @@ class Comparison:
         # What follows from the scene is the same for every law.
         self.x, self.h, self.d = (self.data[f"integral/{name}"][0]
                                   for name in ("h_star", "separation", "asperity_separation"))
+        names = ("adhesion_parameter", "asperity_plasticity_index", "surface_height_std", "asperity_height_std",
+                 "critical_interference", "asperity_radius", "asperity_density", "nominal_area")
         self.lam, self.psi, self.sigma, self.asperity_sigma, self.omega_c, radius, density, area = (
-            float(self.data[name][0]) for name in (
-                "adhesion_parameter", "asperity_plasticity_index", "surface_height_std", "asperity_height_std",
-                "critical_interference", "asperity_radius", "asperity_density", "nominal_area"))
+            float(self.data[name][0]) for name in names)
         self.count = round(density * area)
         # Units of the scaled variables; the scenes have J/m^2 and GPa.
-        work, modulus = (float(material[name].split()[0]) for name in ("work_of_adhesion", "reduced_modulus"))
+        work, modulus = (float(material[of].split()[0]) for of in ("work_of_adhesion", "reduced_modulus"))
         self.force, stiffness = np.pi * radius * work, 4.0 / 3.0 * 1e9 * modulus
         self.length = (self.force**2 / (radius * stiffness**2)) ** (1.0 / 3.0)
         self.radius = (self.force * radius / stiffness) ** (1.0 / 3.0)

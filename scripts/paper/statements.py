@@ -285,9 +285,10 @@ def models(program, runs):
 
 def before_yield(program, case):
     """Adhesion of an asperity by ISBL over that by hybrid, just below the critical interference."""
-    delta, yields = np.array([case.omega_c * (1.0 - 1e-9)]), ("--critical-interference", case.omega_c / case.length)
-    isbl, hybrid = (program.sphere(case, law, delta, "approach", *yields)["adhesion_force"][0]
-                    for law in ("isbl", "hybrid"))
+    delta, critical = np.array([case.omega_c * (1.0 - 1e-9)]), case.omega_c / case.length
+    isbl, hybrid = (
+        program.sphere(case, law, delta, "approach", "--critical-interference", critical)["adhesion_force"][0]
+        for law in ("isbl", "hybrid"))
     return float(isbl / hybrid)
 
 

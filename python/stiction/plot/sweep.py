@@ -62,6 +62,7 @@ def of_points(
     mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
     if quantity == "pull_off_excess":
         integral = result["integral/pull_off_force"]
+        integral = integral.where(integral > 0.0)
         return 100.0 * (mean / integral - 1.0), 100.0 * error / integral, None
     if quantity == "pull_off_scatter":
         replicas = result["replicas/pull_off_force"]

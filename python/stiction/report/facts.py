@@ -426,7 +426,7 @@ def _sweep(sweep: Sweep) -> Facts:
         level = 100 * float(sweep["validation"].attrs["significance"])
         check = f"ensemble against integral at all points together: smallest p = {quantities.number(smallest, 3)}, {level:g} % level, Holm's method"
         checked = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check)]
-    edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep))
+    edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep)) & (integrals > 0.0)
     coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
     resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
     if edge.any() or coarse:
@@ -463,8 +463,8 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         if name not in whole.variables:
             whole[name] = sweep[name]
     words = {
-        "mean": lambda row: quantities.with_error(row["mean"], row["standard_error"], "N"),
-        "of_integral": lambda row: quantities.si(row["of_integral"], "N"),
+        "mean": lambda row: "none" if row["mean"] <= 0.0 else quantities.with_error(row["mean"], row["standard_error"], "N"),
+        "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
         "verdict": lambda row: str(row["verdict"]),
         "independence": lambda row: str(row["independence"]),
     }

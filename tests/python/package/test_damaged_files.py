@@ -171,7 +171,7 @@ def test_names_with_dollars_are_no_formulas(result, folder, capsys):
                 if f"{where}/regime" in opened:
                     opened[f"{where}/regime"][...] = [f"{odd}{i}" for i in range(opened[f"{where}/regime"].size)]
             for law in [opened[path] for path in ("model_law", *(f"{where}/model_law" for where in opened)) if path in opened]:
-                law.attrs["long_name"] = "law: " + ", ".join(f"{i} {odd}{i}" for i in range(4))
+                law.attrs["long_name"] = "law: " + ", ".join(f"{i} {odd}{i}" for i in range(19))
             opened.attrs["title"] = opened.attrs["warnings"] = odd
         assert (
             plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0

@@ -113,7 +113,7 @@ def test_points_of_a_sweep_are_selected_by_their_keys(result):
 
 
 def test_points_of_choices_are_selected_by_name(result):
-    for name, key, names in (("comparison", "model_law", ["hybrid", "emd", "fit:paper"]), ("choice", "substrate_coupling", ["none", "patch"])):
+    for name, key, names in (("comparison", "model_law", ["hybrid", "emd", "fit:paper", "gw"]), ("choice", "substrate_coupling", ["none", "patch"])):
         sweep = result(name)
         with h5py.File(sweep.path) as file:
             forces, mean = file["integral/external_force"][:], file["ensemble/scalar_controlled_mean"][:, 0]

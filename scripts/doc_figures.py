@@ -207,7 +207,7 @@ def fits(case, unit, decimals):
     def values(program):
         file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper")
         force = file["integral/pull_off_force"][:]
-        place = file["integral/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
+        place = file["integral/peak_stiffness_separation"][:] / file["surface_height_std"][:]
         forces = [f"{value / unit:.{count}f}" for value, count in zip(force, decimals, strict=True)]
         ratio = force[1] / force[0]
         excess = f"{ratio:.1f}" if ratio > 2.0 else f"+{100 * (ratio - 1):.1f}"
@@ -277,7 +277,7 @@ def independence(case, metres):
 
     def values(program):
         own = program.file("compare", ROOT / "configs" / f"{case}.toml", "--laws", "hybrid")["independence"]
-        of = {name: abs(float(own[name][0])) for name in own if name not in ("law", "verdict")}
+        of = {name: abs(float(own[name][0])) for name in own if name not in ("model_law", "verdict")}
         shift = 1e9 * of["shift"]
         return [
             scientific(shift) if shift < 0.01 else digits(shift),

@@ -45,7 +45,7 @@ def judged(scene):
         run("compare", source, "--laws", "hybrid", "-o", output, "--threads", "1", "--quiet")
         with h5py.File(output) as file:
             group = file["independence"]
-            figures = {name: float(group[name][0]) for name in group if name not in ("law", "verdict")}
+            figures = {name: float(group[name][0]) for name in group if name not in ("model_law", "verdict")}
             return {**figures, **group.attrs, "verdict": group["verdict"].asstr()[0]}
 
 

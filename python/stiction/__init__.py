@@ -10,12 +10,11 @@ from importlib.metadata import PackageNotFoundError, version
 from .errors import FileError, SceneError, StictionError
 from .experiments import check, compare, integral, run, sweep
 from .maps import find_asperities
-from .results import Asperities, Comparison, CrossCheck, PullOff, Result, Run, Sweep, open_run
+from .results import Asperities, CrossCheck, PullOff, Result, Run, Sweep, open_run
 from .single import asperity
 
 __all__ = [
     "Asperities",
-    "Comparison",
     "CrossCheck",
     "FileError",
     "PullOff",

@@ -1,7 +1,7 @@
 """The engine `stiction` of xarray: results with `h_star` to select by, as well as `separation`.
 
-``xarray.open_datatree("run.h5", engine="stiction")`` is the tree of a result with an index for `h_star` and `asperity_separation`;
-any other engine for HDF5 opens the same file without.
+``xarray.open_datatree("run.h5", engine="stiction")`` is the tree of a result with an index for `h_star` and `asperity_separation`,
+and names in the place of the numbers of choices; any other engine for HDF5 opens the same file without.
 """
 
 from __future__ import annotations

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Asperities",
-    "Comparison",
     "CrossCheck",
     "Place",
     "PullOff",
@@ -138,7 +137,9 @@ class Result:
         _checked(self.path, type(self))
         stored.check(self.path)
         with stored.reading(self.path):
-            self.tree = xarray.open_datatree(self.path, engine="h5netcdf", decode_times=False)
+            opened = xarray.open_datatree(self.path, engine="h5netcdf", decode_times=False)
+            self.tree = opened.map_over_datasets(indexed)
+        self.tree.set_close(opened.close)
 
     @property
     def attrs(self) -> dict[str, Any]:
@@ -260,17 +261,17 @@ class _Curves(Result):
     @cached_property
     def ensemble(self) -> xarray.Dataset:
         """Means over replicas, over `separation` (m) and `h_star`, both of which select."""
-        return indexed(self.group("ensemble"))
+        return self.group("ensemble")
 
     @cached_property
     def integral(self) -> xarray.Dataset:
         """The statistical integral, over `separation` (m) and `h_star`."""
-        return indexed(self.group("integral"))
+        return self.group("integral")
 
     @cached_property
     def validation(self) -> xarray.Dataset:
         """Ensemble against integral: z-scores over `separation`, and what the joint test looks at."""
-        return indexed(self.group("validation"))
+        return self.group("validation")
 
     @cached_property
     def independence(self) -> xarray.Dataset:
@@ -281,11 +282,11 @@ class _Curves(Result):
     def replicas(self) -> xarray.Dataset:
         """Numbers of each replica: a row each in ``replicas.to_dataframe()``.
 
-        A row for each replica and point of a sweep, or law of a comparison. Variables that have another dimension besides are left
-        out; curves are in `curves`.
+        A row for each replica and point of a sweep. Variables that have another dimension besides are left out; curves are in
+        `curves`.
         """
         whole = self.group("replicas")
-        points = {*self.tree.dims, "law"}
+        points = set(self.tree.dims)
         rows = [name for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica"}]
         table = whole[rows]
         return table.drop_vars(
@@ -295,7 +296,7 @@ class _Curves(Result):
     @cached_property
     def curves(self) -> xarray.Dataset:
         """Curves of each replica over `separation`, with ``curves = true`` in ``[output]``."""
-        whole = indexed(self.group("replicas"))
+        whole = self.group("replicas")
         return whole[[name for name, value in whole.data_vars.items() if value.ndim > 1]]
 
 
@@ -373,7 +374,10 @@ class Run(_Curves):
 
 
 class Sweep(_Curves):
-    """A result of `stiction run` of a scene with `[sweep]`: points along its keys."""
+    """A result of `stiction run` of a scene with `[sweep]`, or of `stiction compare`: points along its keys.
+
+    Points are selected by values of the keys, and by names where a key is a choice: ``sweep.integral.sel(model_law="emd")``.
+    """
 
     kind, format, major_version, made_by = (
         "sweep",
@@ -387,18 +391,10 @@ class Sweep(_Curves):
         """The keys of the scene that are swept, as the scene writes them."""
         return str(self.tree.attrs["sweep_keys"]).replace(",", " ").split()
 
-    def key_words(self, key: str) -> tuple[str, dict[float, str]]:
-        """A key in words, and names of its numbers if it is a choice: ``{0.0: "none", 1.0: "periodic"}``."""
-        of = self.tree[key.replace(".", "_")]
-        words, _, rest = str(of.attrs.get("long_name", key)).partition(": 0 ")
-        choices = [choice.partition(" ") for choice in f"0 {rest}".split(", ")] if rest else []
-        return words, {float(number): name for number, _, name in choices}
-
     def key_text(self, key: str, value: Any, digits: int = 4) -> str:
         """A value of a key as people write it: its name if it is a choice, else a number with a unit."""
-        choices = self.key_words(key)[1]
         unit = str(self.tree[key.replace(".", "_")].attrs.get("units", "1"))
-        return choices[float(value)] if choices else quantities.si(value, unit, digits)
+        return value if isinstance(value, str) else quantities.si(value, unit, digits)
 
     @cached_property
     def points(self) -> xarray.Dataset:
@@ -424,30 +420,15 @@ class Sweep(_Curves):
         means = self.pull_off["mean" if self.has_replicas else "of_integral"]
         low, high = (quantities.si(value, "N") for value in (means.min(), means.max()))
         shape = " x ".join(f"{size} of {name}" for name, size in self.points.sizes.items())
+        laws = dict.fromkeys(self["model_law"].values if "model_law" in self else [self.attrs["law"]])
         rows = [
-            ("law", f"{self.attrs['law']}, {self.attrs['history']}"),
+            ("law", f"{', '.join(laws)}, {self.attrs['history']}"),
             ("points", shape),
             ("pull-off", f"{low} to {high}{'' if self.has_replicas else ', of the integral alone'}"),
         ]
         if self.has_replicas:
             rows += [("cross-check", str(self.tree["validation"].attrs["overall_verdict"]))]
         return rows
-
-
-class Comparison(_Curves):
-    """A result of `stiction compare`: laws on the same asperities, along the dimension `law`."""
-
-    kind, format, major_version = "comparison", "stiction-comparison", 3
-    made_by = "stiction compare"
-
-    @property
-    def laws(self) -> list[str]:
-        """The names of the laws; deviations are from the first."""
-        return [str(name) for name in self.integral["law"].values]
-
-    def _summary(self) -> list[tuple[str, str]]:
-        forces = self.integral["pull_off_force"]
-        return [(law, quantities.si(force, "N")) for law, force in zip(self.laws, forces.values, strict=True)]
 
 
 class Asperities(Result):
@@ -509,7 +490,7 @@ class Asperities(Result):
         ]
 
 
-_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Comparison, Asperities)}
+_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Asperities)}
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
@@ -522,7 +503,7 @@ def open_run(path: str | os.PathLike[str]) -> Any:
 
     Returns
     -------
-    Run, Sweep, Comparison or Asperities
+    Run, Sweep or Asperities
         By the root attribute `format` of the file.
 
     Raises
@@ -598,7 +579,16 @@ def is_result(path: Path) -> bool:
 
 
 def indexed(group: xarray.Dataset) -> xarray.Dataset:
-    """A group with `h_star` and `asperity_separation` to select by, where they are lists of their own."""
+    """A group to select from: by `h_star` and `asperity_separation`, where they are lists of their own, and by names of choices.
+
+    Files have choices as numbers, and the names in words: ``what surrounds the surface: 0 none, 1 periodic``.
+    """
+    for key, of in group.variables.items():
+        words, is_choice, names = str(of.attrs.get("long_name", "")).partition(": 0 ")
+        if is_choice and "key" in of.attrs:
+            known = dict(one.split(" ", 1) for one in f"0 {names}".split(", "))
+            chosen = [known[f"{number:.0f}"] for number in of.values]
+            group = group.assign_coords({key: (of.dims, chosen, {"key": of.attrs["key"], "long_name": words})})
     for name in ("h_star", "asperity_separation"):
         if name in group.coords and group[name].dims == ("separation",):
             group = group.set_xindex(name)

@@ -5,8 +5,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-import h5py
 import numpy as np
+from stiction import open_run
 
 NM, UN = 1e-9, 1e-6
 CASES = ("I", "II", "III")
@@ -21,19 +21,24 @@ class Comparison:
     """A file of `stiction compare`; by_law() gives the rows of one law."""
 
     def __init__(self, path):
-        self.data = {}
-        with h5py.File(path) as file:
-            self.attrs = dict(file.attrs)
-            file.visititems(lambda name,
-                            item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
-        self.laws = [name.decode() for name in self.data["integral/law"]]
-        self.regimes = [name.decode() for name in self.data["integral/regime"]]
-        self.x, self.h = self.data["integral/h_star"], self.data["integral/separation"]
-        self.lam = float(self.attrs["adhesion_parameter"])
-        self.psi = float(self.attrs["asperity_plasticity_index"])
-        self.sigma, self.count = float(self.attrs["surface_height_std"]), int(self.attrs["asperity_count"])
-        self.length, self.force = float(self.attrs["approach_unit"]), float(self.attrs["force_unit"])
-        self.omega_c = float(self.attrs["critical_interference"])
+        with open_run(path) as file:
+            self.data = {f"{node.path[1:]}/{name}".lstrip("/"): values.values for node in file.tree.subtree
+                         for name, values in node.variables.items()}
+            material = file.scene["material"]
+        self.laws, self.regimes = (list(self.data[name]) for name in ("model_law", "integral/regime"))
+        # What follows from the scene is the same for every law.
+        self.x, self.h, self.d = (self.data[f"integral/{name}"][0]
+                                  for name in ("h_star", "separation", "asperity_separation"))
+        names = ("adhesion_parameter", "asperity_plasticity_index", "surface_height_std", "asperity_height_std",
+                 "critical_interference", "asperity_radius", "asperity_density", "nominal_area")
+        self.lam, self.psi, self.sigma, self.asperity_sigma, self.omega_c, radius, density, area = (
+            float(self.data[name][0]) for name in names)
+        self.count = round(density * area)
+        # Units of the scaled variables; the scenes have J/m^2 and GPa.
+        work, modulus = (float(material[of].split()[0]) for of in ("work_of_adhesion", "reduced_modulus"))
+        self.force, stiffness = np.pi * radius * work, 4.0 / 3.0 * 1e9 * modulus
+        self.length = (self.force**2 / (radius * stiffness**2)) ** (1.0 / 3.0)
+        self.radius = (self.force * radius / stiffness) ** (1.0 / 3.0)
         self.spacing = 2.0 * 1.03 / (np.pi * self.lam) * self.length  # Z0
         self.delta_a = -first_touch(self.lam) * self.length
 
@@ -78,20 +83,20 @@ class Program:
                  *more)
         return Comparison(output)
 
-    def asperity(self, law, lam, delta, path = "approach"):
+    def asperity(self, law, lam, delta, path = "approach", *more):
         """One dry, elastic asperity at scaled approaches, in scaled variables."""
         with tempfile.TemporaryDirectory() as folder:
             table = Path(folder) / "approaches.csv"
             table.write_text("lambda,delta\n" + "".join(f"{lam!r},{float(x)!r}\n" for x in delta))
             rows = list(csv.DictReader(self.run("asperity", "--law", law, "--path", path, "--table",
-                                                table).splitlines()))
+                                                table, *more).splitlines()))
         numbers = ("delta", "adhesion_force", "external_force", "contact_radius")
         result = {name: np.array([float(row[name]) for row in rows]) for name in numbers}
         return result | {"branch": np.array([row["branch"] for row in rows])}
 
-    def sphere(self, case, law, delta, path = "approach"):
+    def sphere(self, case, law, delta, path = "approach", *more):
         """One dry, elastic sphere of a case at approaches in m: forces in N."""
-        result = self.asperity(law, case.lam, delta / case.length, path)
+        result = self.asperity(law, case.lam, delta / case.length, path, *more)
         return result | {name: case.force * result[name] for name in ("adhesion_force", "external_force")}
 
 
@@ -159,8 +164,8 @@ def fit_points(program, case, law, force, count = 801):
 
 def gaussian_sum(case, delta, force):
     """Sum over all asperities of a force that is 0 outside the approaches given, at every separation, N."""
-    std, d = float(case.attrs["asperity_height_std"]), case.data["integral/asperity_separation"]
-    density = np.exp(-0.5 * ((delta + d[:, None]) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
+    std = case.asperity_sigma
+    density = np.exp(-0.5 * ((delta + case.d[:, None]) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
     values = force * density
     return case.count * 0.5 * ((values[:, 1:] + values[:, :-1]) * np.diff(delta)).sum(axis=1)
 

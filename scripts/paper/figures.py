@@ -50,7 +50,7 @@ def curve(axes, case, law, unit, name="adhesion_force", style=None):
 
 def figure_1(program, runs):
     case = runs["II"]
-    to_nm = float(case.attrs["radius_unit"]) / NM
+    to_nm = case.radius / NM
     figure, ((left, right),) = panels(10, 4.2, 2)
     near = -case.delta_a * (1 - np.geomspace(1e-9, 0.1, 60))
     delta = np.concatenate([near, np.linspace(-0.9 * case.delta_a, 2e-9, 300)])

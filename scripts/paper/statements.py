@@ -229,7 +229,7 @@ def similar(case, laws, start, end):
     return float(off.max()), float(case.x[off.argmax()]), float(of_figure)
 
 
-def models(runs):
+def models(program, runs):
     """Figs. 4 and 5."""
     for name, start in zip(CASES, (3.0, 3.0, 5.0)):
         for law in ("isbl", "emd"):
@@ -262,7 +262,7 @@ def models(runs):
                     off < SIMILAR,
                     "10 %", "%",
                     reason=f"at h* = {place:.2f}, where asperities carry most that have not yielded: "
-                           f"just before, ISBL is {before_yield(first):.2f} times Maugis-Dugdale")
+                           f"just before, ISBL is {before_yield(program, first):.2f} times Maugis-Dugdale")
     ratio = adhesion(first, "emd") / adhesion(first, "hybrid")
     yield statement("EMD underestimates (EMD over hybrid at h* = 0)", "I", "significantly",
                     float(ratio[np.abs(first.x).argmin()]),
@@ -283,11 +283,12 @@ def models(runs):
                         bool(ratio.max() < 1 - SIMILAR), "below 0.9")
 
 
-def before_yield(case):
-    """Adhesion of an asperity by ISBL over that by hybrid, at the largest tabulated interference below
-    omega_c."""
-    last = np.flatnonzero(case.data["asperity/interference"] < case.omega_c)[-1]
-    isbl, hybrid = (case.by_law(law, "asperity/adhesion_force")[last] for law in ("isbl", "hybrid"))
+def before_yield(program, case):
+    """Adhesion of an asperity by ISBL over that by hybrid, just below the critical interference."""
+    delta, critical = np.array([case.omega_c * (1.0 - 1e-9)]), case.omega_c / case.length
+    isbl, hybrid = (
+        program.sphere(case, law, delta, "approach", "--critical-interference", critical)["adhesion_force"][0]
+        for law in ("isbl", "hybrid"))
     return float(isbl / hybrid)
 
 
@@ -349,7 +350,7 @@ def check_closed_forms(program, runs):
 
 
 def all_rows(program, runs):
-    return [*parameters(runs), *single_sphere(program, runs), *models(runs), *regimes(runs),
+    return [*parameters(runs), *single_sphere(program, runs), *models(program, runs), *regimes(runs),
             *pull_offs(program, runs),
             *fit_errors(program, runs)]
 

@@ -1,4 +1,4 @@
-"""What a comparison file holds, read with h5py and xarray and checked with numpy and scipy, independently of the program.
+"""What the sweep over laws of `stiction compare` holds, read with h5py and xarray and checked with numpy and scipy, independently of the program.
 
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
@@ -16,23 +16,30 @@ from program import PROGRAM, ROOT
 LAWS = ["hybrid", "isbl", "gw", "fit:paper"]
 REPLICAS = 24
 RADIUS, MODULUS, PULL = 3.33e-6, 85.29e9, np.pi * 0.09 * 3.33e-6  # of the quick scene; PULL is pi R w
+APPROACH = (PULL**2 / (RADIUS * (4 / 3 * MODULUS) ** 2)) ** (1 / 3)  # the unit of approach
 DIMENSIONS = {
-    "integral": ("law", "separation"),
-    "asperity": ("law", "interference"),
-    "replicas": ("law", "replica"),
+    "integral": ("model_law", "separation_index"),
+    "fit": ("model_law", "coefficient"),
+    "replicas": ("model_law", "replica"),
 }
 
 
 @pytest.fixture(scope="module")
-def path(tmp_path_factory) -> Path:
+def made(tmp_path_factory) -> tuple[Path, str]:
+    """The file, and what the program printed."""
     folder = tmp_path_factory.mktemp("compare")
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     command = [PROGRAM, "compare", ROOT / "tests" / "data" / "quick.toml", "--laws", ",".join(LAWS), "--ensemble",
-               "--replicas", str(REPLICAS), "-o", folder / "all.h5", "--quiet"]
+               "--replicas", str(REPLICAS), "-o", folder / "all.h5"]
     run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
     assert run.returncode == 0, run.stderr
     assert [file.name for file in folder.iterdir()] == ["all.h5"]
-    return folder / "all.h5"
+    return folder / "all.h5", run.stdout
+
+
+@pytest.fixture(scope="module")
+def path(made) -> Path:
+    return made[0]
 
 
 @pytest.fixture(scope="module")
@@ -42,44 +49,33 @@ def file(path):
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
-def test_xarray_sees_laws_by_name(path, engine):
+def test_xarray_sees_laws_by_number(path, engine):
     with xarray.open_datatree(path, engine=engine) as tree:
-        assert list(tree["integral"].law.values) == LAWS
         for group, dimensions in DIMENSIONS.items():
+            law = tree[group].model_law
+            names = dict(one.split(" ") for one in law.attrs["long_name"].partition(": ")[2].split(", "))
+            assert [names[f"{number:g}"] for number in law.values] == LAWS
             for name, variable in tree[group].data_vars.items():
                 assert variable.attrs["units"] and variable.attrs["long_name"], name
-                assert variable.dims[0] == "law", name
+                assert variable.dims[0] == "model_law", name
             assert any(variable.dims == dimensions for variable in tree[group].data_vars.values())
-        force = tree["integral"].external_force
-        assert float(force.sel(law="hybrid").min()) < 0.0 < float(force.sel(law="gw").min())
-        assert tree["integral"].regime_count.dims == ("law", "regime", "separation")
+        lowest = dict(zip(LAWS, tree["integral"].external_force.min("separation_index").values))
+        assert lowest["hybrid"] < 0.0 < lowest["gw"]
+        assert tree["integral"].regime_count.dims == ("model_law", "regime", "separation_index")
 
 
 def test_root_attributes(file):
-    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 6]
-    assert file.attrs["force_unit"] == pytest.approx(PULL, rel=1e-14)
-    k = 4 / 3 * MODULUS
-    assert file.attrs["approach_unit"] == pytest.approx((PULL**2 / (RADIUS * k**2)) ** (1 / 3), rel=1e-14)
-    assert file.attrs["radius_unit"] == pytest.approx((PULL * RADIUS / k) ** (1 / 3), rel=1e-14)
-    assert file.attrs["replicas"] == REPLICAS and file.attrs["asperity_count"] == 739
+    assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [4, 6]
+    assert file.attrs["sweep_keys"] == "model.law" and file.attrs["points"] == len(LAWS)
+    assert file.attrs["replicas"] == REPLICAS and np.all(file["replicas/asperity_count"][()] == 739)
 
 
 def test_differences_are_from_the_first_law(file):
-    for group in ["integral", "asperity"]:
-        for name in ["adhesion_force", "external_force"]:
-            values = file[group][name][()]
-            assert np.array_equal(file[group][f"{name}_difference"], values - values[0])
-    for name in ["pull_off", "peak_stiffness"]:
-        values = file["integral"]["pull_off_force" if name == "pull_off" else name][()]
-        expected = np.where(values > 0.0, values / values[0] - 1.0, np.nan)
-        assert np.isnan(expected[LAWS.index("gw")])
-        found = file[f"integral/{name}_deviation"]
-        assert np.allclose(found, expected, rtol=0, atol=1e-15, equal_nan=True)
     pull_off = file["replicas/pull_off_force"][()]
     difference = pull_off - pull_off[0]
-    assert np.allclose(file["ensemble/pull_off_force_difference_mean"], difference.mean(axis=1), rtol=1e-12, atol=0)
+    assert np.allclose(file["differences/pull_off_force_mean"], difference.mean(axis=1), rtol=1e-12, atol=0)
     error = difference.std(axis=1, ddof=1) / np.sqrt(REPLICAS)
-    found = file["ensemble/pull_off_force_difference_standard_error"]
+    found = file["differences/pull_off_force_standard_error"]
     # Against itself all replicas agree: no error is known.
     assert np.isnan(found[0]) and np.allclose(found[1:], error[1:], rtol=1e-10, atol=1e-20)
     # Paired on the same asperities: far more precise than the laws themselves.
@@ -94,9 +90,10 @@ def test_regimes_add_up(file):
 
 
 def test_gw_is_the_integral_of_hertz_contacts(file):
-    std, d = file.attrs["asperity_height_std"], file["integral/asperity_separation"][()]
+    index = LAWS.index("gw")
+    std, d = file["asperity_height_std"][index], file["integral/asperity_separation"][index]
     unit = 4 / 3 * MODULUS * np.sqrt(RADIUS) * std**1.5
-    found = file["integral/contact_force"][LAWS.index("gw")]
+    found = file["integral/contact_force"][index]
     for k in range(0, d.size, 15):
         h = d[k] / std
         density = lambda s: (s - h) ** 1.5 * np.exp(-0.5 * s * s) / np.sqrt(2 * np.pi)
@@ -117,24 +114,33 @@ def isbl(delta, thickness, critical, k):
     return np.select(pieces, adhesion, 0.0), np.select(pieces, load, unit * 3 * x / k)
 
 
+def summed(file, index, k, low, high, forces, order=1):
+    """Sums over the asperities of forces at interferences from low to high, m, by the law and at the separation of these indices.
+
+    The nodes are those of Gauss and Legendre in the root of this order.
+    """
+    std, d = file["asperity_height_std"][index], file["integral/asperity_separation"][index, k]
+    low, high = (np.clip(end, -12 * std - d, 12 * std - d) for end in (low, high))
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    share = 0.5 * (nodes + 1)
+    t = low + (high - low) * share**order
+    jacobian = (high - low) * order * share ** (order - 1) * 0.5
+    inside = np.clip(t, np.nextafter(low, high), np.nextafter(high, low))
+    density = np.exp(-0.5 * ((t + d) / std) ** 2) / (np.sqrt(2 * np.pi) * std)
+    return 739 * (weights * jacobian * density * forces(inside)).sum(axis=-1)
+
+
 def test_isbl_is_its_published_integral(file):
     """Each smooth piece by itself; the one that begins with x^0.298 in the tenth root of x."""
-    std, critical = file.attrs["asperity_height_std"], file.attrs["critical_interference"]
+    index = LAWS.index("isbl")
+    critical = file["critical_interference"][index]
     ends = [-60e-9, -0.5e-9, 0.0, critical, 6 * critical, 110 * critical]
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    for k in range(0, file["integral/separation"].size, 15):
-        d, sums = file["integral/asperity_separation"][k], np.zeros(2)
-        for low, high in zip(ends, ends[1:]):
-            low, high = (np.clip(end, -12 * std - d, 12 * std - d) for end in (low, high))
-            order = 10 if low == 0.0 else 1
-            t = low + (high - low) * (0.5 * (nodes + 1)) ** order
-            jacobian = (high - low) * order * (0.5 * (nodes + 1)) ** (order - 1) * 0.5
-            inside = np.clip(t, np.nextafter(low, high), np.nextafter(high, low))
-            density = np.exp(-0.5 * ((t + d) / std) ** 2) / (np.sqrt(2 * np.pi) * std)
-            sums += [(weights * jacobian * density * force).sum() for force in isbl(inside, 0.5e-9, critical, 0.454 + 0.41 * 0.27)]
-        found = [file[f"integral/{name}"][LAWS.index("isbl"), k] for name in ["adhesion_force", "contact_force"]]
-        assert found[0] == pytest.approx(739 * sums[0], rel=1e-10)
-        assert found[1] == pytest.approx(739 * sums[1], rel=1e-10, abs=1e-300)
+    forces = lambda delta: np.array(isbl(delta, 0.5e-9, critical, 0.454 + 0.41 * 0.27))
+    for k in range(0, file["integral/separation"].shape[1], 15):
+        sums = sum(summed(file, index, k, low, high, forces, 10 if low == 0.0 else 1) for low, high in zip(ends, ends[1:]))
+        found = [file[f"integral/{name}"][index, k] for name in ["adhesion_force", "contact_force"]]
+        assert found[0] == pytest.approx(sums[0], rel=1e-10)
+        assert found[1] == pytest.approx(sums[1], rel=1e-10, abs=1e-300)
 
 
 def fitted(p, delta):
@@ -147,30 +153,37 @@ def fitted(p, delta):
 
 
 def test_fits_are_their_coefficients(file):
-    index, thickness = LAWS.index("fit:paper"), 0.5
-    delta = file["asperity/interference"][()] * 1e9
-    coefficients = file["fit/coefficients"][index]
-    ranges = file["fit/range"][index] * 1e9
-    adhesion, external = (file[f"asperity/{name}"][()] * 1e6 for name in ["adhesion_force", "external_force"])
-    before = delta < ranges[0, 1] - thickness
-    f_snc, _, _ = fitted(coefficients, delta + thickness)
-    assert np.allclose(adhesion[index][before], f_snc[before], rtol=1e-10, atol=0)
-    _, f_sel, f_f = fitted(coefficients, delta)
-    elastic = (delta >= ranges[1, 0]) & (delta <= ranges[1, 1])
-    assert np.allclose(adhesion[index][elastic], f_sel[elastic], rtol=1e-10, atol=0)
-    contact = (delta >= 0.0) & elastic
-    assert np.allclose(external[index][contact], f_f[contact], rtol=0, atol=1e-10 * f_sel[contact].max())
+    """The integral's sums of the regimes that the fits are for. Before interference 0 an elastic asperity has no contact force."""
+    index, thickness = LAWS.index("fit:paper"), 0.5e-9
+    coefficients, ranges = file["fit/coefficients"][index], file["fit/range"][index]
+    f_snc, f_sel, f_f = (lambda delta, i=i: 1e-6 * fitted(coefficients, 1e9 * delta)[i] for i in range(3))
+    regimes = list(file["integral/regime"].asstr())
+    kink = -1e-9 * coefficients[6] / coefficients[5]  # where f_sel begins to rise as a power
+
+    def pulled(k, end):
+        return summed(file, index, k, ranges[1, 0], kink, f_sel) + summed(file, index, k, kink, end, f_sel, order=10)
+
+    for k in range(0, file["integral/separation"].shape[1], 15):
+        adhesion, external = (
+            dict(zip(regimes, file[f"integral/regime_{name}_force"][index, :, k])) for name in ["adhesion", "external"]
+        )
+        before = summed(file, index, k, -60e-9, ranges[0, 1] - thickness, lambda delta: f_snc(delta + thickness))
+        assert adhesion["noncontact"] == pytest.approx(before, rel=1e-10)
+        elastic = pulled(k, ranges[1, 1])
+        assert adhesion["elastic"] == pytest.approx(elastic, rel=1e-10)
+        pressed = summed(file, index, k, *ranges[2], f_f, order=10)
+        assert external["elastic"] == pytest.approx(pressed - pulled(k, 0.0), rel=0, abs=1e-10 * elastic)
 
 
 def solve(file, folder, delta, path="approach"):
     """Adhesion force and external force in uN of single dry asperities at delta in nm, by `stiction asperity`."""
-    lam, scaled = file.attrs["adhesion_parameter"], delta * 1e-9 / file.attrs["approach_unit"]
+    lam, scaled = file["adhesion_parameter"][0], delta * 1e-9 / APPROACH
     table = folder / "table.csv"
     table.write_text("lambda,delta\n" + "".join(f"{lam:.17g},{x:.17g}\n" for x in scaled))
     command = [PROGRAM, "asperity", "--law", "emd", "--table", table, "--path", path]
     run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True)
     rows = [line.split(",") for line in run.stdout.splitlines()[1:]]
-    return np.array([[float(row[3]), float(row[4])] for row in rows]).T * file.attrs["force_unit"] * 1e6
+    return np.array([[float(row[3]), float(row[4])] for row in rows]).T * PULL * 1e6
 
 
 def test_residuals_are_those_against_single_asperities(file, tmp_path):
@@ -191,10 +204,13 @@ def test_laws_without_a_fit_have_no_coefficients(file):
     assert np.all(np.isnan(file["fit/coefficients"][0])) and np.all(np.isnan(file["fit/range"][1]))
 
 
-def test_validity_is_said(file):
-    valid = dict(zip(LAWS, file["validity/valid"][()]))
-    notes = dict(zip(LAWS, file["validity/note"].asstr()[()]))
-    assert valid["hybrid"] == 1 and notes["hybrid"] == ""
-    assert valid["isbl"] == 0 and "lambda = 0.899 is above 0.1" in notes["isbl"]
-    assert valid["fit:paper"] == 0 and "f_snc is off by up to 33.74 % of its largest" in notes["fit:paper"]
-    assert valid["gw"] == 0 and "psi of sigma_s = 0.793 is above 0.6" in notes["gw"] and "no lubricant" in notes["gw"]
+def test_validity_is_said(file, made):
+    warnings = file.attrs["warnings"].splitlines()
+    assert "lambda = 0.899 is above 0.1 (at model.law = isbl)" in warnings
+    assert "psi of sigma_s = 0.793 is above 0.6 (at model.law = gw)" in warnings
+    printed = made[1].partition("not valid here")[2].partition("warning")[0].split("  ")
+    notes = [" ".join(text.split()) for text in printed if text.strip()]
+    of = {law: notes[notes.index(law) + 1 :] for law in LAWS if law in notes}
+    assert "hybrid" not in of and of["isbl"][0].startswith("lambda = 0.899 is above 0.1")
+    assert of["fit:paper"][0] == "f_snc is off by up to 33.74 % of its largest"
+    assert any(note.startswith("psi of sigma_s = 0.793 is above 0.6") for note in of["gw"]) and any("no lubricant" in note for note in of["gw"])

@@ -24,7 +24,7 @@ _ENDINGS = (".png", ".pdf", ".svg")
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction plot",
-        description="Draw results: of runs, sweeps, comparisons, patches of several sizes, asperities of maps.",
+        description="Draw results: of runs, sweeps, patches of several sizes, asperities of maps.",
         epilog="Examples: stiction plot case_ii.h5; stiction plot case_ii.h5 --what force --width 85mm -o force.pdf; "
         "stiction plot sweep.h5 --x material.hardness --by surface.lubricant_thickness. "
         "Exit codes: 0 done; 1 a picture cannot be written; 2 the command or a file is wrong.",

@@ -1,4 +1,4 @@
-"""Figures of comparisons of laws, patches of several sizes, asperities of maps, and runs that end at targets."""
+"""Figures of sweeps over laws, patches of several sizes, asperities of maps, and runs that end at targets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from .. import quantities
 from ..errors import FileError
-from ..results import Asperities, Comparison, Run
+from ..results import Asperities, Run, Sweep
 from .run import histogram, values
 from .style import (
     BLUE,
@@ -41,30 +41,30 @@ _LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
 
 
 @dressed
-def comparison(result: Comparison, ax: Axes | None = None) -> Axes:
+def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
     """External force of the integral by each law; means over replicas as dots where there are ensembles.
 
     Parameters
     ----------
-    result : Comparison
+    result : Sweep
+        Over `model.law` alone.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    x, handles = values(result, "integral/h_star"), []
-    forces = result["integral/external_force"].transpose("law", "separation").values
+    x, forces, laws = (values(result, path) for path in ("integral/h_star", "integral/external_force", "model_law"))
+    handles: list[Any] = []
     depth, highest = -float(np.nanmin(forces)), float(np.nanmax(forces))
     unit, sign = scaled("N", depth if depth > 0.0 else highest)
-    for place, law in enumerate(result.laws):
+    for place, law in enumerate(laws):
         color = COLORS[place % len(COLORS)]
         handles += ax.plot(
-            x, forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=plain(law)
+            x[place], forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=plain(law)
         )
         if "ensemble/external_force_mean" in result:
-            step = max(1, x.size // 40)
-            mean = result["ensemble/external_force_mean"].transpose("law", "separation").values[place]
+            step = max(1, x.shape[1] // 40)
             ax.plot(
-                x[::step],
-                mean[::step] / unit,
+                x[place, ::step],
+                values(result, "ensemble/external_force_mean")[place, ::step] / unit,
                 "o",
                 color=color,
                 markerfacecolor="white",
@@ -80,19 +80,22 @@ def comparison(result: Comparison, ax: Axes | None = None) -> Axes:
 
 
 @dressed
-def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
+def law_deviation(result: Sweep, ax: Axes | None = None) -> Axes:
     """The deviation of the pull-off force of each law from the first law's, in per cent.
 
     Parameters
     ----------
-    result : Comparison
+    result : Sweep
+        Over `model.law` alone.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    off = 100.0 * values(result, "integral/pull_off_deviation")
+    forces = values(result, "integral/pull_off_force")
+    pulls = np.where(forces > 0.0, forces, np.nan)
+    off = 100.0 * (pulls / pulls[0] - 1.0)
     places = np.arange(off.size)
     ax.barh(places, np.nan_to_num(off), color=[COLORS[place % len(COLORS)] for place in places], height=0.6)
-    for place, value, force in zip(places, off, values(result, "integral/pull_off_force"), strict=True):
+    for place, value, force in zip(places, off, forces, strict=True):
         told = quantities.si(force, "N") if force > 0.0 else "no pull-off"
         told += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
         ax.annotate(
@@ -104,7 +107,7 @@ def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
             fontsize=7,
         )
     ax.axvline(0.0, color=GREY, linewidth=0.5)
-    ax.set(yticks=places, yticklabels=[plain(law) for law in result.laws], ylabel="law")
+    ax.set(yticks=places, yticklabels=[plain(law) for law in values(result, "model_law")], ylabel="law")
     ax.set(xlabel="pull-off force against that of the first law (%)")
     ax.invert_yaxis()
     if not np.nan_to_num(off).any():

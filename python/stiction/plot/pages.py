@@ -25,17 +25,15 @@ _WIDTH = "180mm"
 # Below this width panels are stacked, inches. Above it there are two columns.
 _NARROW = 4.8
 _ROW = 2.55
-_PANELS: dict[str, dict[str, Panel]] = {
-    "comparison": {"comparison": others.comparison, "law_deviation": others.law_deviation},
-    "asperities": {
-        "asperities": others.asperities,
-        "heights": others.heights,
-        "relation": others.relation,
-        "curvatures": others.curvatures,
-    },
+_OF_ASPERITIES: dict[str, Panel] = {
+    "asperities": others.asperities,
+    "heights": others.heights,
+    "relation": others.relation,
+    "curvatures": others.curvatures,
 }
 
-# Panels of sweeps over the nominal area.
+# Panels of sweeps over laws, and over the nominal area.
+_OF_LAWS: dict[str, Panel] = {"comparison": others.comparison, "law_deviation": others.law_deviation}
 _OF_STUDIES = {"sizes": others.sizes, "bias": others.bias, "scatter": others.scatter}
 _OVER_CUTOFF: dict[str, Panel] = {
     "density_over_cutoff": others.density_over_cutoff,
@@ -49,14 +47,15 @@ def panels(result: Result) -> dict[str, Panel]:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison or Asperities
+    result : Run, Sweep or Asperities
     """
     if isinstance(result, Sweep):
         of_sweep: dict[str, Panel] = {name: partial(sweep, quantity=name) for name in quantities_of(result)}
-        of_studies = {name: _of_study(figure) for name, figure in _OF_STUDIES.items()}
-        return of_studies | of_sweep if is_study(result) else of_sweep
+        if is_study(result):
+            return {name: _of_study(figure) for name, figure in _OF_STUDIES.items()} | of_sweep
+        return _OF_LAWS | of_sweep if result.keys == ["model.law"] else of_sweep
     if not isinstance(result, Run):
-        return _PANELS[result.kind] | (_OVER_CUTOFF if result.kind == "asperities" and "cutoffs" in result else {})
+        return _OF_ASPERITIES | (_OVER_CUTOFF if "cutoffs" in result else {})
     if not result.has_replicas:
         return {"integral": run.integral}
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
@@ -98,8 +97,9 @@ def _of_study(figure: Panel) -> Panel:
 
 
 def _by_default(known: dict[str, Panel], options: dict[str, Any]) -> list[str]:
-    """The figures of a page: of patches of several sizes theirs, unless options of sweeps are given."""
-    return list(_OF_STUDIES) if _OF_STUDIES.keys() <= known.keys() and not options else [name for name in known if name not in _OF_STUDIES]
+    """The figures of a page: of sweeps over laws or the nominal area theirs, unless options of sweeps are given."""
+    own = [name for name in known if name in _OF_LAWS | _OF_STUDIES]
+    return own if own and not options else [name for name in known if name not in own]
 
 
 @dressed
@@ -115,7 +115,7 @@ def page(
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison or Asperities
+    result : Run, Sweep or Asperities
     width : str or float, optional
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.

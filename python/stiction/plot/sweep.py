@@ -62,6 +62,7 @@ def of_points(
     mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
     if quantity == "pull_off_excess":
         integral = result["integral/pull_off_force"]
+        integral = integral.where(integral > 0.0)
         return 100.0 * (mean / integral - 1.0), 100.0 * error / integral, None
     if quantity == "pull_off_scatter":
         replicas = result["replicas/pull_off_force"]
@@ -118,7 +119,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
 
 
 def _words(result: Sweep, name: str, index: int) -> str:
-    return plain(f"{result.key_words(name)[0]} {result.key_text(name, result[name].values[index], 3)}")
+    return plain(f"{result[name].attrs.get('long_name', name)} {result.key_text(name, result[name].values[index], 3)}")
 
 
 @dressed
@@ -166,6 +167,9 @@ def sweep(
     words, unit, _ = QUANTITIES[quantity]
     factor, sign = scaled(unit, mean) if unit not in ("", "%") else (1.0, unit)
     key = result[follows or across]
+    choices = list(dict.fromkeys(key.values)) if key.dtype.kind == "U" else []
+    if choices:
+        key = key.copy(data=[choices.index(name) for name in key.values])
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
     for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
@@ -192,14 +196,12 @@ def sweep(
         ]
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-    key_words, choices = result.key_words(follows or across)
     if choices:
-        there = sorted({float(value) for value in key.values})
-        ax.set_xticks(there, [plain(choices[value]) for value in there])
+        ax.set_xticks(range(len(choices)), [plain(name) for name in choices])
         ax.margins(x=0.2)
     else:
         places_logarithmic(ax, key.values)
-    ax.set(xlabel=label(plain(key_words), plain(key_sign)), ylabel=label(words, sign))
+    ax.set(xlabel=label(plain(key.attrs.get("long_name", key.name)), plain(key_sign)), ylabel=label(words, sign))
     if handles:
         legend(ax, handles)
     return ax

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from ..finite_size import study
+from ..finite_size import is_study, study
 from ..plot.run import WAYS
 from ..plot.sweep import QUANTITIES, of_points
 from ..results import Result, Run, Sweep
@@ -40,8 +40,8 @@ _DATASETS: dict[str, list[str]] = {
     "regimes": ["ensemble/adhesion_force_mean", "integral/adhesion_force", "ensemble/regime_adhesion_force_mean",
                 "integral/regime_adhesion_force"],
     "deviation": [f"validation/{of}_{name}_force" for of in ("z", "tested") for name in ("external", "adhesion")],
-    "comparison": ["integral/external_force", "ensemble/external_force_mean"],
-    "law_deviation": ["integral/pull_off_force", "integral/pull_off_deviation"],
+    "comparison": ["integral/h_star", "integral/external_force", "ensemble/external_force_mean"],
+    "law_deviation": ["integral/pull_off_force"],
     "sizes": ["bias", "pull_off_quantiles"],
     "bias": ["bias", "bias_standard_error", "bias_fitted", "is_fitted", "count_at_accuracy"],
     "scatter": ["relative_std"],
@@ -56,7 +56,7 @@ _DATASETS: dict[str, list[str]] = {
 }  # fmt: skip
 _DATASETS["standard_errors"] = _DATASETS["convergence"]
 # The first of these that a dataset has is the dimension of its rows.
-_ROWS = ("separation", "step", "replica", "stiffness", "asperity_count", "law")
+_ROWS = ("separation", "separation_index", "step", "replica", "stiffness", "asperity_count")
 
 
 def tables(result: Result, figure: str) -> list[pd.DataFrame]:
@@ -64,7 +64,7 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison or Asperities
+    result : Run, Sweep or Asperities
     figure : str
         A name that `stiction.plot.panels` has.
     """
@@ -72,7 +72,7 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
     if isinstance(result, Sweep):
         if figure in QUANTITIES:
             return [_of_sweep(result, figure)]
-        source = study(result)
+        source = study(result) if is_study(result) else result
     by_dimension: dict[str, dict[str, Any]] = {}
     for path in _present(result, figure, source):
         array = source[path]

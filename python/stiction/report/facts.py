@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import quantities
 from ..finite_size import is_study, study
-from ..results import Asperities, Comparison, Result, Run, Sweep, agreement
+from ..results import Asperities, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
 __all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
@@ -42,7 +42,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers of several things: points of a sweep, laws, sizes, springs."""
+    """Numbers of several things: points of a sweep, sizes, springs."""
 
     caption: str
     header: list[str]
@@ -78,7 +78,7 @@ def facts(result: Result) -> Facts:
 
     Parameters
     ----------
-    result : Run, Sweep, Comparison or Asperities
+    result : Run, Sweep or Asperities
     """
     for kind, of in _OF.items():
         if isinstance(result, kind):
@@ -138,7 +138,7 @@ def _separations(result: Result, path: str = "integral") -> Iterator[tuple[str, 
 
 def _law(result: Result) -> Iterator[tuple[str, str]]:
     attrs = result.attrs
-    if "law" in attrs:
+    if "law" in attrs and "model_law" not in result:
         yield "law of an asperity", str(attrs["law"])
     if "history" in attrs:
         yield "history", _HISTORIES.get(str(attrs["history"]), str(attrs["history"]))
@@ -426,7 +426,7 @@ def _sweep(sweep: Sweep) -> Facts:
         level = 100 * float(sweep["validation"].attrs["significance"])
         check = f"ensemble against integral at all points together: smallest p = {quantities.number(smallest, 3)}, {level:g} % level, Holm's method"
         checked = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check)]
-    edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep))
+    edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep)) & (integrals > 0.0)
     coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
     resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
     if edge.any() or coarse:
@@ -437,12 +437,9 @@ def _sweep(sweep: Sweep) -> Facts:
     computed = [("sweep", f"{_several(integrals.size, 'point')} ({sweep.attrs['sweep_mode']})")]
     for key, name in zip(sweep.keys, keys, strict=True):
         of = points[name] if name in points.variables else sweep[name]
-        low, high = (sweep.key_text(key, value) for value in (of.values.min(), of.values.max()))
-        count = np.unique(of.values).size
-        told = f"{count} values, {low} to {high}" if count > 1 else low
-        if sweep.key_words(key)[1]:
-            told = ", ".join(dict.fromkeys(sweep.key_text(key, value) for value in of.values.ravel()))
-        computed.append((key, told))
+        values = list(dict.fromkeys(of.values.ravel())) if of.dtype.kind == "U" else np.unique(of.values)
+        told = [sweep.key_text(key, value) for value in values]
+        computed.append((key, ", ".join(told) if of.dtype.kind == "U" or len(told) == 1 else f"{len(told)} values, {told[0]} to {told[-1]}"))
     computed += [*_law(sweep), *_draws(sweep)]
     table = _points(sweep, keys)
     found = Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
@@ -466,8 +463,8 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         if name not in whole.variables:
             whole[name] = sweep[name]
     words = {
-        "mean": lambda row: quantities.with_error(row["mean"], row["standard_error"], "N"),
-        "of_integral": lambda row: quantities.si(row["of_integral"], "N"),
+        "mean": lambda row: "none" if row["mean"] <= 0.0 else quantities.with_error(row["mean"], row["standard_error"], "N"),
+        "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
         "verdict": lambda row: str(row["verdict"]),
         "independence": lambda row: str(row["independence"]),
     }
@@ -477,50 +474,6 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         for row in whole.to_dataframe().reset_index().to_dict("records")
     ]
     return Table("Points", [*sweep.keys, *(heads.get(name, name) for name in columns)], rows)
-
-
-def _comparison(result: Comparison) -> Facts:
-    integral, laws = result["integral"].to_dataset(), result.laws
-    force, off = integral["pull_off_force"].values, integral["pull_off_deviation"].values
-    replicas = result["replicas"].to_dataset()
-    ensemble = "pull_off_force" in replicas
-    means = replicas["pull_off_force"].transpose("law", "replica").values if ensemble else None
-    numbers, rows = [], []
-    p = result["validation/p_value"].values if ensemble else np.full(len(laws), np.nan)
-    notes, valid = result["validity/note"].values, result["validity/valid"].values
-    independence = [str(word) for word in result["independence/verdict"].values]
-    for i, law in enumerate(laws):
-        of = _mean(law, means[i], "N") if means is not None else Number(law, quantities.si(force[i], "N"), "", float(force[i]))
-        note = "of the integral" if means is None else f"of the integral {quantities.si(force[i], 'N')}"
-        numbers.append(Number(f"pull-off force, {law}", of.text, note, of.value, of.error))
-        rows.append([law, of.text, quantities.si(force[i], "N"), "first" if not i else f"{100 * off[i]:+.3g} %".replace("-", "−"),
-                     quantities.number(p[i], 3), "valid" if valid[i] else "not valid here", str(notes[i])])  # fmt: skip
-    significance = 0.001
-    tested = p[np.isfinite(p)]
-    bad = [law for law, value in zip(laws, p, strict=True) if value < significance]
-    check = (
-        Verdict("cross-check", "bad", "disagree", f"ensemble and integral disagree at the 0.1 % level: {', '.join(bad)}") if bad
-        else Verdict("cross-check", "good", "agree", f"of {tested.size} laws at the 0.1 % level each, smallest p = {quantities.number(tested.min(), 3)}")
-        if tested.size else Verdict("cross-check", "none", "not tested", "laws were compared by their integrals alone")
-    )  # fmt: skip
-    fails = [law for law, good in zip(laws, valid, strict=True) if not good]
-    validity = (
-        Verdict("validity", "caution", f"not valid: {', '.join(fails)}", "why is in the table of laws") if fails
-        else Verdict("validity", "good", "good", "every law is inside of what it was made for")
-    )  # fmt: skip
-    edge = [law for law, at in zip(laws, integral["pull_off_at_edge"].values, strict=True) if at]
-    resolution = (
-        Verdict("resolution", "bad", "at the edge", f"the pull-off may lie beyond the separations: {', '.join(edge)}") if edge
-        else Verdict("resolution", "good", "fine", f"the integrals are good to {quantities.number(float(integral['quadrature_error'].max()), 1)} of themselves")
-    )  # fmt: skip
-    grade, word = _worst(independence, _INDEPENDENCE)
-    told = ", ".join(f"{law}: {verdict}" for law, verdict in zip(laws, independence, strict=True))
-    table = Table("Laws", ["law", "mean of patches" if ensemble else "pull-off force", "of the integral", "against the first",
-                           "p of the cross-check", "validity", "why"], rows)  # fmt: skip
-    computed = [("laws", ", ".join(laws)), *_law(result), *_surface(result), *_separations(result), *_draws(result)]
-    options = ["--laws", ",".join(laws), *(["--ensemble"] if ensemble else [])]
-    return Facts("comparison of laws", numbers, [check, validity, Verdict("independence", grade, word, told), resolution], computed,
-                 _again(result, ["compare"], *options), paths_in(result.scene), [table])  # fmt: skip
 
 
 def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:
@@ -605,4 +558,4 @@ def _asperities(result: Asperities) -> Facts:
     return Facts("asperities of a map", numbers, verdicts, computed, commands, [str(attrs["map"])], [table])
 
 
-_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Comparison: _comparison, Asperities: _asperities}
+_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Asperities: _asperities}

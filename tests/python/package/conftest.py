@@ -46,7 +46,7 @@ MADE = {
         replicas=20,
     ),
     "comparison": lambda path: stiction.compare(
-        CONFIGS / "quick.toml", ["hybrid", "emd", "fit:paper"], path, ensemble=True, replicas=40
+        CONFIGS / "quick.toml", ["hybrid", "emd", "fit:paper", "gw"], path, ensemble=True, replicas=40
     ),
     "finite_size": lambda path: finite_size.run(CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50),
     "alone": of_scene("loop", 0),

@@ -63,7 +63,7 @@ def test_an_option_that_is_not_known_is_an_error(run):
 def test_replicas_are_rows_with_their_law_or_point():
     laws = stiction.compare(QUICK, ["hybrid", "emd"], ensemble=True)
     table = laws.replicas.to_dataframe()
-    assert table.index.names == ["law", "replica"] and len(table) == 2 * 8
+    assert table.index.names == ["model_law", "replica"] and len(table) == 2 * 8
     thicknesses = [0.0, 0.5e-9, 1e-9]
     points = stiction.sweep(QUICK, {"surface.lubricant_thickness": ["0 nm", "0.5 nm", "1 nm"]})
     table = points.replicas.to_dataframe()

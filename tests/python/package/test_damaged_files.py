@@ -163,13 +163,15 @@ def test_a_file_of_many_groups_is_refused_soon(result, folder, capsys):
 
 def test_names_with_dollars_are_no_formulas(result, folder, capsys):
     odd = "$\\frac{$_\n\x1b[2J"
-    for name, path in (("comparison", "integral/law"), ("run", "ensemble/regime")):
+    for name in ("comparison", "run"):
         file = folder / f"{name}.h5"
         file.write_bytes(result(name).path.read_bytes())
         with h5py.File(file, "r+") as opened:
-            group, dataset = path.split("/")
-            for where in (group, *(other for other in opened if f"{other}/{dataset}" in opened)):
-                opened[f"{where}/{dataset}"][...] = [f"{odd}{i}" for i in range(opened[path].size)]
+            for where in opened:
+                if f"{where}/regime" in opened:
+                    opened[f"{where}/regime"][...] = [f"{odd}{i}" for i in range(opened[f"{where}/regime"].size)]
+            for law in [opened[path] for path in ("model_law", *(f"{where}/model_law" for where in opened)) if path in opened]:
+                law.attrs["long_name"] = "law: " + ", ".join(f"{i} {odd}{i}" for i in range(19))
             opened.attrs["title"] = opened.attrs["warnings"] = odd
         assert (
             plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0
@@ -185,12 +187,9 @@ def test_names_with_dollars_are_no_formulas(result, folder, capsys):
 
 
 def test_texts_of_the_programs_tables_are_no_formulas(result, folder):
-    file = folder / "laws.h5"
-    file.write_bytes(result("comparison").path.read_bytes())
-    laws = ["=1+1", "-a", "-1"]
+    file = folder / "scalars.h5"
+    file.write_bytes(result("run").path.read_bytes())
     with h5py.File(file, "r+") as opened:
-        for group in opened:
-            if f"{group}/law" in opened:
-                opened[f"{group}/law"][...] = laws
-    rows = list(csv.reader(call(["info", "--csv", "--by", "law", str(file)]).splitlines()))
-    assert [row[0] for row in rows[1:]] == ["'=1+1", "'-a", "-1"]
+        opened["ensemble/scalar"][...] = ["=1+1", "-a", "-1", "b"]
+    rows = list(csv.reader(call(["info", "--csv", "--by", "scalar", str(file)]).splitlines()))
+    assert [row[0] for row in rows[1:]] == ["'=1+1", "'-a", "-1", "b"]

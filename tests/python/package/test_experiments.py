@@ -126,8 +126,8 @@ def test_a_run_of_the_integral_alone_has_no_replicas(result):
 
 
 def test_a_comparison_without_laws_is_of_the_scenes(result):
-    assert stiction.compare(QUICK).laws == ["hybrid"]
-    assert stiction.compare(QUICK, "hybrid,emd").laws == ["hybrid", "emd"]
+    assert list(stiction.compare(QUICK)["model_law"].values) == ["hybrid"]
+    assert list(stiction.compare(QUICK, "hybrid,emd")["model_law"].values) == ["hybrid", "emd"]
     with pytest.raises(SceneError, match="nolaw"):
         stiction.compare(QUICK, ["nolaw"])
 

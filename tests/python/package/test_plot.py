@@ -46,8 +46,8 @@ def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
         figure.savefig(tmp_path / "page.png", dpi=50)
         figure.savefig(tmp_path / "page.pdf")
     drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
-    # A sweep over the nominal area has those of any sweep only if they are asked for.
-    assert len(drawn) == (3 if name == "finite_size" else len(plot.panels(opened))) >= (1 if name == "alone" else 2)
+    # A sweep over laws or the nominal area has the figures of any sweep only if they are asked for.
+    assert len(drawn) == {"comparison": 2, "finite_size": 3}.get(name, len(plot.panels(opened))) >= (1 if name == "alone" else 2)
     for ax in drawn:
         assert ax.lines or ax.collections or ax.patches or ax.images or ax.texts
         # Words, not names of datasets.
@@ -79,7 +79,7 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
         assert len(ax.containers) == curves
         assert len(ax.containers[0][0].get_xdata()) == grid.points.sizes[x.replace(".", "_")]
     by = plot.sweep(grid, x="material.work_of_adhesion", by="material.hardness")
-    assert by.get_legend().get_texts()[0].get_text().startswith(grid.key_words("material.hardness")[0])
+    assert by.get_legend().get_texts()[0].get_text().startswith(grid["material_hardness"].attrs["long_name"])
     follows = plot.sweep(result("grid"), x="asperity_plasticity_index")
     places = result("grid").points["asperity_plasticity_index"]
     for container, lubricant in zip(follows.containers, range(places.sizes["surface_lubricant_thickness"]), strict=True):
@@ -107,8 +107,26 @@ def test_points_of_a_sweep_are_its_means_and_its_integral(result):
 
 
 def test_a_choice_has_its_names_on_the_axis(result):
-    ax = plot.sweep(result("choice"))
-    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["none", "patch"]
+    for name, names in (("choice", ["none", "patch"]), ("comparison", ["hybrid", "emd", "fit:paper", "gw"])):
+        ax = plot.sweep(result(name))
+        assert [tick.get_text() for tick in ax.get_xticklabels()] == names
+        assert ": 0" not in ax.get_xlabel()
+
+
+def test_laws_are_compared_by_their_curves_and_pull_off_forces(result):
+    of = result("comparison")
+    ax, h_star = plot.comparison(of), of["integral/h_star"].values
+    drawn = lines(ax)
+    for law, x, force in zip(of["model_law"].values, h_star, of["integral/external_force"].values, strict=True):
+        np.testing.assert_array_equal(drawn[law].get_xdata(), x)
+        np.testing.assert_allclose(np.asarray(drawn[law].get_ydata()) * unit_of(ax), force, rtol=1e-12)
+    dots = [line for line in ax.lines if line.get_marker() == "o"]
+    for line, mean in zip(dots, of["ensemble/external_force_mean"].values, strict=True):
+        np.testing.assert_allclose(np.asarray(line.get_ydata()) * unit_of(ax), mean[:: max(1, mean.size // 40)], rtol=1e-12)
+    force = of["integral/pull_off_force"].values
+    bars = plot.law_deviation(of).patches
+    np.testing.assert_allclose([bar.get_width() for bar in bars[:3]], 100 * (force[:3] / force[0] - 1), rtol=1e-12)
+    assert force[3] < 0.0 == bars[3].get_width()
 
 
 @pytest.mark.parametrize("name", ["run", "loop", "retraction", "instability"])

@@ -230,6 +230,16 @@ def test_a_partial_result_says_so(result):
     assert "PARTIAL" not in text_of(stiction.report.page([result("run")]))
 
 
+def test_laws_that_do_not_pull_have_no_pull_off(result):
+    of = facts(result("comparison"))
+    rows = {row[0]: row for row in of.tables[0].rows}
+    force = result("comparison").integral["pull_off_force"]
+    assert list(rows) == list(force["model_law"].values) and rows["gw"][1:3] == ["none", "none"]
+    assert rows["emd"][2] == quantities.si(force.sel(model_law="emd"), "N")
+    assert ("model.law", ", ".join(rows)) in of.computed
+    assert [verdict.word for verdict in of.verdicts if verdict.subject == "resolution"] == ["fine"]
+
+
 def test_the_command_writes_a_page_and_overwrites_none(result, tmp_path, capsys):
     copy = result("run").save(tmp_path / "a.h5")
     assert main([str(copy)]) == 0

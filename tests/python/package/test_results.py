@@ -10,8 +10,9 @@ import xarray
 
 import stiction
 from stiction import FileError
+from stiction.backend import StictionBackend
 
-KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Comparison}
+KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Sweep}
 KINDS |= {"alone": stiction.Run, "alone_sweep": stiction.Sweep, "asperities": stiction.Asperities}
 
 
@@ -45,8 +46,8 @@ def test_what_is_wrong_with_a_file_is_told(result, tmp_path):
         stiction.open_run(old)
     with pytest.raises(FileError, match="exists; force=True"):
         result("run").save(old)
-    with pytest.raises(FileError, match="of `stiction run`, not of `stiction compare`"):
-        stiction.Comparison(result("run").path)
+    with pytest.raises(FileError, match=r"of `stiction run`, not of `stiction run of a scene with \[sweep\]`"):
+        stiction.Sweep(result("run").path)
     with pytest.raises(FileError, match=r"no group /coupling; it has .*ensemble"):
         result("run").group("coupling")
 
@@ -111,11 +112,18 @@ def test_points_of_a_sweep_are_selected_by_their_keys(result):
     assert len(sweep.replicas.to_dataframe()) == 2 * 3 * 20
 
 
-def test_the_laws_of_a_comparison_are_selected_by_name(result):
-    comparison = result("comparison")
-    assert comparison.laws == ["hybrid", "emd", "fit:paper"]
-    emd = comparison.integral.sel(law="emd")
-    assert float(emd.external_force.sel(h_star=2.8, method="nearest")) != 0.0
+def test_points_of_choices_are_selected_by_name(result):
+    for name, key, names in (("comparison", "model_law", ["hybrid", "emd", "fit:paper", "gw"]), ("choice", "substrate_coupling", ["none", "patch"])):
+        sweep = result(name)
+        with h5py.File(sweep.path) as file:
+            forces, mean = file["integral/external_force"][:], file["ensemble/scalar_controlled_mean"][:, 0]
+        for point, chosen in enumerate(names):
+            assert np.array_equal(sweep.integral.external_force.sel({key: chosen}), forces[point])
+            assert float(sweep.pull_off["mean"].sel({key: chosen})) == mean[point]
+            assert sweep.key_text(key, sweep.points[key][point].item()) == chosen
+        tree = xarray.open_datatree(sweep.path, engine=StictionBackend)
+        assert list(sweep[key].values) == list(tree[f"integral/{key}"].values) == names
+        assert ", ".join(names) in repr(sweep) or name == "choice"
 
 
 def test_the_engine_of_xarray_has_h_star_to_select_by(result):

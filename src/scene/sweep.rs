@@ -21,12 +21,19 @@ use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
 
 /// Tables and keys of `[model]` that only some laws take. Of a sweep over laws they are left out at points of others.
-const OF_SOME_LAWS: [(&str, &str, fn(&Model) -> bool); 3] = [
-    ("", LIQUID, Model::is_wet),
-    ("model", "critical_approach", |law| law.name == PUBLISHED_FITS),
-    ("model", "plastic_contact", |law| law.contact().is_some()),
+const OF_SOME_LAWS: [OfSomeLaws; 3] = [
+    OfSomeLaws { table: "", key: LIQUID, takes: Model::is_wet },
+    OfSomeLaws { table: "model", key: "critical_approach", takes: |law| law.name == PUBLISHED_FITS },
+    OfSomeLaws { table: "model", key: "plastic_contact", takes: |law| law.contact().is_some() },
 ];
 const LIQUID: &str = "capillary";
+
+/// A key of a table (empty: of the scene) and the laws that take it.
+struct OfSomeLaws {
+    table: &'static str,
+    key: &'static str,
+    takes: fn(&Model) -> bool,
+}
 
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
@@ -119,7 +126,7 @@ impl Sweep {
             put(&mut scene, axis.key.name, axis.key.item(number))?;
         }
         let Some(law) = self.law(point) else { return Ok(scene.to_string()) };
-        for (table, key, _) in OF_SOME_LAWS.iter().filter(|(.., takes)| !takes(&law)) {
+        for OfSomeLaws { table, key, .. } in OF_SOME_LAWS.iter().filter(|of| !(of.takes)(&law)) {
             let table = if table.is_empty() { Some(scene.as_item_mut()) } else { scene.get_mut(table) };
             table.and_then(Item::as_table_like_mut).and_then(|table| table.remove(key));
         }

@@ -38,7 +38,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     if options.replicas.is_some() && !arguments.ensemble {
         return Err(Failure::Usage("--replicas is for ensembles: give --ensemble, too".to_owned()));
     }
-    let laws = arguments.laws.iter().map(law).collect::<Result<Vec<String>, Failure>>()?;
+    let laws = arguments.laws.iter().map(|name| law(name)).collect::<Result<Vec<String>, Failure>>()?;
     if let Some(twice) = (1..laws.len()).find(|at| laws[..*at].contains(&laws[*at])) {
         return Err(Failure::Usage(format!("--laws: {} is given twice; give it once", laws[twice])));
     }
@@ -62,7 +62,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
 }
 
 /// The law of a name in a list.
-fn law(name: &String) -> Result<String, Failure> {
+fn law(name: &str) -> Result<String, Failure> {
     match name.trim() {
         "" => Err(Failure::Usage("--laws: a name is empty; names are separated by single commas".to_owned())),
         name => find("--laws", name).map(|model| model.name.to_owned()),

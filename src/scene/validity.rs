@@ -19,6 +19,8 @@ use crate::surface::{HeightLaw, Radii};
 const LARGEST_CONTACT: f64 = 0.3;
 /// Heights that are called the highest asperities, in σ_s.
 const HIGHEST: f64 = 3.0;
+/// Most copies of the highest measured asperity in a replica on average: 95 % of the patches have it.
+const MOST_COPIES: f64 = 3.0;
 /// Largest share of the nominal area in contact.
 const LARGEST_SHARE: f64 = 0.1;
 /// Largest share of what is read off that the separations may miss.
@@ -55,6 +57,7 @@ pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected
 pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
+    warnings.extend(copies(scene));
     warnings.extend(wet(scene, model));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
@@ -129,6 +132,25 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
                      the size of its mean", units(&["nominal_area", "asperity_density"])));
     }
     warnings
+}
+
+/// Patches of which nearly each has the highest of the asperities that they are drawn from, and none a higher one.
+fn copies(scene: &Scene) -> Option<Warning> {
+    let surface = &scene.surface;
+    let HeightLaw::Sample(heights) = &surface.heights.law else { return None };
+    let count = heights.len();
+    let copies = surface.asperity_count as f64 / count as f64;
+    let change = match &surface.radii {
+        Radii::Measured(_) => "surface.spectrum of the map's moments has a tail of heights",
+        _ => "surface.heights of a law, such as \"gaussian\", has a tail of heights",
+    };
+    (copies > MOST_COPIES && !surface.whole).then(|| {
+        Warning::new(
+            format!("the highest of the {count} heights is in a replica {copies:.1} times on average, more than {MOST_COPIES}"),
+            "a patch so much larger than what was measured would have higher asperities, and patches would differ more",
+            format!("a smaller nominal_area has patches of what was measured; {change}"),
+        )
+    })
 }
 
 /// Menisci that are too small for a continuum or too large for the asperities, and solids that the liquid parts, under a law

@@ -221,6 +221,26 @@ fn surfaces_that_were_never_pressed_are_warned_of_where_tops_flow() {
     }
 }
 
+/// A patch drawn from n heights has the highest of them N/n times on average, with N asperities, and is warned of where that is
+/// more than 3, so that 1 − exp(−3) = 95 % of the patches have it.
+#[test]
+fn patches_larger_than_what_was_measured_are_warned_of() {
+    for (count, expected) in [(100, Some("7.4 times")), (240, Some("3.1 times")), (250, None)] {
+        let surface =
+            "[surface]\nheights = { law = \"file\", path = \"heights.csv\", column = 1, unit = \"m\" }";
+        let scene = QUICK.replace("[surface]", surface).replace("surface_height_std = \"1.619 nm\"", "");
+        let folder = Folder::new(&scene);
+        let heights: String = (0..count).map(|i| format!("{:e}\n", 2e-11 * f64::from(i))).collect();
+        std::fs::write(folder.path("heights.csv"), heights).unwrap();
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let mut found = warnings(&text(&check.stdout));
+        found.retain(|warning| warning.contains("the highest of the"));
+        assert_eq!(found.len(), usize::from(expected.is_some()), "{found:#?}");
+        assert!(expected.is_none_or(|times| found[0].contains(times)), "{found:#?}");
+    }
+}
+
 #[test]
 fn each_slip_has_its_warning_and_no_other() {
     for (from, to, expected) in CASES {

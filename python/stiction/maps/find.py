@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import files, quantities
-from ..errors import SceneError, StictionError
+from ..errors import SceneError
 from ..results import Asperities, Place
 from .ellipsoids import Shape, shape
 from .level import LEVELS, ROWS, SMALLEST, Grid, flaws, levelled, offset_lines, rows_levelled
@@ -20,8 +20,10 @@ from .smooth import cutoff_series, smoothed
 from .spectrum import Equivalent, Moments, equivalent, moments
 from .summits import Measured, Summits, apart, measured, prominent, summits
 
-__all__ = ["AtCutoff", "Steps", "Surface", "checked", "find_asperities", "found_on"]
+__all__ = ["AtCutoff", "Steps", "Surface", "check_outputs", "find_asperities", "found_on", "steps_of"]
 
+# Endings of pictures.
+PICTURES = (".png", ".pdf", ".svg")
 # Largest height of either sign, m, and pixels, m.
 _HIGHEST, _PIXELS = 1e6, (1e-13, 1e3)
 # Roundings of the largest height within which heights are equal: levelling does not keep them apart.
@@ -167,11 +169,9 @@ def find_asperities(
     >>> found.height.shape
     (213,)
     """
-    steps = checked(level, level_rows, smooth=smooth, prominence=prominence, min_distance=min_distance, cutoffs=cutoffs)
+    steps = steps_of(level, level_rows, smooth=smooth, prominence=prominence, min_distance=min_distance, cutoffs=cutoffs)
     inputs = [map] if isinstance(map, str | Path) else []
-    for path in (output, figure):
-        if path is not None:
-            files.check(path, force=force, inputs=inputs)
+    check_outputs(output, figure, force=force, inputs=inputs)
     height_map = read_map(map, pixel=pixel, height_unit=height_unit, channel=dataset, factor=factor, mask=mask)
     surface = found_on(height_map, steps, keep=figure is not None)
     from .file import write
@@ -186,7 +186,26 @@ def find_asperities(
         return result
 
 
-def checked(
+def check_outputs(
+    output: str | Path | None, figure: str | Path | None, *, force: bool, inputs: Sequence[str | Path]
+) -> None:
+    """Refuses names of a result and a picture that cannot be written, before anything is computed.
+
+    Raises
+    ------
+    FileError
+        The message says what is in the way.
+    SceneError
+        The picture is of no kind that is known.
+    """
+    if figure is not None and Path(figure).suffix.lower() not in PICTURES:
+        raise SceneError(f"figure = {figure}: a name that ends with {', '.join(PICTURES)} is needed")
+    for path in (output, figure):
+        if path is not None:
+            files.check(path, force=force, inputs=inputs)
+
+
+def steps_of(
     level: str, level_rows: str | None, *, smooth: Any, prominence: Any, min_distance: Any, cutoffs: int | None
 ) -> Steps:
     """The steps that arguments ask for.
@@ -275,8 +294,8 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     if not len(all_prominent):
         most = float(prominent(grid, found, 0.0).prominence.max())
         raise SceneError(
-            f"no summit has a prominence of {quantities.si(steps.prominence, 'm')}; the most prominent one has "
-            f"{quantities.si(most, 'm')}, so that prominence has to be less"
+            f"prominence = {quantities.si(steps.prominence, 'm')}: no summit has that; the most prominent one has "
+            f"{quantities.si(most, 'm')}"
         )
     kept = apart(grid, all_prominent, steps.min_distance)
     surface = Surface(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import ndimage
 
 from ..errors import SceneError
 
@@ -27,8 +27,8 @@ _COUNTS = {"none": 1, "plane": 3, "quadratic": 6}
 _DETERMINED = 1e-9
 # Share of pixels, or of pairs of them, from which a flaw is said.
 _NOTED = 0.01
-# Jumps of a row over their robust scatter, and over the scatter of its pixels' own jumps.
-_OUTLYING, _JUMP, _UNSTEADY = 5.0, 1.0, 0.7
+# Steps of a row over their typical size, and over the scatter of its pixels' own steps: of one, and of most.
+_OUTLYING, _JUMP, _UNSTEADY = 5.0, 1.0, 0.5
 # Standard deviation of a Gaussian over its median absolute deviation.
 _GAUSSIAN = 1.4826
 
@@ -188,10 +188,10 @@ def _frozen(heights: Any) -> Iterator[str]:
 
 
 def offset_lines(heights: Any) -> list[str]:
-    """A line for rows and for columns that are offset against each other, of which a scan has no other sign.
+    """A line for rows and for columns that are offset against each other.
 
-    A step from line to line is the median of the steps of its pixels. It is an offset where it is far from the
-    other steps, and larger than the scatter of its pixels; so are all where most are as large as that scatter.
+    A step from line to line is the median of the steps of its pixels. It is an offset where it differs from the steps
+    next to it by more than its pixels' steps do among each other; so are all where most differ nearly as much.
     """
     return [line for name, lines in (("rows", heights), ("columns", heights.T)) for line in _offset(name, lines)]
 
@@ -204,12 +204,13 @@ def _offset(name: str, lines: Any) -> Iterator[str]:
     jumps, scatter = jumps[known], scatter[known]
     if jumps.size < SMALLEST:
         return
-    jumps = np.abs(jumps - np.median(jumps))
+    jumps = np.abs(jumps - ndimage.median_filter(jumps, size=5, mode="nearest"))
     typical = _GAUSSIAN * float(np.median(jumps))
-    advice = 'level_rows="median" takes offsets of rows away' if name == "rows" else "turn the map to level them as rows"
-    if typical > _UNSTEADY * float(np.median(scatter)):
-        yield f"{name} are offset against each other, or the surface has a lay along them; {advice}"
+    advice = "; levelling of rows takes offsets away" if name == "rows" else ""
+    if typical > _UNSTEADY * float(np.median(scatter)) > 0.0:
+        yield f"{name} are offset against each other, or the surface has a lay along them{advice}"
         return
-    count = np.count_nonzero((jumps > _OUTLYING * typical) & (jumps > _JUMP * scatter))
-    if count and math.isfinite(typical):
-        yield f"{count} steps between {name} are far larger than the others, as of offset lines; {advice}"
+    count = np.count_nonzero((jumps > _OUTLYING * typical) & (jumps > _JUMP * scatter) & (scatter > 0.0))
+    if count:
+        noun, verb = (name, "are") if count > 1 else (name[:-1], "is")
+        yield f"{count} {noun} {verb} offset against the one before{advice}"

@@ -86,9 +86,12 @@ def read_map(
 
 def _length(name: str, value: Any) -> float:
     try:
-        return float(quantities.parsed(name, value if isinstance(value, str) else quantities.as_text(value, "m"))[0])
-    except (TypeError, ValueError) as error:
-        raise SceneError(f"{name} = {value!r}: a length with its unit is needed, such as \"9.8 nm\" ({error})") from None
+        length, unit = quantities.parsed(name, value if isinstance(value, str) else quantities.as_text(value, "m"))
+    except (TypeError, ValueError):
+        unit = ""
+    if unit != "m":
+        raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "9.8 nm"')
+    return float(length)
 
 
 def _pixel(called: str, given: Any, raw: _Raw, warnings: list[str]) -> tuple[float, float]:

@@ -37,7 +37,8 @@ def _parser() -> argparse.ArgumentParser:
         "what the file says")  # fmt: skip
     add("--height-unit", metavar="UNIT", help="unit of the heights, such as nm; by default what the file says")
     add("--dataset", metavar="NAME", help="which dataset of an HDF5 file, or channel of an instrument's, is the map")
-    add("--factor", type=float, metavar="X", help="what heights are multiplied by")
+    add("--factor", metavar="X", help='what the numbers are multiplied by, or a length per count or volt, such as "12 nm/V"')
+    add("--mask", type=Path, metavar="FILE", help="a map in which all but 0 marks heights that are left out")
     add("--level-rows", metavar="HOW", help=f"what is subtracted from each row before: {', '.join(ROWS)} (from row to row)")
     add("--level", default="plane", metavar="HOW", help=f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane")
     add("--smooth", metavar="WAVELENGTH", help='smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal '
@@ -78,9 +79,10 @@ def _asperities(given: argparse.Namespace) -> None:
     )  # fmt: skip
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
     height_map = read_map(
-        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset, factor=given.factor
-    )
-    surface = found_on(height_map, steps, keep=given.figure is not None)
+        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset, factor=given.factor,
+        mask=given.mask,
+    )  # fmt: skip
+    surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
     if given.output is not None:
         write(given.output, surface, given.height_unit or "", force=given.force, inputs=[given.map])
     if given.figure is not None:

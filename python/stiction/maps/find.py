@@ -97,7 +97,7 @@ def find_asperities(
     pixel: Any = None,
     height_unit: str | None = None,
     dataset: str | None = None,
-    factor: float | None = None,
+    factor: Any = None,
     mask: Any = None,
     level_rows: str | None = None,
     level: str = "plane",
@@ -125,10 +125,11 @@ def find_asperities(
         Unit of the heights; of arrays m by default, of files what they say.
     dataset : str, optional
         Which dataset of an HDF5 file, or channel of an instrument's, is the map.
-    factor : float, optional
-        What heights are multiplied by, such as m per V of the instrument.
-    mask : array_like of bool (ny, nx), optional
-        Where heights count as missing.
+    factor : float, str, optional
+        What the numbers are multiplied by: a number, or a text with a length per count or other unit of the
+        instrument, such as ``"12 nm/V"``.
+    mask : array_like (ny, nx) or path, optional
+        Where it is not 0 heights count as missing.
     level_rows : {"median", "differences"}, optional
         What is subtracted from each row before the plane: its median, or the sum of the median differences from row to
         row. By default nothing is.
@@ -173,7 +174,8 @@ def find_asperities(
     inputs = [map] if isinstance(map, str | Path) else []
     check_outputs(output, figure, force=force, inputs=inputs)
     height_map = read_map(map, pixel=pixel, height_unit=height_unit, channel=dataset, factor=factor, mask=mask)
-    surface = found_on(height_map, steps, keep=figure is not None)
+    called = str(map) if isinstance(map, str | Path) else "map"
+    surface = found_on(height_map, steps, called, keep=figure is not None)
     from .file import write
 
     with Place(output) as place:
@@ -246,7 +248,7 @@ def _length(name: str, value: Any, bound: str, fits: Callable[[float], bool]) ->
     return length
 
 
-def found_on(height_map: HeightMap, steps: Steps, keep: bool = False) -> Surface:
+def found_on(height_map: HeightMap, steps: Steps, called: str = "map", *, keep: bool = False) -> Surface:
     """Levels and smooths a map, and finds its asperities.
 
     Parameters
@@ -255,6 +257,8 @@ def found_on(height_map: HeightMap, steps: Steps, keep: bool = False) -> Surface
         The map.
     steps : Steps
         What is done to it.
+    called : str
+        What messages call it.
     keep : bool
         Whether the map after each step is kept.
 
@@ -266,7 +270,7 @@ def found_on(height_map: HeightMap, steps: Steps, keep: bool = False) -> Surface
     try:
         return _found(height_map, steps, keep)
     except SceneError as error:
-        raise SceneError(f"{height_map.name}: {error}") from None
+        raise SceneError(f"{called}: {error}") from None
 
 
 def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
@@ -375,8 +379,9 @@ def _wrong_unit(slope: float) -> Iterator[str]:
     """Slopes that no surface has, where heights or pixels are in a wrong unit, and the factor that would make them usual."""
     if _SLOPES[0] <= slope <= _SLOPES[1]:
         return
-    powers = [power for power in (12, 9, 6, 3, -3, -6, -9, -12) if _USUAL_SLOPES[0] <= slope * 10.0**power <= _USUAL_SLOPES[1]]
-    advice = f"; with heights times 1e{powers[0]} they would be {slope * 10.0 ** powers[0]:.1e}" if powers else ""
+    powers = (12, 9, 6, 3, -3, -6, -9, -12)
+    usual = [power for power in powers if _USUAL_SLOPES[0] <= slope * 10.0**power <= _USUAL_SLOPES[1]]
+    advice = f"; with heights 1e{usual[0]} times as high they would be {slope * 10.0 ** usual[0]:.1e}" if usual else ""
     yield (
         f"slopes are {slope:.1e} on average, as on no surface: the unit of the heights or of the pixels is wrong{advice}"
     )

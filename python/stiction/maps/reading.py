@@ -58,7 +58,7 @@ class _Raw:
 
 def read_map(
     source: Any, *, pixel: Any = None, height_unit: str | None = None, channel: str | None = None,
-    factor: float | None = None, mask: Any = None,
+    factor: Any = None, mask: Any = None,
 ) -> HeightMap:  # fmt: skip
     """Reads a map from a file or an array.
 
@@ -78,7 +78,7 @@ def read_map(
     warnings: list[str] = []
     size = _pixel(called, pixel, raw, warnings)
     unit = _unit(called, height_unit, raw, warnings)
-    heights = raw.heights * (unit * (1.0 if factor is None else factor))
+    heights = raw.heights * (unit * (1.0 if factor is None else float(factor)))
     if mask is not None:
         heights[np.asarray(mask, dtype=bool)] = np.nan
     return HeightMap(heights, size, name, raw.source, warnings)
@@ -97,6 +97,8 @@ def _length(name: str, value: Any) -> float:
 def _pixel(called: str, given: Any, raw: _Raw, warnings: list[str]) -> tuple[float, float]:
     if isinstance(given, str) and "," in given:
         given = given.split(",")
+    if given is None and raw.pixel is None and called == "map":
+        raise SceneError('pixel: an array does not say how large its pixels are; give pixel="10 nm"')
     if given is None and raw.pixel is None:
         raise SceneError(
             f'{called}: does not say how large it is; give pixel with the size of a pixel, such as "9.8 nm"'

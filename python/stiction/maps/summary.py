@@ -120,7 +120,7 @@ def _parameters(surface: Surface) -> Iterator[str]:
     yield line("density", ours.density, theirs.density, density)
     yield line("1/mean curvature", ours.radius, theirs.radius, _m)
     mean = float(np.mean(surface.summits.radius))
-    yield f"  {'mean radius':<18}{_m(mean):>18}  the R that a run of these asperities tells"
+    yield f"  {'mean radius':<18}{_m(mean):>18}  the R of a run of these asperities"
     yield line("mean height", ours.height_mean, theirs.height_mean, _m)
     yield line("height std", ours.height_std, theirs.height_std, _m)
     beta = [one.density * one.radius * one.height_std for one in (ours, theirs)]

@@ -6,6 +6,7 @@ import argparse
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ..errors import StictionError
 from ..terminal import ended
@@ -19,37 +20,60 @@ from .summary import summary
 __all__ = ["main"]
 
 # Options that messages name as arguments.
-_OPTIONS = ("pixel", "height_unit", "dataset", "factor", "level_rows", "level", "smooth", "prominence", "min_distance", "cutoffs", "figure")
+_OPTIONS = (
+    "pixel",
+    "height_unit",
+    "dataset",
+    "factor",
+    "level_rows",
+    "level",
+    "smooth",
+    "prominence",
+    "min_distance",
+    "cutoffs",
+    "figure",
+)
+
+
+_EPILOG = """Examples: stiction asperities configs/maps/polished.txt -o polished.h5; stiction asperities
+scan.npy --pixel "9.8 nm" --height-unit nm. Exit codes: 0 done; 1 failed while running; 2 the command or the
+map is wrong."""
+
+# Of each option its names, the name of its value, and what it does.
+_HELP = [
+    (("-o", "--output"), "FILE.h5", "where the result goes; by default there is only the summary"),
+    (("--pixel",), "DX[,DY]", 'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default '
+     "what the file says"),
+    (("--height-unit",), "UNIT", "unit of the heights, such as nm; by default what the file says"),
+    (("--dataset",), "NAME", "which dataset of an HDF5 file, or channel of an instrument's, is the map"),
+    (("--factor",), "X", 'what the numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
+    (("--mask",), "FILE", "a map in which all but 0 marks heights that are left out"),
+    (("--level-rows",), "HOW", f"what is subtracted from each row before: {', '.join(ROWS)} (from row to row)"),
+    (("--level",), "HOW", f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane"),
+    (("--smooth",), "WAVELENGTH", 'smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an '
+     "areal Gaussian filter takes waves away (ISO 16610-61)"),
+    (("--prominence",), "HEIGHT", "count only summits that are so high above the saddle on the way to higher ground, "
+     'such as "0.5 nm"'),
+    (("--min-distance",), "LENGTH", 'count only summits with no higher one nearer than that, such as "100 nm"'),
+    (("--cutoffs",), "N", "report density, radius and scatter of the summits over N cut-offs too, from 2 pixels to a "
+     "quarter of the map's side"),
+    (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
+]  # fmt: skip
+_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": int}
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction asperities",
         description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for.",
-        epilog='Examples: stiction asperities configs/maps/polished.txt -o polished.h5; stiction asperities scan.npy --pixel "9.8 nm" '
-        "--height-unit nm. Exit codes: 0 done; 1 failed while running; 2 the command or the map is wrong.",
+        epilog=_EPILOG,
     )
-    add = parser.add_argument
-    add("map", type=Path, metavar="MAP", help="the height map: a text with a row of the map on each line, NPY, HDF5; with `pip "
-        "install stiction[maps]` the files of instruments")  # fmt: skip
-    add("-o", "--output", type=Path, metavar="FILE.h5", help="where the result goes; by default there is only the summary")
-    add("--pixel", metavar="DX[,DY]", help='size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default '
-        "what the file says")  # fmt: skip
-    add("--height-unit", metavar="UNIT", help="unit of the heights, such as nm; by default what the file says")
-    add("--dataset", metavar="NAME", help="which dataset of an HDF5 file, or channel of an instrument's, is the map")
-    add("--factor", metavar="X", help='what the numbers are multiplied by, or a length per count or volt, such as "12 nm/V"')
-    add("--mask", type=Path, metavar="FILE", help="a map in which all but 0 marks heights that are left out")
-    add("--level-rows", metavar="HOW", help=f"what is subtracted from each row before: {', '.join(ROWS)} (from row to row)")
-    add("--level", default="plane", metavar="HOW", help=f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane")
-    add("--smooth", metavar="WAVELENGTH", help='smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal '
-        "Gaussian filter takes waves away (ISO 16610-61)")  # fmt: skip
-    add("--prominence", metavar="HEIGHT", help="count only summits that are so high above the saddle on the way to higher ground, such "
-        'as "0.5 nm"')  # fmt: skip
-    add("--min-distance", metavar="LENGTH", help='count only summits with no higher one nearer than that, such as "100 nm"')
-    add("--cutoffs", type=int, metavar="N", help="report density, radius and scatter of the summits over N cut-offs too, from 2 pixels "
-        "to a quarter of the map's side")  # fmt: skip
-    add("--figure", type=Path, metavar="OUT", help="a picture, .png, .pdf or .svg, of the map with its summits after each step")
-    add("--force", action="store_true", help="overwrite files that are there")
+    of_map = "the height map: a text with a row of the map on each line, NPY, HDF5; with `pip install stiction[maps]` "
+    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}files of instruments")
+    for names, value, words in _HELP:
+        parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
+    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+    parser.set_defaults(level="plane")
     return parser
 
 
@@ -79,8 +103,8 @@ def _asperities(given: argparse.Namespace) -> None:
     )  # fmt: skip
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
     height_map = read_map(
-        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset, factor=given.factor,
-        mask=given.mask,
+        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset,
+        factor=given.factor, mask=given.mask,
     )  # fmt: skip
     surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
     if given.output is not None:

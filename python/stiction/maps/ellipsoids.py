@@ -1,4 +1,5 @@
-"""Summits that are ellipsoids, in laws that are for spheres: a Hertz contact of principal curvatures κ₁ ≥ κ₂."""
+"""Summits that are ellipsoids, in laws that are for spheres: a Hertz contact of principal curvatures κ₁ ≥
+κ₂."""
 
 from __future__ import annotations
 
@@ -16,9 +17,9 @@ __all__ = ["Shape", "forces_of_spheres", "hertz_radius", "shape"]
 def hertz_radius(sharp: float, blunt: float) -> float:
     """Radius of the sphere that has the Hertz force of an ellipsoid on a plane at every interference, m.
 
-    P = (4/3) E* √R δ^(3/2) with R = π² R_D(0, k², 1)/(6 K³ κ₂) (Johnson 1985, section 4.2), where the ratio k = b/a of
-    the half-widths of the contact follows from κ₁/κ₂ = R_D(0, 1, k²)/R_D(0, k², 1), and K = R_F(0, k², 1), in Carlson's
-    elliptic integrals.
+    P = (4/3) E* √R δ^(3/2) with R = π² R_D(0, k², 1)/(6 K³ κ₂) (Johnson 1985, section 4.2), where the ratio k
+    = b/a of the half-widths of the contact follows from κ₁/κ₂ = R_D(0, 1, k²)/R_D(0, k², 1), and K = R_F(0,
+    k², 1), in Carlson's elliptic integrals.
 
     Parameters
     ----------
@@ -45,9 +46,11 @@ def hertz_radius(sharp: float, blunt: float) -> float:
 
 
 def forces_of_spheres(ratio: float) -> tuple[float, float]:
-    """Hertz forces at an interference of two spheres over an ellipsoid's whose principal curvatures have this ratio.
+    """Hertz forces at an interference of two spheres over an ellipsoid's whose principal curvatures have this
+    ratio.
 
-    The spheres have R = 1/mean curvature and R = 1/√(κ₁κ₂); both forces are at most 1, and the second is the larger one.
+    The spheres have R = 1/mean curvature and R = 1/√(κ₁κ₂); both forces are at most 1, and the second is the
+    larger one.
 
     Examples
     --------

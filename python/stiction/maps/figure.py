@@ -22,7 +22,8 @@ _DPI = 200
 
 
 def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[str | Path]) -> None:
-    """Draws the map as measured and after each step, each with its summits, and last the asperities that count.
+    """Draws the map as measured and after each step, each with its summits, and last the asperities that
+    count.
 
     Parameters
     ----------
@@ -45,7 +46,11 @@ def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[st
         columns = min(len(stages), 2)
         rows = -(-len(stages) // columns)
         figure, axes = pyplot.subplots(
-            rows, columns, squeeze=False, layout="constrained", figsize=(inches(90 * columns), inches(75 * rows))
+            rows,
+            columns,
+            squeeze=False,
+            layout="constrained",
+            figsize=(inches(90 * columns), inches(75 * rows)),
         )
         for ax, (name, (grid, found)) in zip(axes.flat, stages.items(), strict=False):
             width, height = grid.pixel
@@ -61,7 +66,8 @@ def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[st
 
 
 def _stages(surface: Surface) -> dict[str, tuple[Grid, Summits]]:
-    """The map after each step with its summits; as measured it is less its mean, so that the steps are alike."""
+    """The map after each step with its summits; as measured it is less its mean, so that the steps are
+    alike."""
     stages: dict[str, Any] = {name: (grid, summits(grid)[0]) for name, grid in surface.stages.items()}
     for name in ("as measured", "rows levelled"):
         if name in stages:

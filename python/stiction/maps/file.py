@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,9 @@ __all__ = ["write"]
 _CHUNK, _MAP_CHUNK = 1 << 17, 256
 
 
-def write(path: Path, surface: Surface, height_unit: str, *, force: bool, inputs: Iterable[str | Path]) -> None:
+def write(
+    path: Path, surface: Surface, height_unit: str, *, force: bool, inputs: Iterable[str | Path]
+) -> None:
     """Writes the file, as a whole or not at all.
 
     Parameters
@@ -54,7 +56,7 @@ def _attributes(surface: Surface, height_unit: str) -> dict[str, Any]:
         "format": FORMAT,
         "format_version": np.array(VERSION, dtype=np.uint32),
         "program_version": __version__,
-        "created": datetime.now(timezone.utc).isoformat().replace("+00:00", "Z"),
+        "created": datetime.now(UTC).isoformat().replace("+00:00", "Z"),
         "map": map.name,
         "map_source": map.source,
         "height_unit": height_unit,

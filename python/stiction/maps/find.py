@@ -30,7 +30,8 @@ _HIGHEST, _PIXELS = 1e6, (1e-13, 1e3)
 _ROUNDINGS = 64.0
 # Most cut-offs of a series: a page has no room for more.
 _MOST_CUTOFFS = 100
-# Fewer pixels from one maximum of a profile to the next leave summits unresolved; fewer summits their density.
+# Fewer pixels from one maximum of a profile to the next leave summits unresolved; fewer summits their
+# density.
 _FEWEST_PIXELS, _FEWEST_SUMMITS = 10.0, 100
 # Skewness and excess kurtosis of heights that are far from Gaussian, ratio of slopes of a lay, least α.
 _SKEWNESS, _KURTOSIS, _ANISOTROPIC, _LEAST_ALPHA = 0.3, 0.6, 1.5, 1.5
@@ -52,7 +53,8 @@ class Steps:
 
 @dataclass(frozen=True)
 class AtCutoff:
-    """Summits of a map that is smoothed with a cut-off, m: their number, the area searched, m², and what they are."""
+    """Summits of a map that is smoothed with a cut-off, m: their number, the area searched, m², and what they
+    are."""
 
     cutoff: float
     count: int
@@ -113,10 +115,11 @@ def find_asperities(
     Parameters
     ----------
     map : path, array_like, xarray.DataArray or SurfaceTopography topography
-        Heights. In an array the first index is y and the second x, as in images; masked heights and NaN are missing.
-        The coordinates `x` and `y` of a `DataArray`, evenly spaced, give the pixel, and their attribute `units` its
-        unit; SurfaceTopography's first index is x, which is seen to. With the extra ``stiction[maps]`` SurfaceTopography
-        reads some forty formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...).
+        Heights. In an array the first index is y and the second x, as in images; masked heights and NaN are
+        missing. The coordinates `x` and `y` of a `DataArray`, evenly spaced, give the pixel, and their
+        attribute `units` its unit; SurfaceTopography's first index is x, which is seen to. With the extra
+        ``stiction[maps]`` SurfaceTopography reads some forty formats of instruments (``.gwy``, ``.spm``,
+        ``.ibw``, ``.nid``, ...).
     output : path, optional
         Where the result goes; as of `run`.
     pixel : float, str, or pair of them, optional
@@ -131,23 +134,26 @@ def find_asperities(
     mask : array_like (ny, nx) or path, optional
         Where it is not 0 heights count as missing.
     level_rows : {"median", "differences"}, optional
-        What is subtracted from each row before the plane: its median, or the sum of the median differences from row to
-        row. By default nothing is.
+        What is subtracted from each row before the plane: its median, or the sum of the median differences
+        from row to row. By default nothing is.
     level : {"plane", "quadratic", "none"}
         What is subtracted from the heights.
     smooth : float, str, optional
-        Cut-off wavelength of the areal Gaussian filter (ISO 16610-61) that the levelled map is smoothed with, a number
-        in m or a text with a unit: from two pixels to half the shorter side of the map. By default it is not smoothed.
+        Cut-off wavelength of the areal Gaussian filter (ISO 16610-61) that the levelled map is smoothed with,
+        a number in m or a text with a unit: from two pixels to half the shorter side of the map. By default
+        it is not smoothed.
     prominence : float, str, optional
-        Least height above the saddle on the way to higher ground with which a summit counts, a number in m or a text
-        with a unit. By default all count.
+        Least height above the saddle on the way to higher ground with which a summit counts, a number in m or
+        a text with a unit. By default all count.
     min_distance : float, str, optional
-        Least distance to a higher summit that counts, a number in m or a text with a unit. By default all count.
+        Least distance to a higher summit that counts, a number in m or a text with a unit. By default all
+        count.
     cutoffs : int, optional
-        Over how many cut-offs, 2 to 100, from two pixels to a quarter of the shorter side, density, radius and scatter
-        of the summits are computed too, with the other options as they are: `Asperities.cutoffs`.
+        Over how many cut-offs, 2 to 100, from two pixels to a quarter of the shorter side, density, radius
+        and scatter of the summits are computed too, with the other options as they are: `Asperities.cutoffs`.
     figure : path, optional
-        A picture, ``.png``, ``.pdf`` or ``.svg``, of the map with its summits as measured and after each step.
+        A picture, ``.png``, ``.pdf`` or ``.svg``, of the map with its summits as measured and after each
+        step.
     force : bool
         Whether an existing `output` or `figure` is overwritten.
 
@@ -170,10 +176,14 @@ def find_asperities(
     >>> found.height.shape
     (213,)
     """
-    steps = steps_of(level, level_rows, smooth=smooth, prominence=prominence, min_distance=min_distance, cutoffs=cutoffs)
+    steps = steps_of(
+        level, level_rows, smooth=smooth, prominence=prominence, min_distance=min_distance, cutoffs=cutoffs
+    )
     inputs = [map] if isinstance(map, str | Path) else []
     check_outputs(output, figure, force=force, inputs=inputs)
-    height_map = read_map(map, pixel=pixel, height_unit=height_unit, channel=dataset, factor=factor, mask=mask)
+    height_map = read_map(
+        map, pixel=pixel, height_unit=height_unit, channel=dataset, factor=factor, mask=mask
+    )
     called = str(map) if isinstance(map, str | Path) else "map"
     surface = found_on(height_map, steps, called, keep=figure is not None)
     from .file import write
@@ -208,7 +218,13 @@ def check_outputs(
 
 
 def steps_of(
-    level: str, level_rows: str | None, *, smooth: Any, prominence: Any, min_distance: Any, cutoffs: int | None
+    level: str,
+    level_rows: str | None,
+    *,
+    smooth: Any,
+    prominence: Any,
+    min_distance: Any,
+    cutoffs: int | None,
 ) -> Steps:
     """The steps that arguments ask for.
 
@@ -228,7 +244,10 @@ def steps_of(
         level_rows=level_rows,
         smooth=_length("smooth", smooth, "a cut-off wavelength is above 0", lambda one: one > 0.0),
         prominence=_length(
-            "prominence", prominence, "a prominence is between 0 and 1e6 m", lambda one: 0.0 <= one <= _HIGHEST
+            "prominence",
+            prominence,
+            "a prominence is between 0 and 1e6 m",
+            lambda one: 0.0 <= one <= _HIGHEST,
         ),
         min_distance=_length("min_distance", min_distance, "a distance is above 0", lambda one: one > 0.0),
         cutoffs=None if cutoffs is None else int(cutoffs),
@@ -281,7 +300,7 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
         grid = _with(grid, rows_levelled(grid.heights, steps.level_rows))
         if keep:
             stages["rows levelled"] = grid
-    warnings += offset_lines(grid.heights)
+    warnings += offset_lines(grid.heights, ("rows", "columns") if steps.level_rows is None else ("columns",))
     grid = levelled(grid, steps.level)
     if keep:
         stages["levelled"] = grid
@@ -298,13 +317,13 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     if not len(all_prominent):
         most = float(prominent(grid, found, 0.0).prominence.max())
         raise SceneError(
-            f"prominence = {quantities.si(steps.prominence, 'm')}: no summit has that; the most prominent one has "
-            f"{quantities.si(most, 'm')}"
+            f"prominence = {quantities.si(steps.prominence, 'm')}: no summit has that; the most prominent one "
+            f"has {quantities.si(most, 'm')}"
         )
     kept = apart(grid, all_prominent, steps.min_distance)
     surface = Surface(
-        height_map, steps, grid, missing=int(np.count_nonzero(np.isnan(grid.heights))), summits=kept, area=area,
-        moments=of_profiles, shape=shape(kept), series=series, stages=stages,
+        height_map, steps, grid, missing=int(np.count_nonzero(np.isnan(grid.heights))), summits=kept,
+        area=area, moments=of_profiles, shape=shape(kept), series=series, stages=stages,
     )  # fmt: skip
     surface.warnings = [*height_map.warnings, *_caveats(surface), *warnings]
     return surface
@@ -315,7 +334,9 @@ def _grid(height_map: HeightMap) -> Grid:
     heights = height_map.heights
     rows, columns = heights.shape
     if min(rows, columns) < SMALLEST:
-        raise SceneError(f"the map has {rows} rows and {columns} columns; at least {SMALLEST} of each are needed")
+        raise SceneError(
+            f"the map has {rows} rows and {columns} columns; at least {SMALLEST} of each are needed"
+        )
     for size in height_map.pixel:
         if not _PIXELS[0] <= size <= _PIXELS[1]:
             raise SceneError(f"a pixel of {size:e} m is outside 1e-13..1e3 m; check its unit")
@@ -323,8 +344,8 @@ def _grid(height_map: HeightMap) -> Grid:
     if (size > _HIGHEST).any():
         row, column = (int(place[0]) for place in np.nonzero(size > _HIGHEST))
         raise SceneError(
-            f"row {row + 1}, column {column + 1}: the height is {heights[row, column]:g} m; finite ones up to 1e6 m, "
-            "and NaN where it is missing, are needed"
+            f"row {row + 1}, column {column + 1}: the height is {heights[row, column]:g} m; finite ones up "
+            "to 1e6 m, and NaN where it is missing, are needed"
         )
     return _with(Grid(heights, height_map.pixel, 0.0), heights)
 
@@ -339,7 +360,9 @@ def _series(grid: Grid, steps: Steps) -> list[AtCutoff]:
     if steps.cutoffs is None:
         return []
     series = []
-    for cutoff in sorted({*cutoff_series(grid, steps.cutoffs), *([] if steps.smooth is None else [steps.smooth])}):
+    for cutoff in sorted(
+        {*cutoff_series(grid, steps.cutoffs), *([] if steps.smooth is None else [steps.smooth])}
+    ):
         smooth = smoothed(grid, cutoff)
         found, area = summits(smooth)
         if len(found):
@@ -355,33 +378,39 @@ def _caveats(surface: Surface) -> Iterator[str]:
     largest = max(surface.grid.pixel)
     if (pixels := of.wavelength / largest) < _FEWEST_PIXELS:
         yield (
-            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {_FEWEST_PIXELS:g}: pixels are too "
-            f"coarse for the summits, which have a radius of {surface.measured.radius / largest:.2f} pixels"
+            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {_FEWEST_PIXELS:g}: pixels "
+            f"are too coarse for the summits, which have a radius of {surface.measured.radius / largest:.2f} pixels"
         )
     if count < _FEWEST_SUMMITS:
         yield f"{count} summits are few: their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
     if abs(of.skewness) > _SKEWNESS or abs(of.excess_kurtosis) > _KURTOSIS:
         yield (
-            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis {of.excess_kurtosis:.2f}), which "
-            "the parameters from moments take for granted"
+            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis {of.excess_kurtosis:.2f}), "
+            "which the parameters from moments take for granted"
         )
     ratio = of.slope_x / of.slope_y if of.slope_y else math.inf
     if not 1.0 / _ANISOTROPIC <= ratio <= _ANISOTROPIC:
         yield (
-            f"mean square slopes along x and y differ {ratio:.2f} times: the parameters from moments are of isotropic "
-            "surfaces"
+            f"mean square slopes along x and y differ {ratio:.2f} times: the parameters from moments are of "
+            "isotropic surfaces"
         )
     if of.alpha < _LEAST_ALPHA:
         yield f"alpha = {of.alpha:.3f}, but that of a random isotropic surface is at least 1.5"
 
 
 def _wrong_unit(slope: float) -> Iterator[str]:
-    """Slopes that no surface has, where heights or pixels are in a wrong unit, and the factor that would make them usual."""
+    """Slopes that no surface has, where heights or pixels are in a wrong unit, and the factor that would make
+    them usual."""
     if _SLOPES[0] <= slope <= _SLOPES[1]:
         return
     powers = (12, 9, 6, 3, -3, -6, -9, -12)
     usual = [power for power in powers if _USUAL_SLOPES[0] <= slope * 10.0**power <= _USUAL_SLOPES[1]]
-    advice = f"; with heights 1e{usual[0]} times as high they would be {slope * 10.0 ** usual[0]:.1e}" if usual else ""
+    advice = (
+        f"; with heights 1e{usual[0]} times as high they would be {slope * 10.0 ** usual[0]:.1e}"
+        if usual
+        else ""
+    )
     yield (
-        f"slopes are {slope:.1e} on average, as on no surface: the unit of the heights or of the pixels is wrong{advice}"
+        f"slopes are {slope:.1e} on average, as on no surface: the unit of the heights or of the pixels is "
+        f"wrong{advice}"
     )

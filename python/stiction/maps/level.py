@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +14,11 @@ from ..errors import SceneError
 __all__ = ["LEVELS", "ROWS", "SMALLEST", "Grid", "flaws", "levelled", "offset_lines", "rows_levelled"]
 
 #: The surface that is subtracted, by the name of the levelling.
-LEVELS = {"none": "mean", "plane": "plane of least squares", "quadratic": "quadratic surface of least squares"}
+LEVELS = {
+    "none": "mean",
+    "plane": "plane of least squares",
+    "quadratic": "quadratic surface of least squares",
+}
 #: What is subtracted from each row, by the name of the row levelling.
 ROWS = {"median": "median of each row", "differences": "median of differences between rows"}
 #: Fewest rows and columns of a map.
@@ -129,7 +133,8 @@ def levelled(grid: Grid, level: str) -> Grid:
 
 
 def _fitted(heights: Any, level: str) -> Any:
-    """The surface of least squares, by the normal equations; u and v go from −1 to 1 over columns and rows."""
+    """The surface of least squares, by the normal equations; u and v go from −1 to 1 over columns and
+    rows."""
     terms = _TERMS[: _COUNTS[level]]
     v, u = (np.vander(np.linspace(-1.0, 1.0, count), 5, increasing=True) for count in heights.shape)
     known = ~np.isnan(heights)
@@ -166,14 +171,14 @@ def _missing(heights: Any) -> Iterator[str]:
 def _equal(heights: Any) -> Iterator[str]:
     """The share of pairs of pixels side by side that are equally high, along x or y."""
     known = ~np.isnan(heights)
-    shares = []
+    share = 0.0
     for one, other in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
-        pairs = np.count_nonzero(known[one] & known[other])
-        shares.append(np.count_nonzero(heights[one] == heights[other]) / max(pairs, 1))
-    if max(shares) > _NOTED:
+        pairs = int(np.count_nonzero(known[one] & known[other]))
+        share = max(share, int(np.count_nonzero(heights[one] == heights[other])) / max(pairs, 1))
+    if share > _NOTED:
         yield (
-            f"{100.0 * max(shares):.1f} % of neighbouring pixels are equally high: plateaus are no summits, and steps of "
-            "height make false ones"
+            f"{100.0 * share:.1f} % of neighbouring pixels are equally high: plateaus are no summits, and "
+            "steps of height make false ones"
         )
 
 
@@ -183,17 +188,18 @@ def _frozen(heights: Any) -> Iterator[str]:
         alike = (lines[1:] == lines[:-1]) | np.isnan(lines[1:]) | np.isnan(lines[:-1])
         pairs = np.count_nonzero(~np.isnan(lines[1:]) & ~np.isnan(lines[:-1]), axis=1)
         count = np.count_nonzero(alike.all(axis=1) & (pairs >= SMALLEST))
+        noun = f"{name} repeat" if count > 1 else f"{name[:-1]} repeats"
         if count:
-            yield f"{count} {name} repeat the one before: frozen lines of a scan make false plateaus and ridges"
+            yield f"{count} {noun} the one before: frozen lines of a scan make false plateaus and ridges"
 
 
-def offset_lines(heights: Any) -> list[str]:
-    """A line for rows and for columns that are offset against each other.
+def offset_lines(heights: Any, lines: Sequence[str] = ("rows", "columns")) -> list[str]:
+    """A sentence for rows, and for columns, that are offset against each other.
 
-    A step from line to line is the median of the steps of its pixels. It is an offset where it differs from the steps
-    next to it by more than its pixels' steps do among each other; so are all where most differ nearly as much.
-    """
-    return [line for name, lines in (("rows", heights), ("columns", heights.T)) for line in _offset(name, lines)]
+    A step from line to line is the median of the steps of its pixels. It is an offset where it differs from
+    the steps next to it by more than its pixels' steps do among each other; so are all where most differ
+    nearly as much."""
+    return [said for name in lines for said in _offset(name, heights if name == "rows" else heights.T)]
 
 
 def _offset(name: str, lines: Any) -> Iterator[str]:

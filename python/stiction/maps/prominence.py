@@ -21,13 +21,14 @@ _LATER = [(0, 1), (1, -1), (1, 0), (1, 1)]
 def prominences(heights: Any, row: Any, column: Any) -> Any:
     """Topographic prominence of summits, array (summits,), m.
 
-    It is the height above the key saddle, the highest one over which a path from pixel to pixel, 8-connected, leads to
-    higher ground. All known heights are ground, on the border too; paths lead over known heights alone. The highest
-    summit that known heights connect has its height above the lowest of these. Among equally high pixels the first,
-    row by row, is the higher one.
+    It is the height above the key saddle, the highest one over which a path from pixel to pixel, 8-connected,
+    leads to higher ground. All known heights are ground, on the border too; paths lead over known heights
+    alone. The highest summit that known heights connect has its height above the lowest of these. Among
+    equally high pixels the first, row by row, is the higher one.
 
-    Each pixel belongs to the peak that an ascent from it ends at. Of the highest pass between every two such basins a
-    spanning tree keeps the ones that saddles are among; by these, from the highest down, the lower of two peaks ends.
+    Each pixel belongs to the peak that an ascent from it ends at. Of the highest pass between every two such
+    basins a spanning tree keeps the ones that saddles are among; by these, from the highest down, the lower
+    of two peaks ends.
 
     Parameters
     ----------
@@ -47,7 +48,8 @@ def prominences(heights: Any, row: Any, column: Any) -> Any:
 
 
 def _basins(heights: Any) -> tuple[Any, Any]:
-    """The number of the peak of each pixel, array (ny, nx), counted from the highest peak, and the pixels of the peaks."""
+    """The number of the peak of each pixel, array (ny, nx), counted from the highest peak, and the pixels of
+    the peaks."""
     ground = np.where(np.isnan(heights), -np.inf, heights)
     columns = heights.shape[1]
     best, step = ground.copy(), np.zeros(heights.shape, dtype=np.int32)
@@ -80,7 +82,9 @@ def _shifted(down: int, along: int) -> tuple[Any, Any]:
     """The pixels of a map that have a neighbour there, and these neighbours."""
 
     def cut(step: int) -> tuple[slice, slice]:
-        return slice(max(-step, 0), -step if step > 0 else None), slice(max(step, 0), step if step < 0 else None)
+        return slice(max(-step, 0), -step if step > 0 else None), slice(
+            max(step, 0), step if step < 0 else None
+        )
 
     (own_rows, rows), (own_columns, columns) = cut(down), cut(along)
     return (own_rows, own_columns), (rows, columns)
@@ -96,7 +100,8 @@ class _Passes:
 
 
 def _passes(heights: Any, basins: Any) -> _Passes:
-    """The highest pass of every two basins that touch; its height is the lower one of two neighbouring pixels."""
+    """The highest pass of every two basins that touch; its height is the lower one of two neighbouring
+    pixels."""
     found = [_highest(*part) for part in _touching(heights, basins)]
     keys, levels = (np.concatenate([part[i] for part in found]) for i in range(2))
     keys, levels = _highest(keys, levels)
@@ -144,7 +149,8 @@ def _tree(passes: _Passes, peaks: int) -> _Passes:
 
 
 def _ended(tree: _Passes, peaks: int) -> tuple[Any, Any]:
-    """The height at which each peak meets a higher one, NaN where it does not, and the highest that it is connected to."""
+    """The height at which each peak meets a higher one, NaN where it does not, and the highest that it is
+    connected to."""
     above, saddles = list(range(peaks)), [np.nan] * peaks
 
     def top(peak: int) -> int:

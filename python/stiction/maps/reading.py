@@ -86,7 +86,9 @@ def read_map(
 
 def _length(name: str, value: Any) -> float:
     try:
-        length, unit = quantities.parsed(name, value if isinstance(value, str) else quantities.as_text(value, "m"))
+        length, unit = quantities.parsed(
+            name, value if isinstance(value, str) else quantities.as_text(value, "m")
+        )
     except (TypeError, ValueError):
         unit = ""
     if unit != "m":
@@ -139,10 +141,14 @@ def _unit(called: str, given: str | None, raw: _Raw, warnings: list[str]) -> flo
                 is_alike = False
             if not is_alike:
                 shown = quantities.si(own, "m")
-                warnings.append(f"height_unit says {shown}, and the file {raw.unit}: taken as height_unit says")
+                warnings.append(
+                    f"height_unit says {shown}, and the file {raw.unit}: taken as height_unit says"
+                )
         return own
     if raw.unit is None:
-        raise SceneError(f"{called}: does not say in which unit its heights are; give height_unit, such as nm")
+        raise SceneError(
+            f"{called}: does not say in which unit its heights are; give height_unit, such as nm"
+        )
     try:
         return length(raw.unit)
     except SceneError:
@@ -230,7 +236,11 @@ def _of_hdf5(path: Path, channel: str | None) -> _Raw:
         with h5py.File(path, "r") as file:
             maps = [name for name, one in file.items() if isinstance(one, h5py.Dataset) and one.ndim == 2]
             if channel is None and len(maps) != 1:
-                there = f"several datasets; name one of {', '.join(maps)}" if maps else "no dataset of two dimensions in its root"
+                there = (
+                    f"several datasets; name one of {', '.join(maps)}"
+                    if maps
+                    else "no dataset of two dimensions in its root"
+                )
                 raise SceneError(f"{path}: has {there}; give dataset")
             name = maps[0] if channel is None else channel
             dataset = file.get(name)
@@ -244,11 +254,16 @@ def _of_hdf5(path: Path, channel: str | None) -> _Raw:
 
 def _of_text(path: Path) -> _Raw:
     text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    rows, header = [], []
+    rows: list[Any] = []
+    header: list[str] = []
     for number, line in enumerate(text.splitlines(), 1):
         line = line.strip()
         first = re.split(r"[\t;, ]", line.lstrip())[0] if line else ""
-        if not line or line.startswith(("#", "%", "//")) or (not rows and not re.fullmatch(r"[-+]?(\d.*|\.\d.*|nan|inf)", first)):
+        if (
+            not line
+            or line.startswith(("#", "%", "//"))
+            or (not rows and not re.fullmatch(r"[-+]?(\d.*|\.\d.*|nan|inf)", first))
+        ):
             header.append(line.lstrip("#%/ "))
             continue
         mark = next((mark for mark in "\t;," if mark in line), None)
@@ -266,7 +281,10 @@ def _of_text(path: Path) -> _Raw:
     keys = dict(re.findall(r"^(Width|Height|Value units):\s*(.*\S)", "\n".join(header), flags=re.MULTILINE))
     pixel = None
     if {"Width", "Height"} <= keys.keys():
-        pixel = [_length("pixel", keys[key]) / count for key, count in (("Width", heights.shape[1]), ("Height", heights.shape[0]))]
+        pixel = [
+            _length("pixel", keys[key]) / count
+            for key, count in (("Width", heights.shape[1]), ("Height", heights.shape[0]))
+        ]
     return _Raw(heights, "text", pixel, keys.get("Value units"))
 
 
@@ -275,8 +293,14 @@ def _numbers(path: Path, number: int, fields: list[str]) -> Any:
         try:
             float(one)
         except ValueError:
-            advice = "decimal points are needed, not commas" if "," in one else "lines that are no rows begin with #"
-            raise SceneError(f"{path}: line {number}: column {column}: `{one}` is not a number; {advice}") from None
+            advice = (
+                "decimal points are needed, not commas"
+                if "," in one
+                else "lines that are no rows begin with #"
+            )
+            raise SceneError(
+                f"{path}: line {number}: column {column}: `{one}` is not a number; {advice}"
+            ) from None
     return np.loadtxt(io.StringIO(" ".join(fields)), ndmin=1)
 
 

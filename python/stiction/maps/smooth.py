@@ -21,7 +21,8 @@ _FEWEST, _LARGEST = 2.0, 0.5
 _LARGEST_OF_SERIES = 0.25
 # Cut-offs beyond which weights are left out: of a profile they are 2.6e-11 of all.
 _REACH = 1.25
-# Part of a cut-off along the border within which weights are one-sided; a straight border there takes 0.4 % of them.
+# Part of a cut-off along the border within which weights are one-sided; a straight border there takes 0.4 %
+# of them.
 _BORDER = 0.5
 
 
@@ -34,10 +35,10 @@ def _bounds(grid: Grid) -> tuple[float, float]:
 def smoothed(grid: Grid, cutoff: float) -> Grid:
     """The map less what is shorter than a cut-off wavelength λ, m.
 
-    The weights are exp(−π r²/(α²λ²)) with α² = ln 2/π at the middle of pixels, so that a wave of length λ keeps half
-    of its amplitude. Next to the border and missing heights they are normalised over the heights that are there, a
-    Gaussian regression of order zero (ISO 16610-71). A missing height stays missing. Half a cut-off along the border
-    is left out of summits and moments.
+    The weights are exp(−π r²/(α²λ²)) with α² = ln 2/π at the middle of pixels, so that a wave of length λ
+    keeps half of its amplitude. Next to the border and missing heights they are normalised over the heights
+    that are there, a Gaussian regression of order zero (ISO 16610-71). A missing height stays missing. Half a
+    cut-off along the border is left out of summits and moments.
 
     Raises
     ------
@@ -47,10 +48,15 @@ def smoothed(grid: Grid, cutoff: float) -> Grid:
     least, side = _bounds(grid)
     if not least <= cutoff <= _LARGEST * side:
         is_short = cutoff < least
-        limit = "below two pixels, which is the shortest wave of the map" if is_short else "above half the shorter side of the map"
+        limit = (
+            "below two pixels, which is the shortest wave of the map"
+            if is_short
+            else "above half the shorter side of the map"
+        )
         allowed = quantities.si(least if is_short else _LARGEST * side, "m")
         raise SceneError(
-            f"smooth = {quantities.si(cutoff, 'm')} is {limit}; give {allowed} or {'more' if is_short else 'less'}"
+            f"smooth = {quantities.si(cutoff, 'm')} is {limit}; "
+            f"give {allowed} or {'more' if is_short else 'less'}"
         )
     kernels = [_kernel(cutoff / step) for step in grid.steps]
     known = ~np.isnan(grid.heights)
@@ -91,8 +97,8 @@ def cutoff_series(grid: Grid, count: int) -> list[float]:
     most = _LARGEST_OF_SERIES * side
     if not most > least * (1.0 + 1e-9):
         raise SceneError(
-            f"cutoffs = {count}: there is no room between two pixels, {quantities.si(least, 'm')}, and a quarter of the "
-            f"shorter side, {quantities.si(most, 'm')}; leave it out"
+            f"cutoffs = {count}: there is no room between two pixels, {quantities.si(least, 'm')}, and a quarter "
+            f"of the shorter side, {quantities.si(most, 'm')}; leave it out"
         )
     between = [least * (most / least) ** (i / (count - 1)) for i in range(1, count - 1)]
     return [least, *between, most]

@@ -64,7 +64,9 @@ def _map(surface: Surface) -> Iterator[str]:
     (rows, columns), (width, height) = grid.heights.shape, grid.pixel
     yield from _row("map", f"{columns} x {rows} pixels of {_m(width)} x {_m(height)} ({surface.map.source})")
     if surface.missing:
-        yield from _row("missing", f"{surface.missing} heights, {100.0 * surface.missing / grid.heights.size:.2f} %")
+        yield from _row(
+            "missing", f"{surface.missing} heights, {100.0 * surface.missing / grid.heights.size:.2f} %"
+        )
     if steps.level_rows is not None:
         yield from _row("rows levelled", f"less the {ROWS[steps.level_rows]}")
     yield from _row("levelled", f"less the {LEVELS[steps.level]}")
@@ -102,7 +104,9 @@ def _shape(surface: Surface, count: int) -> Iterator[str]:
     yield from _row("", f"{mean} with R = 1/mean curvature, {geometric} with sqrt(R1 R2)")
     if of.saddles:
         share = f"{of.saddles} of {count} ({100.0 * of.saddles / count:.1f} %)"
-        yield from _row("", f"{share} are saddles by second differences, k2 <= 0: spheres of their mean curvature")
+        yield from _row(
+            "", f"{share} are saddles by second differences, k2 <= 0: spheres of their mean curvature"
+        )
 
 
 def _parameters(surface: Surface) -> Iterator[str]:

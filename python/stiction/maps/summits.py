@@ -62,28 +62,34 @@ class Summits:
 
     @property
     def principal_curvatures(self) -> tuple[Any, Any]:
-        """The larger and the smaller principal curvatures, arrays (summits,), 1/m; the smaller of a saddle is not positive."""
+        """The larger and the smaller principal curvatures, arrays (summits,), 1/m; the smaller of a saddle is
+        not positive."""
         sharp = self.mean_curvature + np.hypot(0.5 * (self.curvature_x - self.curvature_y), self.curvature_xy)
         # The product is the determinant: the difference of mean and root would lose the digits of a ridge.
         return sharp, (self.curvature_y * self.curvature_x - self.curvature_xy**2) / sharp
 
     @property
     def equivalent_radius(self) -> Any:
-        """Geometric means of the principal radii, array (summits,), m; of a saddle the radius of its mean curvature."""
+        """Geometric means of the principal radii, array (summits,), m; of a saddle the radius of its mean
+        curvature."""
         sharp, blunt = self.principal_curvatures
         is_saddle = ~(blunt > 0.0)
-        return np.where(is_saddle, self.radius, 1.0 / (np.sqrt(sharp) * np.sqrt(np.where(is_saddle, 1.0, blunt))))
+        return np.where(
+            is_saddle, self.radius, 1.0 / (np.sqrt(sharp) * np.sqrt(np.where(is_saddle, 1.0, blunt)))
+        )
 
 
 def summits(grid: Grid) -> tuple[Summits, float]:
-    """The pixels that are higher than each of their 8 neighbours by more than rounding, and the area searched, m².
+    """The pixels that are higher than each of their 8 neighbours by more than rounding, and the area
+    searched, m².
 
-    Pixels of the border and those next to a missing height are not compared, and their area does not count. Plateaus
-    of equally high pixels are no summits.
-    """
+    Pixels of the border and those next to a missing height are not compared, and their area does not count.
+    Plateaus of equally high pixels are no summits."""
     z, within = grid.heights, grid.within(1)
     is_missing = np.isnan(z)
-    around = ndimage.maximum_filter(np.where(is_missing, np.inf, z) if is_missing.any() else z, footprint=_AROUND)[within]
+    around = ndimage.maximum_filter(
+        np.where(is_missing, np.inf, z) if is_missing.any() else z, footprint=_AROUND
+    )[within]
     compared = np.isfinite(around) & ~is_missing[within]
     row, column = np.nonzero(compared & (z[within] - around > grid.resolution))
     row, column = row + within[0].start, column + within[1].start
@@ -93,7 +99,9 @@ def summits(grid: Grid) -> tuple[Summits, float]:
     def bend(before: Any, after: Any) -> Any:
         return (height - before) + (height - after)
 
-    rising = (z[row - 1, column - 1] - z[row - 1, column + 1]) + (z[row + 1, column + 1] - z[row + 1, column - 1])
+    rising = (z[row - 1, column - 1] - z[row - 1, column + 1]) + (
+        z[row + 1, column + 1] - z[row + 1, column - 1]
+    )
     found = Summits(
         row=row,
         column=column,
@@ -106,7 +114,8 @@ def summits(grid: Grid) -> tuple[Summits, float]:
 
 
 def prominent(grid: Grid, found: Summits, least: float | None) -> Summits:
-    """The summits of a least prominence, m, with the prominence of each; all, and none of it, where it is None."""
+    """The summits of a least prominence, m, with the prominence of each; all, and none of it, where it is
+    None."""
     if least is None:
         return found
     found = replace(found, prominence=prominences(grid.heights, found.row, found.column))
@@ -116,9 +125,8 @@ def prominent(grid: Grid, found: Summits, least: float | None) -> Summits:
 def apart(grid: Grid, found: Summits, distance: float | None) -> Summits:
     """The summits with none that is higher, and counts itself, nearer than a distance, m.
 
-    From the highest down each takes away the lower ones around it; of equally high ones the first, row by row, is the
-    higher one.
-    """
+    From the highest down each takes away the lower ones around it; of equally high ones the first, row by
+    row, is the higher one."""
     if distance is None or not len(found):
         return found
     dx, dy = grid.pixel

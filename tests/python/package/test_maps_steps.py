@@ -1,5 +1,7 @@
-"""Each step from a map to its asperities against closed forms, definitions summed one by one, and flooding level by level."""
+"""Each step from a map to its asperities against closed forms, definitions summed one by one, and flooding
+level by level."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -59,7 +61,9 @@ def test_a_plane_leaves_the_bow_and_none_the_plane():
 def test_what_determines_no_plane_is_refused():
     line = np.full((40, 50), np.nan)
     line[:, 4] = tilted()[:, 4]
-    with pytest.raises(SceneError, match="40 of 2000 heights are known, and they do not determine the plane of least squares"):
+    with pytest.raises(
+        SceneError, match="40 of 2000 heights are known, and they do not determine the plane of least squares"
+    ):
         levelled(grid(line), "plane")
     with pytest.raises(SceneError, match="0 of 64 heights are known"):
         levelled(grid(np.full((8, 8), np.nan)), "none")
@@ -78,7 +82,8 @@ def smooth_surface(seed=0, shape=(128, 96), sigma=4.0):
 
 @pytest.mark.parametrize("how", ["median", "differences"])
 def test_offsets_of_rows_are_taken_away(how):
-    """What was added to whole rows changes nothing, and of rows without a height nothing is left out or made."""
+    """What was added to whole rows changes nothing, and of rows without a height nothing is left out or
+    made."""
     z, rng = smooth_surface(), np.random.default_rng(1)
     z[3, 40:50], z[60] = np.nan, np.nan
     added = z + rng.normal(size=(128, 1))
@@ -97,7 +102,8 @@ def test_offsets_of_rows_are_taken_away(how):
 
 
 def test_differences_keep_what_is_high_along_a_row():
-    """A round island moves the median of the rows of which it has more than half, and not the median of differences."""
+    """A round island moves the median of the rows of which it has more than half, and not the median of
+    differences."""
     z = 1e-3 * smooth_surface(sigma=1.0)
     x, y = places(z.shape, (1.0, 1.0))
     z[(x - 48.0) ** 2 + (y - 64.0) ** 2 < 40.0**2] += 5.0
@@ -115,7 +121,9 @@ def test_offset_and_frozen_lines_are_said():
         assert len(said) == 1 and said[0].startswith(f"1 {name} is offset against the one before"), said
     every = z + np.random.default_rng(2).normal(scale=0.5, size=(128, 1))
     for name, of in (("rows", every), ("columns", every.T)):
-        assert [said.startswith(f"{name} are offset against each other") for said in offset_lines(of)] == [True]
+        assert [said.startswith(f"{name} are offset against each other") for said in offset_lines(of)] == [
+            True
+        ]
         assert offset_lines(rows_levelled(every, "differences")) == []
     frozen = z.copy()
     frozen[31:34] = frozen[30]
@@ -125,7 +133,8 @@ def test_offset_and_frozen_lines_are_said():
 
 
 def test_equal_neighbours_are_counted_along_both_directions():
-    """Every other row repeats: half of the pairs along y are equal, none along x; the other way round likewise."""
+    """Every other row repeats: half of the pairs along y are equal, none along x; the other way round
+    likewise."""
     z = smooth_surface(shape=(64, 64))
     z += 1e-3 * np.random.default_rng(3).random(z.shape)
     twice = np.repeat(z[::2], 2, axis=0)
@@ -139,13 +148,17 @@ def test_equal_neighbours_are_counted_along_both_directions():
 # The filter.
 
 
-@pytest.mark.parametrize(("length", "direction"), [(20, 0.0), (20, 0.5 * math.pi), (20, 0.6), (40, 0.3), (15, 2.0), (10, 1.1)])
+@pytest.mark.parametrize(
+    ("length", "direction"), [(20, 0.0), (20, 0.5 * math.pi), (20, 0.6), (40, 0.3), (15, 2.0), (10, 1.1)]
+)
 def test_waves_keep_their_part(length, direction):
     """exp(−πα²λ²/ℓ²) = 2^−(λ/ℓ)² in the interior, with pixels that are not square: half at the cut-off."""
     x, y = places((80, 101), (1.0, 1.5))
     wave = np.sin(2.0 * math.pi / length * (math.cos(direction) * x + math.sin(direction) * y) + 0.4)
     smooth = smoothed(grid(wave, (1.0, 1.5)), 20.0).heights
-    np.testing.assert_allclose(smooth[30:50, 30:70], 2.0 ** -((20 / length) ** 2) * wave[30:50, 30:70], atol=2e-10)
+    np.testing.assert_allclose(
+        smooth[30:50, 30:70], 2.0 ** -((20 / length) ** 2) * wave[30:50, 30:70], atol=2e-10
+    )
 
 
 def test_constants_and_planes_are_kept():
@@ -176,7 +189,9 @@ def test_the_filter_is_its_formula():
     np.testing.assert_allclose(found, np.where(known, expected, np.nan), atol=1e-10)
 
 
-@pytest.mark.parametrize(("pixels", "passed", "within"), [(2, 0.8923, 1e-3), (3, 0.5625, 4e-3), (5, 0.5, 2e-5), (8, 0.5, 1e-9)])
+@pytest.mark.parametrize(
+    ("pixels", "passed", "within"), [(2, 0.8923, 1e-3), (3, 0.5625, 4e-3), (5, 0.5, 2e-5), (8, 0.5, 1e-9)]
+)
 def test_few_pixels_pass_more(pixels, passed, within):
     """A cut-off of few pixels passes more than half of its own wave, as the sum over its weights has it."""
     x, _ = places((90, 90), (1.0, 1.0))
@@ -219,7 +234,9 @@ def pixels_of(found):
 def test_a_summit_is_higher_than_all_eight():
     found, area = summits(raised((3, 4, 1e-9), (6, 7, 2e-9)))
     assert area == pytest.approx(56 * 2e-18, rel=1e-14) and pixels_of(found) == [(3, 4), (6, 7)]
-    assert found.curvature_y[0] == pytest.approx(5e8, rel=1e-15) and found.curvature_x[0] == pytest.approx(2e9, rel=1e-15)
+    assert found.curvature_y[0] == pytest.approx(5e8, rel=1e-15) and found.curvature_x[0] == pytest.approx(
+        2e9, rel=1e-15
+    )
     assert found.radius[0] == pytest.approx(1.0 / 1.25e9, rel=1e-15)
     # Each of the neighbours can take it away, by being as high: a plateau is no summit.
     for i in range(2, 5):
@@ -231,14 +248,18 @@ def test_a_summit_is_higher_than_all_eight():
     assert len(summits(raised((3, 4, 1.0), (3, 5, 1.0 - 1e-13)))[0]) == 1
 
 
-@pytest.mark.parametrize(("blunt", "angle"), [(1.0, 0.0), (1.7, 0.3), (3.0, 1.0), (20.0, 2.4), (3.0, 1.58), (5.0, 3.0)])
+@pytest.mark.parametrize(
+    ("blunt", "angle"), [(1.0, 0.0), (1.7, 0.3), (3.0, 1.0), (20.0, 2.4), (3.0, 1.58), (5.0, 3.0)]
+)
 def test_ellipsoids_have_their_curvatures_at_any_angle(blunt, angle):
     """z = −(x'²/R₁ + y'²/R₂)/2 about a pixel: second differences of a parabola are exact."""
     x, y = places((9, 11), (1e-9, 1.5e-9))
     x, y = x - x[4, 5], y - y[4, 5]
     sin, cos = math.sin(angle), math.cos(angle)
     k1, k2 = 1.0 / 50e-9, 1.0 / (blunt * 50e-9)
-    found, _ = summits(grid(-0.5 * (k1 * (cos * x + sin * y) ** 2 + k2 * (cos * y - sin * x) ** 2), (1e-9, 1.5e-9)))
+    found, _ = summits(
+        grid(-0.5 * (k1 * (cos * x + sin * y) ** 2 + k2 * (cos * y - sin * x) ** 2), (1e-9, 1.5e-9))
+    )
     assert pixels_of(found) == [(4, 5)]
     principal = found.principal_curvatures
     assert [float(one[0]) for one in principal] == pytest.approx([k1, k2], rel=1e-12)
@@ -290,8 +311,8 @@ def around(place, shape):
 
 
 def flooded(z, peak):
-    """The prominence of a pixel by its definition: the ground is flooded to each level in turn, and the least loss of
-    height at which higher ground is reached counts; the whole of what is connected, if none is."""
+    """The prominence of a pixel by its definition: the ground is flooded to each level in turn, and the least
+    loss of height at which higher ground is reached counts; the whole of what is connected, if none is."""
     levels = sorted({float(level) for level in z[z <= z[peak]].ravel()}, reverse=True)
     lowest = z[peak]
     for level in levels:
@@ -301,7 +322,9 @@ def flooded(z, peak):
             if place not in reached:
                 reached.add(place)
                 ahead += [other for other in around(place, z.shape) if z[other] >= level]
-        if any((z[place], *(-one for one in place)) > (z[peak], *(-one for one in peak)) for place in reached):
+        if any(
+            (z[place], *(-one for one in place)) > (z[peak], *(-one for one in peak)) for place in reached
+        ):
             return z[peak] - level
         lowest = min(lowest, *(z[place] for place in reached))
     return z[peak] - lowest
@@ -334,7 +357,8 @@ def test_rows_that_are_sorted_apart_have_the_prominences_of_the_whole():
 
 
 def test_equal_heights_and_the_border():
-    """Of two hills of one height the first, row by row, is the higher one; a third on the border is higher for both."""
+    """Of two hills of one height the first, row by row, is the higher one; a third on the border is higher
+    for both."""
     z = np.zeros((10, 10))
     z[2, 3:8] = [5.0, 4.0, 1.0, 2.0, 5.0]
 
@@ -356,8 +380,9 @@ def test_equal_heights_and_the_border():
 
 @pytest.mark.parametrize("k", [0.02, 0.1, 0.3, 0.55, 0.8, 0.95, 0.999])
 def test_the_force_is_by_johnsons_equations(k):
-    """As they are printed (4.28, 4.24, 4.26), from half-widths to curvatures and force, with integrals by the trapezium
-    rule over a period, which converges geometrically: A = κ₂/2, B = κ₁/2, pressure p₀ at the middle, P = 2πabp₀/3."""
+    """As they are printed (4.28, 4.24, 4.26), from half-widths to curvatures and force, with integrals by the
+    trapezium rule over a period, which converges geometrically: A = κ₂/2, B = κ₁/2, pressure p₀ at the
+    middle, P = 2πabp₀/3."""
     a, modulus, interference = 3e-9, 4e10, 2e-10
     b, e2 = k * a, 1.0 - k * k
     root = np.sqrt(1.0 - e2 * np.sin(math.pi * (np.arange(4000) + 0.5) / 4000) ** 2)
@@ -375,13 +400,15 @@ def test_spheres_and_what_is_close_to_them():
     """Of curvatures 1 ± ε the radius is 1 + 2ε²/3, by the series of K and E."""
     assert hertz_radius(5.0, 5.0) * 5.0 == pytest.approx(1.0, rel=1e-14)
     for difference in (1e-3, 3e-3):
-        assert (hertz_radius(1.0 + difference, 1.0 - difference) - 1.0) / difference**2 == pytest.approx(2.0 / 3.0, abs=1e-4)
+        assert (hertz_radius(1.0 + difference, 1.0 - difference) - 1.0) / difference**2 == pytest.approx(
+            2.0 / 3.0, abs=1e-4
+        )
     assert math.isfinite(hertz_radius(1e100, 1.0))
 
 
 def test_errors_of_spheres_are_those_of_the_page():
-    """The table of errors of force, per cent, and that the geometric mean is the nearer one; of curvatures 1 ± ε the
-    errors are ε²/3 and ε²/12."""
+    """The table of errors of force, per cent, and that the geometric mean is the nearer one; of curvatures 1
+    ± ε the errors are ε²/3 and ε²/12."""
     page = (ROOT / "docs" / "measured-surfaces.md").read_text(encoding="utf-8")
     for ratio in (1.5, 2, 3, 5, 10, 30):
         mean, geometric = (100.0 * (1.0 - share) for share in forces_of_spheres(ratio))
@@ -389,15 +416,18 @@ def test_errors_of_spheres_are_those_of_the_page():
         assert mean > geometric > 0.0
     for epsilon in (0.01, 0.02):
         mean, geometric = (1.0 - share for share in forces_of_spheres((1.0 + epsilon) / (1.0 - epsilon)))
-        assert mean / epsilon**2 == pytest.approx(1 / 3, abs=1e-3) and geometric / epsilon**2 == pytest.approx(1 / 12, abs=1e-3)
+        assert mean / epsilon**2 == pytest.approx(
+            1 / 3, abs=1e-3
+        ) and geometric / epsilon**2 == pytest.approx(1 / 12, abs=1e-3)
 
 
 # The spectrum.
 
 
 def test_differences_of_a_wave_are_those_of_its_frequency():
-    """z = a cos(kx) cos(qy) over whole periods: the differences are multiples of the derivatives, 2 sin(k dx/2)/dx for k,
-    and the mean squares of cosines over rows and columns are 1/2. Two lines more are within 1.1 %."""
+    """z = a cos(kx) cos(qy) over whole periods: the differences are multiples of the derivatives, 2 sin(k
+    dx/2)/dx for k, and the mean squares of cosines over rows and columns are 1/2. Two lines more are within
+    1.1 %."""
     dx, dy, a = 1e-9, 2e-9, 3e-9
     k, q = 2.0 * math.pi / (20.0 * dx), 2.0 * math.pi / (25.0 * dy)
     x, y = places((502, 402), (dx, dy))
@@ -415,7 +445,10 @@ def test_missing_heights_take_away_the_differences_that_need_them():
     of = moments(grid(z))
     for axis, slope in ((0, of.slope_y), (1, of.slope_x)):
         rises = np.diff(z, axis=axis)
-        assert np.count_nonzero(~np.isnan(rises)) == 88 and np.count_nonzero(~np.isnan(np.diff(z, 2, axis=axis))) == 77
+        assert (
+            np.count_nonzero(~np.isnan(rises)) == 88
+            and np.count_nonzero(~np.isnan(np.diff(z, 2, axis=axis))) == 77
+        )
         assert slope == pytest.approx(np.nanmean(rises**2) / 1e-18, rel=1e-13)
     z.ravel()[1::2] = np.nan
     with pytest.raises(SceneError, match="leave no neighbouring pixels"):
@@ -423,8 +456,8 @@ def test_missing_heights_take_away_the_differences_that_need_them():
 
 
 def test_the_relations_agree_with_each_other():
-    """Table 2 of the hybrid model's paper lists σ, R and η of three surfaces; the relations give them back from moments
-    that follow from R and η: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η)."""
+    """Table 2 of the hybrid model's paper lists σ, R and η of three surfaces; the relations give them back
+    from moments that follow from R and η: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η)."""
     radius, density, sigma = 3.33e-6, 7.39e12, 1.619e-9
     m4 = (3.0 * math.sqrt(math.pi) / (8.0 * radius)) ** 2
     m2 = m4 / (6.0 * math.pi * math.sqrt(3.0) * density)
@@ -443,8 +476,9 @@ def found_in(heights, pixel, **steps):
 
 
 def test_spheres_on_a_plane_are_found_one_by_one():
-    """Spheres of radius R anywhere between the pixels. The pixel next to a top is at most (dx, dy)/2 off it: its height is
-    less by at most (a² + b²)/2R, and its mean curvature off by (a² + b²)/R² + dx²/4R² to leading order."""
+    """Spheres of radius R anywhere between the pixels. The pixel next to a top is at most (dx, dy)/2 off it:
+    its height is less by at most (a² + b²)/2R, and its mean curvature off by (a² + b²)/R² + dx²/4R² to
+    leading order."""
     radius, pixel, spacing, protrusion = 40e-9, 1e-9, 40, 10e-9
     rng = np.random.default_rng(5)
     rows, columns = np.mgrid[0:8, 0:9]
@@ -463,12 +497,14 @@ def test_spheres_on_a_plane_are_found_one_by_one():
     deviation = radius * found.summits.mean_curvature - 1.0
     assert deviation.min() > 0.0 and deviation.max() <= 1.01 * 0.75 * (pixel / radius) ** 2
     area = (8 * spacing - 2) * (9 * spacing - 2) * pixel**2
-    assert found.area == pytest.approx(area, rel=1e-14) and found.measured.density == pytest.approx(72 / area, rel=1e-14)
+    assert found.area == pytest.approx(area, rel=1e-14) and found.measured.density == pytest.approx(
+        72 / area, rel=1e-14
+    )
 
 
 def test_an_egg_box_is_approached_with_second_order():
-    """z = a (cos kx + cos ky), its summits at a fixed part of a pixel off the next one: one in a period squared; height 2a
-    and radius 1/(ak²) are approached with the second order of the pixel."""
+    """z = a (cos kx + cos ky), its summits at a fixed part of a pixel off the next one: one in a period
+    squared; height 2a and radius 1/(ak²) are approached with the second order of the pixel."""
     a, period = 2e-9, 480e-9
     k = 2.0 * math.pi / period
 
@@ -477,18 +513,24 @@ def test_an_egg_box_is_approached_with_second_order():
         x, y = places((side, side), (pixel, pixel))
         z = a * (np.cos(k * (x + 0.3 * pixel - period / 2.0)) + np.cos(k * (y + 0.2 * pixel - period / 2.0)))
         found = found_in(z, (pixel, pixel))
-        assert len(found.summits) == 25 and found.measured.density * period**2 == pytest.approx(1.0, rel=1e-12)
-        return np.array([(found.measured.height_mean + z.mean()) / (2.0 * a), found.measured.radius * a * k * k]) - 1.0
+        assert len(found.summits) == 25 and found.measured.density * period**2 == pytest.approx(
+            1.0, rel=1e-12
+        )
+        return (
+            np.array([(found.measured.height_mean + z.mean()) / (2.0 * a), found.measured.radius * a * k * k])
+            - 1.0
+        )
 
     of = [errors(pixels) for pixels in (12, 24, 48, 96)]
-    for coarse, fine in zip(of[:-1], of[1:], strict=True):
+    for coarse, fine in itertools.pairwise(of):
         np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.02)
     # cos(0.3 kdx) + cos(0.2 kdx) = 2 − (0.09 + 0.04)(kdx)²/2.
     assert of[-1][0] == pytest.approx(-0.0325 * (2.0 * math.pi / 96.0) ** 2, rel=1e-3)
 
 
 def test_directions_are_not_mixed_up():
-    """Turning a map by a quarter exchanges x and y and changes nothing else; coarser steps along y are no other heights."""
+    """Turning a map by a quarter exchanges x and y and changes nothing else; coarser steps along y are no
+    other heights."""
     x, y = places((120, 90), (1e-9, 2e-9))
     z = 1e-9 * (np.cos(0.3e9 * x) + 2.0 * np.cos(0.2e9 * y + 0.1) + 0.1 * np.sin(0.11e9 * (x + y)))
     upright = found_in(z, (1e-9, 2e-9), level="plane")
@@ -504,8 +546,8 @@ def test_directions_are_not_mixed_up():
 
 
 def gaussian_surface(side, q, rng, waves=500):
-    """An isotropic Gaussian surface of unit variance as a sum of waves whose wave vectors are drawn from a disc of radius q,
-    a stratified sample: profiles have m₂ = q²/4 and m₄ = q⁴/8, so α = 2."""
+    """An isotropic Gaussian surface of unit variance as a sum of waves whose wave vectors are drawn from a
+    disc of radius q, a stratified sample: profiles have m₂ = q²/4 and m₄ = q⁴/8, so α = 2."""
     place = np.arange(waves)
     radius = q * np.sqrt((place + rng.random(waves)) / waves)
     direction = math.pi * ((place * 263 % waves) + rng.random(waves)) / waves
@@ -518,19 +560,22 @@ def gaussian_surface(side, q, rng, waves=500):
 def statistics(z, pixel):
     found = found_in(z, (pixel, pixel))
     of = found.measured
-    return np.array([of.density, of.height_mean, of.height_std, 1.0 / of.radius, found.moments.m2, found.moments.m4])
+    return np.array(
+        [of.density, of.height_mean, of.height_std, 1.0 / of.radius, found.moments.m2, found.moments.m4]
+    )
 
 
 def test_summits_of_gaussian_surfaces_are_those_of_nayaks_theory():
-    """Nayak (1971): η = m₄/(6π√3 m₂), mean height 4√(m₀/(πα)); Bush, Gibson and Thomas (1975): mean curvature 8/3 √(m₄/π);
-    the variance of heights is (1 − 0.896805756…/α) m₀, by quadrature of Nayak's density in 30 digits. The means of two
-    maps, of pixels of 1/28 and 1/14 of the wavelength 2π√(m₂/m₄), are extrapolated to pixels of no size, with the second
-    order that differences have. Student's t of six means over 40 independent maps; false alarms: 6 × 2·10⁻⁵."""
+    """Nayak (1971): η = m₄/(6π√3 m₂), mean height 4√(m₀/(πα)); Bush, Gibson and Thomas (1975): mean curvature
+    8/3 √(m₄/π); the variance of heights is (1 − 0.896805756…/α) m₀, by quadrature of Nayak's density in 30
+    digits. The means of two maps, of pixels of 1/28 and 1/14 of the wavelength 2π√(m₂/m₄), are extrapolated
+    to pixels of no size, with the second order that differences have. Student's t of six means over 40
+    independent maps; false alarms: 6 × 2·10⁻⁵."""
     q = 2.0 * math.pi / 28.0 * math.sqrt(2.0)
     m2, m4 = q * q / 4.0, q**4 / 8.0
     exact = np.array([
-        m4 / m2 / (6.0 * math.pi * math.sqrt(3.0)), 4.0 / math.sqrt(2.0 * math.pi), math.sqrt(1.0 - 0.896805756 / 2.0),
-        8.0 / 3.0 * math.sqrt(m4 / math.pi), m2, m4,
+        m4 / m2 / (6.0 * math.pi * math.sqrt(3.0)), 4.0 / math.sqrt(2.0 * math.pi),
+        math.sqrt(1.0 - 0.896805756 / 2.0), 8.0 / 3.0 * math.sqrt(m4 / math.pi), m2, m4,
     ])  # fmt: skip
     fine, coarse = [], []
     for seed in range(40):
@@ -548,9 +593,9 @@ def test_summits_of_gaussian_surfaces_are_those_of_nayaks_theory():
 
 
 def test_noise_is_taken_away():
-    """40 pixels from maximum to maximum of a profile, and noise of a tenth of the standard deviation from pixel to pixel:
-    the noise makes most of the summits, and either the filter or prominence takes these away, so that those of the surface
-    are left, within 15 %."""
+    """40 pixels from maximum to maximum of a profile, and noise of a tenth of the standard deviation from
+    pixel to pixel: the noise makes most of the summits, and either the filter or prominence takes these away,
+    so that those of the surface are left, within 15 %."""
     rng = np.random.default_rng(11)
     clean = gaussian_surface(400, 2.0 * math.pi / 40.0 * math.sqrt(2.0), rng)
     noisy = clean + 0.1 * rng.uniform(-1.0, 1.0, clean.shape)
@@ -564,7 +609,9 @@ def test_noise_is_taken_away():
     assert density(noisy, prominence=0.15) == pytest.approx(exact, rel=0.15)
 
 
-@pytest.mark.parametrize(("down", "across", "is_told"), [(16, 16, False), (6, 6, True), (6, 16, True), (16, 6, True)])
+@pytest.mark.parametrize(
+    ("down", "across", "is_told"), [(16, 16, False), (6, 6, True), (6, 16, True), (16, 6, True)]
+)
 def test_coarse_pixels_are_told(down, across, is_told):
     """Summits of 6 pixels from one to the next are too coarse, along whichever side; of 16 they are not."""
     period, pixel = 480e-9, (480e-9 / across, 480e-9 / down)
@@ -574,7 +621,9 @@ def test_coarse_pixels_are_told(down, across, is_told):
     assert any("pixels are too coarse" in one for one in found.warnings) == is_told, found.warnings
 
 
-@pytest.mark.parametrize(("down", "across", "is_told"), [(1, 1, False), (1, 1.05, False), (1, 3, True), (3, 1, True)])
+@pytest.mark.parametrize(
+    ("down", "across", "is_told"), [(1, 1, False), (1, 1.05, False), (1, 3, True), (3, 1, True)]
+)
 def test_unequal_slopes_are_told(down, across, is_told):
     """Mean square slopes along two directions are as the squares of the wave numbers."""
     x, y = places((218, 218), (20e-9, 20e-9))

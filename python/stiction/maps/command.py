@@ -42,21 +42,26 @@ map is wrong."""
 # Of each option its names, the name of its value, and what it does.
 _HELP = [
     (("-o", "--output"), "FILE.h5", "where the result goes; by default there is only the summary"),
-    (("--pixel",), "DX[,DY]", 'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default '
-     "what the file says"),
+    (("--pixel",), "DX[,DY]",
+     'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default what the '
+     "file says"),
     (("--height-unit",), "UNIT", "unit of the heights, such as nm; by default what the file says"),
     (("--dataset",), "NAME", "which dataset of an HDF5 file, or channel of an instrument's, is the map"),
-    (("--factor",), "X", 'what the numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
+    (("--factor",), "X", 'what numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
     (("--mask",), "FILE", "a map in which all but 0 marks heights that are left out"),
-    (("--level-rows",), "HOW", f"what is subtracted from each row before: {', '.join(ROWS)} (from row to row)"),
+    (("--level-rows",), "HOW",
+     f"what is subtracted from each row before: {', '.join(ROWS)} (the sum of median steps between rows)"),
     (("--level",), "HOW", f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane"),
-    (("--smooth",), "WAVELENGTH", 'smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an '
-     "areal Gaussian filter takes waves away (ISO 16610-61)"),
-    (("--prominence",), "HEIGHT", "count only summits that are so high above the saddle on the way to higher ground, "
-     'such as "0.5 nm"'),
-    (("--min-distance",), "LENGTH", 'count only summits with no higher one nearer than that, such as "100 nm"'),
-    (("--cutoffs",), "N", "report density, radius and scatter of the summits over N cut-offs too, from 2 pixels to a "
-     "quarter of the map's side"),
+    (("--smooth",), "WAVELENGTH",
+     'smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal Gaussian filter '
+     "takes waves away (ISO 16610-61)"),
+    (("--prominence",), "HEIGHT",
+     "count only summits that are so high above the saddle on the way to higher ground, such as \"0.5 nm\""),
+    (("--min-distance",), "LENGTH",
+     'count only summits with no higher one nearer than that, such as "100 nm"'),
+    (("--cutoffs",), "N",
+     "report density, radius and scatter of the summits over N cut-offs too, from 2 pixels to a quarter of "
+     "the map's side"),
     (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
 ]  # fmt: skip
 _KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": int}
@@ -68,8 +73,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for.",
         epilog=_EPILOG,
     )
-    of_map = "the height map: a text with a row of the map on each line, NPY, HDF5; with `pip install stiction[maps]` "
-    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}files of instruments")
+    of_map = "the height map: a text with a row of the map on each line, NPY, HDF5; with `pip install "
+    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` files of instruments")
     for names, value, words in _HELP:
         parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")

@@ -315,10 +315,10 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
         raise SceneError("no pixel is higher than its 8 neighbours: the map has no summit")
     all_prominent = prominent(grid, found, steps.prominence)
     if not len(all_prominent):
+        least = quantities.si(steps.prominence, "m")
         most = float(prominent(grid, found, 0.0).prominence.max())
         raise SceneError(
-            f"prominence = {quantities.si(steps.prominence, 'm')}: no summit has that; the most prominent one "
-            f"has {quantities.si(most, 'm')}"
+            f"prominence = {least}: no summit has that; the most prominent one has {quantities.si(most, 'm')}"
         )
     kept = apart(grid, all_prominent, steps.min_distance)
     surface = Surface(
@@ -377,16 +377,17 @@ def _caveats(surface: Surface) -> Iterator[str]:
     yield from _wrong_unit(math.sqrt(of.m2))
     largest = max(surface.grid.pixel)
     if (pixels := of.wavelength / largest) < _FEWEST_PIXELS:
+        radius = surface.measured.radius / largest
         yield (
-            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {_FEWEST_PIXELS:g}: pixels "
-            f"are too coarse for the summits, which have a radius of {surface.measured.radius / largest:.2f} pixels"
+            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {_FEWEST_PIXELS:g}: "
+            f"pixels are too coarse for the summits, which have a radius of {radius:.2f} pixels"
         )
     if count < _FEWEST_SUMMITS:
         yield f"{count} summits are few: their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
     if abs(of.skewness) > _SKEWNESS or abs(of.excess_kurtosis) > _KURTOSIS:
         yield (
-            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis {of.excess_kurtosis:.2f}), "
-            "which the parameters from moments take for granted"
+            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis "
+            f"{of.excess_kurtosis:.2f}), which the parameters from moments take for granted"
         )
     ratio = of.slope_x / of.slope_y if of.slope_y else math.inf
     if not 1.0 / _ANISOTROPIC <= ratio <= _ANISOTROPIC:

@@ -97,8 +97,8 @@ def cutoff_series(grid: Grid, count: int) -> list[float]:
     most = _LARGEST_OF_SERIES * side
     if not most > least * (1.0 + 1e-9):
         raise SceneError(
-            f"cutoffs = {count}: there is no room between two pixels, {quantities.si(least, 'm')}, and a quarter "
-            f"of the shorter side, {quantities.si(most, 'm')}; leave it out"
+            f"cutoffs = {count}: there is no room between two pixels, {quantities.si(least, 'm')}, and a "
+            f"quarter of the shorter side, {quantities.si(most, 'm')}; leave it out"
         )
     between = [least * (most / least) ** (i / (count - 1)) for i in range(1, count - 1)]
     return [least, *between, most]

@@ -1,7 +1,9 @@
 """`stiction asperities`: the file that scenes read, the summary, the picture, and what is refused."""
 
+import html
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +14,7 @@ import pytest
 from conftest import CONFIGS, ROOT
 
 import stiction
+import stiction.report
 from stiction.maps.layout import VARIABLES
 from stiction.program import call
 
@@ -443,3 +446,19 @@ print(took, tracemalloc.get_traced_memory()[1] / z.nbytes)
     )
     took, memory = map(float, done.stdout.split())
     assert took < 2.0 and memory < 11.0, done.stdout
+
+
+def test_the_page_of_a_result_has_the_command_that_makes_it(command):
+    """With every step: what `stiction report` has to paste makes the asperities again."""
+    Path("scan.txt").write_bytes(MAP.read_bytes())
+    steps = {"level_rows": "median", "smooth": "0.15 um", "prominence": "0.1 nm", "min_distance": "0.2 um"}
+    found = stiction.find_asperities("scan.txt", "scan.h5", level="quadratic", cutoffs=3, **steps)
+    (pasted,) = re.findall(r"<pre>stiction asperities (.*?)</pre>", stiction.report.page([found]), re.DOTALL)
+    before = values("scan.h5")
+    found.close()
+    os.remove("scan.h5")
+    command(*shlex.split(html.unescape(pasted)))
+    again = values("scan.h5")
+    assert again.keys() == before.keys()
+    for path, one in before.items():
+        np.testing.assert_array_equal(again[path], one, err_msg=path)

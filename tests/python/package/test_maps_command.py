@@ -58,7 +58,7 @@ def values(path):
 
 
 def test_the_file_is_the_one_that_the_program_is_tested_with(tmp_path):
-    """tests/data/polished.h5, which the tests of the program read: the same datasets, attributes, chunks and
+    """tests/data/polished.h5, which the tests of the program read: equal datasets, attributes, chunks and
     values."""
     stiction.find_asperities(MAP, tmp_path / "map.h5").close()
     with h5py.File(tmp_path / "map.h5") as own, h5py.File(ROOT / "tests" / "data" / "polished.h5") as given:
@@ -95,8 +95,8 @@ def test_the_program_reads_what_the_package_writes(tmp_path, monkeypatch):
     }
     with stiction.find_asperities(MAP, tmp_path / "map.h5", **options) as found:
         assert found.attrs["level_rows"] == "median" and found.attrs["min_distance"] == pytest.approx(90e-9)
-    told = call(["validate", str(tmp_path / "map.h5")])
-    assert "asperities of a measured surface" in told and "whole: all of it was read" in told
+    said = call(["validate", str(tmp_path / "map.h5")])
+    assert "asperities of a measured surface" in said and "whole: all of it was read" in said
     assert set(values(tmp_path / "map.h5")) == set(VARIABLES)
     page = (ROOT / "docs" / "asperity-file.md").read_text(encoding="utf-8")
     rows = {}
@@ -248,8 +248,8 @@ def test_a_smoothed_map_is_told_as_such(command):
 
 
 def test_rows_are_levelled_before_the_plane(command):
-    """Offsets of rows make false summits and are warned of; levelled, the summits are those of the map before
-    them, less its rows' own medians, and the warning is gone."""
+    """Offsets of rows make false summits and are warned of; levelled, the summits are the ones of the map
+    before them, less its rows' own medians, and the warning is gone."""
     z = heights()
     np.save("map.npy", z + np.random.default_rng(1).normal(scale=2.0, size=(z.shape[0], 1)))
     np.save("levelled.npy", z - np.median(z, axis=1, keepdims=True))

@@ -595,7 +595,7 @@ def test_summits_of_gaussian_surfaces_are_those_of_nayaks_theory():
 def test_noise_is_taken_away():
     """40 pixels from maximum to maximum of a profile, and noise of a tenth of the standard deviation from
     pixel to pixel: the noise makes most of the summits, and either the filter or prominence takes these away,
-    so that those of the surface are left, within 15 %."""
+    so that the summits of the surface are left, within 15 %."""
     rng = np.random.default_rng(11)
     clean = gaussian_surface(400, 2.0 * math.pi / 40.0 * math.sqrt(2.0), rng)
     noisy = clean + 0.1 * rng.uniform(-1.0, 1.0, clean.shape)

@@ -475,8 +475,11 @@ class Asperities(Result):
         return self.asperities.to_dataframe()
 
     def _summary(self) -> list[tuple[str, str]]:
-        def equivalent(name: str) -> float:
-            return float(self.tree["equivalent"][name])
+        def both(name: str, unit: str, factor: float = 1.0) -> str:
+            """The number of the summits, and the one by moments."""
+            of = [quantities.si(factor * float(self.tree[group][f"asperity_{name}"]), unit) for group in ("measured", "equivalent")]
+            of = [f"{one} /µm²" for one in of] if name == "density" else of
+            return f"{of[0]} of the summits, {of[1]} by moments"
 
         return [
             (
@@ -484,9 +487,10 @@ class Asperities(Result):
                 f"{self.attrs['map']}, {' x '.join(str(int(n)) for n in self.attrs['map_shape'])} pixels",
             ),
             ("asperities", str(self.asperities.sizes["asperity"])),
-            ("density", quantities.si(equivalent("asperity_density") * 1e-12, "1") + " /µm²"),
-            ("radius", quantities.si(equivalent("asperity_radius"), "m")),
-            ("height std", quantities.si(equivalent("asperity_height_std"), "m")),
+            ("density", both("density", "1", 1e-12)),
+            ("1/mean curvature", both("radius", "m")),
+            ("mean height", both("height_mean", "m")),
+            ("height std", both("height_std", "m")),
         ]
 
 

@@ -1,7 +1,6 @@
 //! Reasons why a command ends without its result: messages with the options that help, and exit codes.
 
 use crate::experiment::Error;
-use crate::input::maps::MapFileError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 use anyhow::anyhow;
@@ -139,15 +138,6 @@ impl From<OutputError> for Failure {
                 Self::Usage(error.to_string())
             }
         }
-    }
-}
-
-impl From<MapFileError> for Failure {
-    fn from(error: MapFileError) -> Self {
-        Self::Usage(match error {
-            MapFileError::NotAMap { .. } => error.to_string(),
-            MapFileError::WhichDataset { .. } => format!("{error}: give --dataset"),
-        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! The command line: arguments, exit codes and what the terminal shows.
 
 mod arguments;
-mod asperities;
 mod asperity;
 mod check;
 mod compare;
@@ -28,7 +27,6 @@ mod terminal;
 mod validate;
 
 use self::arguments::RunArguments;
-use self::asperities::AsperitiesArguments;
 use self::asperity::AsperityArguments;
 use self::compare::CompareArguments;
 use self::failure::Failure;
@@ -52,7 +50,7 @@ const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the comm
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.
 
-Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings finite-size, plot and report, and \
+Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings asperities, finite-size, plot and report, and \
 `pip install stiction[inference]` infer, sensitivity and design.";
 
 /// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.
@@ -94,11 +92,6 @@ enum Command {
         after_help = "Examples:\n  stiction info case_ii.h5\n  stiction info --csv case_ii.h5\n  stiction info --csv --by replica case_ii.h5"
     )]
     Info(InfoArguments),
-    /// Find the asperities of a measured surface: a summary, and one HDF5 file if asked for
-    #[command(
-        after_help = "Examples:\n  stiction asperities configs/maps/polished.txt -o polished.h5\n  stiction asperities scan.npy --pixel \"9.8 nm\" --height-unit nm"
-    )]
-    Asperities(AsperitiesArguments),
     /// Solve one asperity, in the scaled variables of Maugis, or a table of them, in SI too; prints CSV
     #[command(
         after_help = "Examples:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1\n  stiction asperity --law jkr --table tips.csv --path retraction"
@@ -175,7 +168,6 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Check(scene) => check::check(&scene),
         Command::Validate { file } => validate::validate(&file),
         Command::Info(arguments) => info::info(&arguments),
-        Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
         Command::External(_) => unreachable!("programs are run before"),
     }

@@ -23,11 +23,6 @@ pub(super) fn require(estimate: &Estimate, output: Option<&Path>) -> Result<(), 
     shortages(estimate, output).into_iter().next().map_or(Ok(()), Err)
 }
 
-/// The number of elements of `bytes` bytes that fit in memory, at most `most`.
-pub(super) fn fitting(bytes: f64, most: u64) -> u64 {
-    memory(1.0).map_or(most, |memory| most.min((memory / bytes) as u64))
-}
-
 /// Shortages of a run: memory and disk that it would take more of than can be had, a line each; disk for a
 /// file if it writes one.
 pub(super) fn shortages(estimate: &Estimate, output: Option<&Path>) -> Vec<String> {

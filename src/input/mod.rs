@@ -1,4 +1,3 @@
-//! Files that others have made: columns of numbers that scenes take values from, and height maps.
+//! Files that others have made: columns of numbers that scenes take values from.
 
 pub mod columns;
-pub mod maps;

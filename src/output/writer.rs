@@ -18,8 +18,6 @@ use tempfile::TempPath;
 
 /// Replicas of a chunk of curves.
 pub const CURVE_CHUNK: usize = 64;
-/// Rows, and columns, of a chunk of a map.
-const MAP_CHUNK: usize = 256;
 /// Most numbers of a chunk of other datasets, and of several points.
 const CHUNK: usize = 1 << 17;
 const CHUNK_OF_POINTS: usize = 512;
@@ -235,18 +233,6 @@ impl<'c> Writer<'c> {
         let scale = empty.create(&*format!("{group}/byte_of_{name}"))?;
         make_scale(&scale, "This is a netCDF dimension but not a netCDF variable.")?;
         Ok(attach_scale(&dataset, &scale, 0)?)
-    }
-
-    /// Writes a dataset of two dimensions of the layout, its values row-major, compressed.
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn compressed(&self, path: &str, values: &[f64]) -> Result<(), OutputError> {
-        let shape = self.shape(path);
-        let chunk: Vec<usize> = shape.iter().map(|length| (*length).min(MAP_CHUNK)).collect();
-        let dataset = builder::<f64>(&self.file, &shape, &chunk).shuffle().deflate(1).create(path)?;
-        dataset.write_raw(values)?;
-        self.describe(path, &dataset, false)
     }
 
     /// Gives the scale of the next dimension of the points, by which every dataset of points is led; before

@@ -1,7 +1,6 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
 mod heights;
-pub mod map;
 #[doc(hidden)]
 pub mod nayak;
 mod places;

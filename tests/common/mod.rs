@@ -1,6 +1,7 @@
 //! Shared by the tests of the library: the published cases, and a law asked for one asperity.
 #![allow(dead_code)] // Each test takes what it needs.
 
+pub mod asperities;
 pub mod brute_force;
 pub mod exact;
 pub mod pool;

@@ -11,6 +11,9 @@ use tempfile::TempDir;
 /// The quick scene from deep in contact on, where asperities are in every regime.
 pub const QUICK: &str = include_str!("../data/quick.toml");
 
+/// The asperities of the shipped map, as the Python package writes them (tests/data/README.md).
+pub const ASPERITIES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/polished.h5");
+
 /// Notes that a test leaves something out on this machine, and why: a line of $STICTION_SKIPPED, if that
 /// names a file. Where $STICTION_FORBID_SKIPS is set the test fails.
 pub fn skip(test: &str, reason: &str) {

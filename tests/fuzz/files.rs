@@ -4,14 +4,13 @@
 
 use super::bytes::damaged;
 use super::cases;
+use super::common::asperities::write_asperities;
 use super::common::program::{Folder, small, text};
-use super::common::unlocked;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use stiction::layouts::{LAYOUTS, RUN};
 use stiction::output::reader::Reader;
-use stiction::surface::map::{Asperities, HeightMap, Levelling};
 
 /// A reader of files: adding one here is all that it takes to fuzz it.
 struct Target {
@@ -24,10 +23,9 @@ struct Target {
     cases: u64,
 }
 
-const TARGETS: [Target; 3] = [
+const TARGETS: [Target; 2] = [
     Target { name: "result", seeds: results, read: read_result, cases: 100 },
     Target { name: "asperities", seeds: asperities, read: read_asperities, cases: 60 },
-    Target { name: "map", seeds: maps, read: read_map, cases: 120 },
 ];
 
 /// Tells a process of this test what to read: target, folder, first case, end.
@@ -77,60 +75,16 @@ fn read_result(path: &Path) -> bool {
     whole
 }
 
-/// Heights, nm, of a small map.
-fn small_map() -> Vec<f64> {
-    (0..400).map(|i| f64::from(i * 7919 % 401 + i % 20) / 64.0).collect()
-}
-
-/// A small map of each kind of file.
-fn maps(folder: &Folder) -> Vec<&'static str> {
-    let heights = small_map();
-    let row = |row: &[f64]| row.iter().map(|height| format!("{height}\t")).collect::<String>() + "\n";
-    let header = "# Width: 2 \u{b5}m\n# Height: 2000 nm\n# Value units: nm\n";
-    std::fs::write(
-        folder.path("map.txt"),
-        header.to_owned() + &heights.chunks(20).map(row).collect::<String>(),
-    )
-    .unwrap();
-    let header =
-        "{'descr': '<f8', 'fortran_order': True, 'shape': (20, 20), }".to_owned() + &" ".repeat(57) + "\n";
-    let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
-    npy.extend(header.as_bytes());
-    npy.extend(heights.iter().flat_map(|height| height.to_le_bytes()));
-    std::fs::write(folder.path("map.npy"), npy).unwrap();
-    let file = unlocked::create(folder.path("map.h5"));
-    let plain = file.new_dataset::<f64>().shape((20, 20)).create("height").unwrap();
-    plain.write_raw(&heights).unwrap();
-    drop(file);
-    let file = unlocked::create(folder.path("chunks.h5"));
-    let chunks = file.new_dataset::<f32>().shape((20, 20)).chunk((8, 8)).deflate(4).create("height").unwrap();
-    chunks.write_raw(&heights.iter().map(|height| *height as f32).collect::<Vec<f32>>()).unwrap();
-    vec!["map.txt", "map.npy", "map.h5", "chunks.h5"]
-}
-
 /// A small file of asperities.
 fn asperities(folder: &Folder) -> Vec<&'static str> {
-    maps(folder);
-    let output = folder.stiction(&["asperities", "map.txt", "-o", "out.h5"]);
-    assert!(output.status.success(), "{output:?}");
+    let places: Vec<f64> = (0..30).map(|i| 1e-7 * f64::from(i)).collect();
+    let heights: Vec<f64> = (0..30).map(|i| 1e-9 * f64::from(i * 7 % 30)).collect();
+    write_asperities(&folder.path("out.h5"), [&places, &places, &heights, &[1e-6; 30]], [3e-6; 2]);
     vec!["out.h5"]
 }
 
 fn read_asperities(path: &Path) -> bool {
     stiction::output::asperities::read(path).is_ok()
-}
-
-/// A map that is read is searched too: whatever is in it, that ends without a panic.
-fn read_map(path: &Path) -> bool {
-    let Ok(raw) = stiction::input::maps::read(path, None, 1 << 20) else { return false };
-    for levelling in [Levelling::None, Levelling::Plane, Levelling::Quadratic] {
-        let map = HeightMap::new(raw.heights.clone(), raw.shape, [1e-9; 2]);
-        let found = map.and_then(|map| map.levelled(levelling)).and_then(|map| Asperities::new(&map));
-        if let Ok(found) = found {
-            assert!(found.caveats([1e-9; 2]).iter().all(|caveat| caveat.lines().count() == 1));
-        }
-    }
-    true
 }
 
 fn target(name: &str) -> &'static Target {
@@ -214,41 +168,6 @@ fn the_commands_survive_every_damaged_file() {
             assert!(!out.contains(|c: char| c.is_control() && c != '\n'), "case {case}: {out:?}");
         }
     }
-}
-
-/// The same of maps: asperities or a line that says why not, and never a part of a file.
-#[test]
-fn every_damaged_map_is_read_or_refused() {
-    let _alone = super::alone();
-    let folder = Folder::new("");
-    let names = maps(&folder);
-    let seeds = contents(&folder.path(""), &names);
-    let mut read = 0;
-    for case in 0..cases(60) {
-        std::fs::write(folder.path("case"), damaged(&seeds, case)).unwrap();
-        let units = ["--pixel", "1 nm", "--height-unit", "nm", "--force"];
-        let output = folder.stiction(&[&["asperities", "case", "-o", "case.h5"], &units[..]].concat());
-        let (out, error) = (text(&output.stdout), text(&output.stderr));
-        match output.status.code() {
-            Some(0) => {
-                assert!(
-                    error.is_empty() && stiction::output::asperities::read(&folder.path("case.h5")).is_ok(),
-                    "case {case}"
-                );
-                read += 1;
-            }
-            Some(2) => {
-                assert!(
-                    error.starts_with("stiction: case: ") && error.lines().count() == 1,
-                    "case {case}: {error}"
-                );
-                assert!(out.is_empty() && !folder.path("case.h5").exists(), "case {case}: {out}");
-            }
-            code => panic!("case {case}: exit code {code:?}, {error}"),
-        }
-        let _ = std::fs::remove_file(folder.path("case.h5"));
-    }
-    assert!(read > 0, "the cases are too hard");
 }
 
 /// Runs cases in a process of their own until it ends; returns the case to go on with.

@@ -1,6 +1,6 @@
 """What a file of asperities holds, read with h5py and xarray and found anew from the map with numpy and scipy.
 
-Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
+Needs the packages of scripts/requirements.txt.
 """
 
 import subprocess
@@ -13,7 +13,7 @@ import pytest
 import scipy.integrate
 import scipy.ndimage
 import xarray
-from program import PROGRAM, ROOT
+from program import ROOT
 
 MAP, PIXEL = ROOT / "configs" / "maps" / "polished.txt", 3e-8
 
@@ -21,8 +21,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 
 def stiction(*arguments) -> subprocess.CompletedProcess:
-    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    return subprocess.run([PROGRAM, "asperities", *arguments], capture_output=True, text=True, encoding="utf-8")
+    command = [sys.executable, "-m", "stiction.maps", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +134,7 @@ def test_datasets_of_hdf5(tmp_path, options):
     run = stiction(tmp_path / "in.h5", "--pixel", "1 nm", "-o", tmp_path / "out.h5", "--level", "none")
     assert run.returncode == 0, run.stderr
     with h5py.File(tmp_path / "out.h5") as file:
-        assert file.attrs["map_source"] == "HDF5, dataset height"
+        assert file.attrs["map"] == "in.h5" and "height" in file.attrs["map_source"]
         assert file["asperities/asperity"].size == summits(z)[0].size
         assert file["surface/m0"][()] == pytest.approx(1e-18 * np.var(z.astype(float)), rel=1e-9)
 

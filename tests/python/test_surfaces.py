@@ -33,7 +33,8 @@ def results(tmp_path_factory) -> dict[str, Path]:
     for path in SURFACES.iterdir():
         if path.suffix in (".toml", ".csv"):
             shutil.copy(path, folder)
-    stiction(folder, "asperities", str(MAP), "-o", "polished.h5")
+    command = [sys.executable, "-m", "stiction.maps", MAP, "-o", folder / "polished.h5"]
+    subprocess.run(command, check=True, capture_output=True)
     for name in NAMES:
         replicas = "1" if name == "whole" else "96"
         stiction(folder, "run", f"{name}.toml", "--replicas", replicas, "--quiet")

@@ -3,6 +3,7 @@
 
 mod keys;
 
+use crate::common::program::ASPERITIES;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -959,8 +960,7 @@ fn stiction(folder: &Path, arguments: &[&str]) -> String {
 /// A folder with the files that examples name.
 fn files() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/maps/polished.txt");
-    stiction(folder.path(), &["asperities", map.to_str().unwrap(), "-o", "asperities.h5"]);
+    std::fs::copy(ASPERITIES, folder.path().join("asperities.h5")).unwrap();
     std::fs::write(folder.path().join("heights.csv"), "height\n1.5\n-0.5\n0.2\n-1.2\n").unwrap();
     std::fs::write(folder.path().join("radii.csv"), "radius\n3.1\n2.9\n3.4\n3.0\n").unwrap();
     folder

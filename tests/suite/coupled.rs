@@ -1,10 +1,9 @@
 //! Ensembles of coupled asperities, by the program.
 
+use crate::common::asperities::write_asperities;
 use crate::common::program::{Folder, QUICK, assert_exit, bits, text, unbroken};
 use crate::common::unlocked;
-use hdf5::types::VarLenUnicode;
 use serde_json::Value;
-use std::path::Path;
 use std::process::Command;
 
 /// A square of 100 asperities of case II, 8 separations, 16 replicas.
@@ -189,38 +188,6 @@ fn crowded_contacts_are_told() {
         let summary = unbroken(&text(&run.stdout));
         let told = [&told, &format!("loads by kernel = \"{kernel}\" can be off")];
         assert!(told.iter().all(|own| summary.contains(*own)), "{summary}");
-    }
-}
-
-/// A file of asperities at places, m, on a map of `extent`, m, as `stiction asperities` leaves it.
-fn write_asperities(path: &Path, [x, y, heights, radii]: [&[f64]; 4], extent: [f64; 2]) {
-    let file = unlocked::create(path);
-    let attribute = |name: &str, value: f64| {
-        file.new_attr::<f64>().create(name).unwrap().write_scalar(&value).unwrap();
-    };
-    let format: VarLenUnicode = "stiction-asperities".parse().unwrap();
-    file.new_attr::<VarLenUnicode>().create("format").unwrap().write_scalar(&format).unwrap();
-    file.new_attr::<i32>().shape(2).create("format_version").unwrap().write(&[2, 0]).unwrap();
-    file.new_attr::<u64>().shape(2).create("map_shape").unwrap().write(&[1_u64, 1]).unwrap();
-    file.new_attr::<f64>().shape(2).create("pixel_size").unwrap().write(&[extent[1], extent[0]]).unwrap();
-    attribute("nominal_area", extent[0] * extent[1]);
-    let mean = heights.iter().sum::<f64>() / heights.len() as f64;
-    attribute("mean_plane_offset", mean);
-    let numbers: Vec<f64> = (0..x.len()).map(|i| i as f64).collect();
-    let datasets = [("asperity", &numbers[..]), ("height", heights), ("radius", radii), ("x", x), ("y", y)];
-    for (name, values) in datasets {
-        file.new_dataset_builder().with_data(values).create(&*format!("asperities/{name}")).unwrap();
-    }
-    let density = heights.len() as f64 / (extent[0] * extent[1]);
-    let numbers = [
-        ("measured/asperity_density", density),
-        ("measured/asperity_height_mean", mean),
-        ("surface/m0", 1e-18),
-        ("surface/m2", 1e-4),
-        ("surface/m4", 1e10),
-    ];
-    for (name, value) in numbers {
-        file.new_dataset::<f64>().create(name).unwrap().write_scalar(&value).unwrap();
     }
 }
 

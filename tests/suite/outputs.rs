@@ -2,7 +2,7 @@
 //! what was written.
 #![cfg(unix)]
 
-use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
+use crate::common::program::{ASPERITIES, Folder, assert_exit, attribute, bits, small, text};
 use crate::common::unlocked;
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
@@ -11,7 +11,6 @@ use std::path::Path;
 use std::process::{Command, Output};
 use stiction::scene::Document;
 
-const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
 const MEASURED: &str = include_str!("../../configs/surfaces/measured.toml");
 const HEIGHTS: &str = include_str!("../../configs/surfaces/file.toml");
 
@@ -33,7 +32,7 @@ fn swept() -> String {
 /// A folder with a scene, files that it reads, and two shards of it.
 fn with_inputs() -> Folder {
     let folder = Folder::new(&tiny(MEASURED));
-    assert_exit(&folder.stiction(&["asperities", MAP, "-o", "polished.h5"]), 0);
+    std::fs::copy(ASPERITIES, folder.path("polished.h5")).unwrap();
     std::fs::write(folder.path("heights.csv"), "height\n1.0\n-1.0\n0.5\n-0.5\n").unwrap();
     std::fs::write(folder.path("heights.toml"), tiny(HEIGHTS)).unwrap();
     let swept = tiny(HEIGHTS) + "\n[sweep]\nmaterial.hardness = [\"2 GPa\", \"3 GPa\"]\n";
@@ -99,13 +98,6 @@ fn an_output_is_never_an_input() {
                 assert_refused(&folder, &refused, &["reads", "give another name with -o"], &before);
             }
         }
-    }
-    std::fs::copy(MAP, folder.path("map.txt")).unwrap();
-    std::fs::hard_link(folder.path("map.txt"), folder.path("map.hard")).unwrap();
-    let before = contents(&folder);
-    for output in ["map.txt", "map.hard", "sub/../map.txt"] {
-        let refused = run(&folder, "asperities map.txt --force", output);
-        assert_refused(&folder, &refused, &["reads", "give another name with -o"], &before);
     }
 }
 
@@ -214,7 +206,6 @@ fn names_that_cannot_be_written_are_refused_at_once() {
     let folder = Folder::new(&endless);
     let swept = endless.clone() + "\n[sweep]\nmaterial.hardness = [\"2 GPa\", \"3 GPa\"]\n";
     std::fs::write(folder.path("swept.toml"), swept).unwrap();
-    std::fs::copy(MAP, folder.path("map.txt")).unwrap();
     let too_long = "x".repeat(240) + ".h5";
     // Itself of a length that can be opened, but not with what is kept beside it.
     let folders = ("x".repeat(250) + "/").repeat(16);
@@ -231,7 +222,6 @@ fn names_that_cannot_be_written_are_refused_at_once() {
             "run swept.toml",
             "run scene.toml --shard 1/2",
             "compare scene.toml --laws emd --ensemble",
-            "asperities map.txt",
         ] {
             let refused = Command::new(env!("CARGO_BIN_EXE_stiction"))
                 .args(command.split(' '))

@@ -1,7 +1,7 @@
 //! The program as other programs drive it: settings, standard input, progress and tables that are read by
 //! machines, commands that are programs of their own.
 
-use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
+use crate::common::program::{ASPERITIES, Folder, assert_exit, attribute, bits, small, text};
 use crate::common::unlocked;
 use serde_json::Value;
 use std::io::Write;
@@ -253,7 +253,7 @@ fn other_commands_are_programs() {
         assert!(text(&refused.stderr).contains("no command `greet`"), "{}", text(&refused.stderr));
     }
     // Nothing but the folder of the program is looked at where there is no PATH.
-    for name in ["finite-size", "plot", "report"] {
+    for name in ["asperities", "finite-size", "plot", "report"] {
         let refused =
             Command::new(env!("CARGO_BIN_EXE_stiction")).arg(name).env_remove("PATH").output().unwrap();
         assert_exit(&refused, 2);
@@ -467,19 +467,19 @@ fn results() -> (Folder, Vec<(String, &'static str)>) {
     let zip = grid.replace(", \"0.2 J/m^2\"", "").replace("[sweep]", "[sweep]\nmode = \"zip\"");
     std::fs::write(folder.path("grid.toml"), points.clone() + grid).unwrap();
     std::fs::write(folder.path("zip.toml"), points + &zip).unwrap();
-    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
     let commands = [
         (&["run", "scene.toml", "-o", "run.h5"][..], "run", "separation"),
         (&["run", "grid.toml", "-o", "grid.h5"], "grid", "point"),
         (&["run", "zip.toml", "-o", "zip.h5"], "zip", "point"),
         (&["compare", "scene.toml", "--laws", "hybrid,jkr", "-o", "laws.h5"], "laws", "point"),
-        (&["asperities", map, "-o", "map.h5"], "map", "asperity"),
     ];
     let mut made = Vec::new();
     for (command, name, dimension) in commands {
         assert_exit(&folder.stiction(command), 0);
         made.push((format!("{name}.h5"), dimension));
     }
+    std::fs::copy(ASPERITIES, folder.path("map.h5")).unwrap();
+    made.push(("map.h5".to_owned(), "asperity"));
     (folder, made)
 }
 

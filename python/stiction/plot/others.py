@@ -33,7 +33,7 @@ from .style import (
 )
 
 __all__ = [
-    "asperities", "bias", "comparison", "convergence", "curvatures", "density_over_cutoff", "heights", "law_deviation",
+    "asperities", "bias", "comparison", "convergence", "curvatures", "density_over_cutoff", "draw_map", "heights", "law_deviation",
     "radius_over_cutoff", "relation", "scatter", "scatter_over_cutoff", "sizes", "standard_errors",
 ]  # fmt: skip
 
@@ -255,32 +255,46 @@ def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
-    rows, columns = (int(count) for count in result.attrs["map_shape"])
     dy, dx = (float(size) for size in result.attrs["pixel_size"])
-    unit, sign = scaled("m", max(rows * dy, columns * dx))
     x, y, z = (values(result, f"asperities/{name}") for name in ("x", "y", "height"))
-    z_unit, z_sign = scaled("m", z)
     if "map/height" in result:
-        heights = result.map.values / z_unit
-        extent = (0.0, columns * dx / unit, rows * dy / unit, 0.0)
-        drawn: Any = ax.imshow(
-            heights, extent=extent, cmap="cividis", interpolation="nearest", rasterized=True
-        )
-        size = min(max(600.0 / z.size, 0.8), 6.0)
-        ax.plot(
-            x / unit,
-            y / unit,
-            "o",
-            color="white",
-            markeredgecolor="black",
-            markeredgewidth=0.4,
-            markersize=size,
-        )
-    else:
-        drawn = ax.scatter(
-            x / unit, y / unit, min(max(2000.0 / z.size, 1.0), 20.0), z / z_unit, cmap="cividis"
-        )
-        ax.set(xlim=(0.0, columns * dx / unit), ylim=(rows * dy / unit, 0.0), aspect="equal")
+        return draw_map(ax, result.map.values, (dx, dy), (x, y))
+    rows, columns = (int(count) for count in result.attrs["map_shape"])
+    unit, sign = scaled("m", max(rows * dy, columns * dx))
+    z_unit, z_sign = scaled("m", z)
+    drawn = ax.scatter(x / unit, y / unit, min(max(2000.0 / z.size, 1.0), 20.0), z / z_unit, cmap="cividis")
+    ax.set(xlim=(0.0, columns * dx / unit), ylim=(rows * dy / unit, 0.0), aspect="equal")
+    return _of_map(ax, drawn, sign, z_sign)
+
+
+def draw_map(ax: Axes, heights: Any, pixel: tuple[float, float], places: tuple[Any, Any]) -> Axes:
+    """Draws a map and the places of its summits.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    heights : array (ny, nx)
+        Heights, m.
+    pixel : pair of float
+        Width and height of a pixel, m.
+    places : pair of arrays (summits,)
+        x and y of the summits, m.
+    """
+    (rows, columns), (dx, dy) = heights.shape, pixel
+    unit, sign = scaled("m", max(rows * dy, columns * dx))
+    z_unit, z_sign = scaled("m", heights)
+    extent = (0.0, columns * dx / unit, rows * dy / unit, 0.0)
+    drawn = ax.imshow(heights / z_unit, extent=extent, cmap="cividis", interpolation="nearest", rasterized=True)
+    x, y = places
+    size = min(max(600.0 / max(x.size, 1), 0.8), 6.0)
+    ax.plot(
+        x / unit, y / unit, "o", color="white", markeredgecolor="black", markeredgewidth=0.4, markersize=size
+    )
+    return _of_map(ax, drawn, sign, z_sign)
+
+
+def _of_map(ax: Axes, drawn: Any, sign: str, z_sign: str) -> Axes:
+    """Labels of a map, with a bar of its heights."""
     ax.spines[["top", "right"]].set_visible(True)
     ax.set(xlabel=label("x", sign), ylabel=label("y, as the rows of the map", sign))
     bar = ax.figure.colorbar(drawn, ax=ax, label=label("height", z_sign), shrink=0.9)

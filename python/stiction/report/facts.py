@@ -504,8 +504,12 @@ def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:
 
 
 def _filter(attrs: dict[str, Any]) -> list[tuple[str, str]]:
-    """The smoothing of a map, and the prominence of its summits; nothing of files that do not say."""
-    said = (("smoothed, cut-off", "smooth"), ("prominence, at least", "prominence"))
+    """The smoothing of a map, prominence and distance of its summits; nothing of files that do not say."""
+    said = (
+        ("smoothed, cut-off", "smooth"),
+        ("prominence, at least", "prominence"),
+        ("distance to a higher one, at least", "min_distance"),
+    )
     return [(words, quantities.si(float(attrs[name]), "m")) for words, name in said if float(attrs.get(name, 0.0)) > 0.0]
 
 
@@ -535,6 +539,7 @@ def _asperities(result: Asperities) -> Facts:
     computed = [
         ("map", f"{attrs['map']}, {' by '.join(str(int(n)) for n in attrs['map_shape'])} pixels"),
         ("pixel", f"{quantities.si(dx, 'm')} by {quantities.si(dy, 'm')}"),
+        *([("rows levelled by", rows_by)] if (rows_by := str(attrs.get("level_rows", "none"))) != "none" else []),
         ("levelled by", str(attrs["level"])),
         *_filter(attrs),
         ("missing pixels", str(missing)),
@@ -546,9 +551,11 @@ def _asperities(result: Asperities) -> Facts:
         Verdict("resolution", "caution" if missing else "good", f"{missing} missing" if missing else "whole", "pixels without a height"),
     ]
     command = ["stiction", "asperities", str(attrs["map"]), "--pixel", f"{dx * 1e9:.15g} nm,{dy * 1e9:.15g} nm", "--level", str(attrs["level"])]
-    for name in ("smooth", "prominence"):
+    if rows_by != "none":
+        command += ["--level-rows", rows_by]
+    for name in ("smooth", "prominence", "min_distance"):
         if float(attrs.get(name, 0.0)) > 0.0:
-            command += [f"--{name}", f"{float(attrs[name])!r} m"]
+            command += [f"--{name.replace('_', '-')}", f"{float(attrs[name])!r} m"]
     if int(attrs.get("cutoffs", 0)) > 0:
         command += ["--cutoffs", str(int(attrs["cutoffs"]))]
     if attrs.get("height_unit"):

@@ -9,7 +9,7 @@ const A: &[Dimension] = &[Dimension::Asperity];
 pub static ASPERITIES: Layout = Layout {
     format: "stiction-asperities",
     command: "stiction asperities",
-    version: [2, 2],
+    version: [2, 3],
     groups: &["asperities", "surface", "measured", "equivalent"],
     optional_groups: &["map", "cutoffs"],
     of_points: None,

@@ -147,7 +147,7 @@ def test_a_file_that_is_none_is_named(tmp_path):
 def test_without_the_extra_the_message_names_it(tmp_path, monkeypatch):
     gwy(tmp_path / "scan.gwy")
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    with pytest.raises(stiction.SceneError, match=r"pip install stiction\[topography\]"):
+    with pytest.raises(stiction.SceneError, match=r"pip install stiction\[maps\]"):
         stiction.find_asperities(tmp_path / "scan.gwy")
 
 

@@ -1,0 +1,119 @@
+"""`stiction asperities MAP`: from a measured height map to its asperities."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import StictionError
+from ..terminal import ended
+from .figure import draw
+from .file import write
+from .find import check_outputs, found_on, steps_of
+from .level import LEVELS, ROWS
+from .reading import read_map
+from .summary import summary
+
+__all__ = ["main"]
+
+# Options that messages name as arguments.
+_OPTIONS = (
+    "pixel",
+    "height_unit",
+    "dataset",
+    "factor",
+    "level_rows",
+    "level",
+    "smooth",
+    "prominence",
+    "min_distance",
+    "cutoffs",
+    "figure",
+)
+
+
+_EPILOG = """Examples: stiction asperities configs/maps/polished.txt -o polished.h5; stiction asperities
+scan.npy --pixel "9.8 nm" --height-unit nm. Exit codes: 0 done; 1 failed while running; 2 the command or the
+map is wrong."""
+
+# Of each option its names, the name of its value, and what it does.
+_HELP = [
+    (("-o", "--output"), "FILE.h5", "where the result goes; by default there is only the summary"),
+    (("--pixel",), "DX[,DY]",
+     'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default what the '
+     "file says"),
+    (("--height-unit",), "UNIT", "unit of the heights, such as nm; by default what the file says"),
+    (("--dataset",), "NAME", "which dataset of an HDF5 file, or channel of an instrument's, is the map"),
+    (("--factor",), "X", 'what numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
+    (("--mask",), "FILE", "a map in which all but 0 marks heights that are left out"),
+    (("--level-rows",), "HOW",
+     f"what is subtracted from each row before: {', '.join(ROWS)} (the sum of median steps between rows)"),
+    (("--level",), "HOW", f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane"),
+    (("--smooth",), "WAVELENGTH",
+     'smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal Gaussian filter '
+     "takes waves away (ISO 16610-61)"),
+    (("--prominence",), "HEIGHT",
+     "count only summits that are so high above the saddle on the way to higher ground, such as \"0.5 nm\""),
+    (("--min-distance",), "LENGTH",
+     'count only summits with no higher one nearer than that, such as "100 nm"'),
+    (("--cutoffs",), "N",
+     "report density, radius and scatter of the summits over N cut-offs too, from 2 pixels to a quarter of "
+     "the map's side"),
+    (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
+]  # fmt: skip
+_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": int}
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="stiction asperities",
+        description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for.",
+        epilog=_EPILOG,
+    )
+    of_map = "the height map: a text with a row of the map on each line, NPY, HDF5; with `pip install "
+    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` files of instruments")
+    for names, value, words in _HELP:
+        parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
+    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+    parser.set_defaults(level="plane")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Reads the command line, finds the asperities and prints the summary; returns the exit code."""
+    given = _parser().parse_args(arguments)
+
+    def work() -> None:
+        try:
+            _asperities(given)
+        except StictionError as error:
+            raise type(error)(_as_options(str(error)), error.exit_code) from None
+
+    return ended("stiction asperities", work)
+
+
+def _as_options(message: str) -> str:
+    """A message with the arguments that it names as options."""
+    options = rf"(?<![\w-])({'|'.join(_OPTIONS)}) ?= ?"
+    return re.sub(options, lambda found: f"--{found[1].replace('_', '-')} ", message)
+
+
+def _asperities(given: argparse.Namespace) -> None:
+    steps = steps_of(
+        given.level, given.level_rows, smooth=given.smooth, prominence=given.prominence,
+        min_distance=given.min_distance, cutoffs=given.cutoffs,
+    )  # fmt: skip
+    check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
+    height_map = read_map(
+        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset,
+        factor=given.factor, mask=given.mask,
+    )  # fmt: skip
+    surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
+    if given.output is not None:
+        write(given.output, surface, given.height_unit or "", force=given.force, inputs=[given.map])
+    if given.figure is not None:
+        draw(given.figure, surface, force=given.force, inputs=[given.map])
+    print(summary(surface, given.map, given.output))

@@ -15,14 +15,14 @@ use stiction::asperity::{
     self, BLOCK, Lanes, LawParameters, Quantity, Responses, SolverStats, regime_ranges,
 };
 use stiction::engine::moments::{LANES, MomentMatrix};
-use stiction::engine::{BATCH, Batch, Curves, Job, Outcome, ReductionTree, Summation, Workspace, draw};
+use stiction::engine::{BATCH, Batch, Curves, Draw, Job, Outcome, ReductionTree, Summation, Workspace, draw};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::controlled_means;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::math::sums::Compensated;
 use stiction::scene::Scene;
 use stiction::surface::SamplingScheme;
-use stiction::validation::basis;
+use stiction::validation::{Draws, Sampling, basis};
 
 const SUM_TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 const INTEGRAL_TOLERANCES: [f64; 7] = [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
@@ -132,7 +132,12 @@ fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let law =
         scene.model.law(&LawParameters { table_range: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
-    draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
+    draw(
+        &scene.surface,
+        Draw { seed: scene.seed, scheme: scene.sampling, index },
+        &mut heights,
+        &mut Vec::new(),
+    );
     heights.sort_unstable_by(f64::total_cmp);
     let at = |&h: &f64| {
         let d = scene.surface.asperity_separation(h);
@@ -163,7 +168,8 @@ fn monte_carlo(table: &mut Table) {
     let expectations = model();
     let of_scheme = |scheme| Job { scheme, ..job(&scene, law.view(), BATCH) };
     let try_out = |scheme| one.install(|| Summation::by_moments(&of_scheme(scheme), COMPRESSED));
-    let basis_of = |scheme, replicas| basis(law.view(), &scene.surface, &scene.separations, scheme, replicas);
+    let basis_of =
+        |scheme, replicas| basis(law.view(), &scene.surface, &scene.separations, Draws { scheme, replicas });
     let places_of = |scheme: SamplingScheme, replicas| {
         let eligible = &basis_of(scheme, replicas).tested[1];
         controls(&scene.separations, &expectations, eligible, replicas / scheme.group())

@@ -18,7 +18,7 @@ use super::block::Responses;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
-use super::springback::{Springback, follow, within};
+use super::springback::{Springback, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
@@ -240,7 +240,7 @@ impl Memory<'_> {
                 if cycle.own_radii {
                     let lane = [cycle.lane(flowed.ratio)];
                     within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
-                    follow(law, regime, &lane, &own, out, stats);
+                    law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
                 } else {
                     law.evaluate(regime, Lanes::Own, &own, out, stats);
                 }

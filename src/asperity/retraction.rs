@@ -3,7 +3,7 @@
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
-use super::springback::{POWERS, Springback, Top, follow, within};
+use super::springback::{POWERS, Springback, Top, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};
 use crate::math::roots::{Sample, safe_newton};
@@ -395,7 +395,7 @@ impl Law for Retraction<'_> {
                 own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
                 let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
                 within(law, base, &lanes, own, f64::NEG_INFINITY);
-                return follow(law, base, &lanes, own, out, stats);
+                return law.evaluate(base, Lanes::each(&lanes), own, out, stats);
             }
             _ => own.copy_from_slice(interference),
         }

@@ -10,7 +10,7 @@ use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Lanes};
 use super::plastic_unloading::PlasticUnloading;
 use super::retraction::Condition;
-use super::springback::{Springback, Top, pull, within};
+use super::springback::{Springback, Top, Tops, pull, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::sync::Arc;
@@ -247,7 +247,13 @@ impl Turned {
         }
         let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
         let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
-        cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
+        cycle.springback.unload(
+            cycle.retraction(),
+            Tops { tops: &tops, lanes: &lanes },
+            distance,
+            out,
+            stats,
+        );
     }
 
     /// Mixes the adhesion of contacts that follow powers with that of the elastic law, by the share that they

@@ -3,6 +3,7 @@
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
+use super::sampling::draw_of;
 use super::scalars::Ways;
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
@@ -78,92 +79,134 @@ struct Told<'a> {
     states: Box<AsperityStates>,
 }
 
-/// The record of the replica of an index with its curves, whose asperities have heights and, where they differ in
-/// them, radii, m, and are coupled; `independent` is the record of them without that. `keep` makes a record of a
-/// surface that has been summed. When `ends` is true nothing is solved any more, and what comes back is no result.
-pub(super) fn couple(
-    (job, substrate, ends): (&Job<'_>, &Substrate<'_>, Ends<'_>),
-    index: u64,
-    asperities: (&[f64], &[f64]),
-    independent: (Replica, &Curves),
-    stats: &mut SolverStats,
-    keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
-) -> (Replica, Curves) {
-    let Placed { heights, radii, places, order } = Placed::new((job, substrate), index, asperities);
-    let highest = heights.last().copied().unwrap_or(f64::NAN);
-    let side = substrate.places.side(job.surface.nominal_area);
-    let compliance = 1.0 / (PI * substrate.reduced_modulus * side);
-    let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| {
+/// A replica without coupling, its index and its curves.
+pub(super) struct Independent {
+    pub index: u64,
+    pub kept: Replica,
+    pub curves: Curves,
+}
+
+/// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more, and what
+/// comes back is no result.
+#[derive(Clone, Copy)]
+pub(super) struct CoupledJob<'a> {
+    pub job: &'a Job<'a>,
+    pub substrate: &'a Substrate<'a>,
+    pub ends: Ends<'a>,
+}
+
+impl CoupledJob<'_> {
+    /// The record of a replica with its curves, its asperities coupled. `keep` makes a record of a surface that has been
+    /// summed.
+    pub fn couple(
+        self,
+        independent: Independent,
+        stats: &mut SolverStats,
+        keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
+    ) -> (Replica, Curves) {
+        let Self { job, substrate, ends } = self;
+        let Independent { index, kept: mut replica, curves: of_independent } = independent;
+        let side = substrate.places.side(job.surface.nominal_area);
+        let mut placed = self.placed(index, side);
+        let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| self.told(&mut placed, side));
+        let Placed { heights, radii, places, .. } = placed;
+        let (different, numbers) = distinct(&radii);
+        let laws = different.iter().map(|radius| self.laws_of(*radius)).collect();
+        let half_space = self.half_space(places, radii, side);
+        let solver = Solver::new(Asperities::new(laws, numbers), half_space, &heights, substrate.tolerance);
+        let r = job.laws.regimes().len();
+        let mut surface = CoupledSurface {
+            job,
+            ends,
+            solver,
+            side,
+            settled: Settled::default(),
+            energy: substrate.energy,
+            regimes: vec![RegimeSums::default(); r],
+            highest: heights.last().copied().unwrap_or(f64::NAN),
+            contacts: (f64::NAN, f64::NAN),
+            before: [None, None],
+            approach: Vec::new(),
+            turn: None,
+            told,
+        };
+        if let Some(span) = job.protocol.stiffness_span {
+            // From lines between the separations, as with coupling: else they could not be compared.
+            let external = &of_independent.total[Quantity::ExternalForce.index()];
+            let s = job.separations.len();
+            let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
+            replica.stiffest(&largest_secant(job.separations, pulled, span));
+        }
+        let mut curves = Curves::new(job.states(), r);
+        let mut coupled = CoupledCurves::new(&of_independent);
+        surface.travel(substrate.history, &mut curves, &mut coupled);
+        if job.protocol.cycle.is_some() {
+            surface.contacts = contacts(job, &curves);
+        }
+        let mut kept = keep(&mut surface, &mut curves);
+        stats.merge(&surface.solver.take_stats());
+        let asperities = surface.told.map(|told| told.states);
+        kept.coupled =
+            Some(Box::new(CoupledReplica { asperities, ..CoupledReplica::new(replica, &coupled) }));
+        curves.coupled = Some(Box::new(coupled));
+        (kept, curves)
+    }
+
+    /// The asperities of the replica of an index, on a surface of a side, m.
+    fn placed(self, index: u64, side: f64) -> Placed {
+        let Self { job, substrate, .. } = self;
+        let (mut heights, mut radii) = (Vec::new(), Vec::new());
+        draw_of(job, index, &mut heights, &mut radii);
+        let random = &mut stream(job.seed, Purpose::Places, index);
+        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
+        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
+        order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
+        let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
+        let numbers = || order.iter().map(|i| *i as usize);
+        Placed {
+            heights: numbers().map(|i| heights[i]).collect(),
+            radii: numbers().map(radius).collect(),
+            places: numbers().map(|i| places[i]).collect(),
+            order,
+        }
+    }
+
+    /// The record of asperities one by one, no state yet, which takes their order.
+    fn told(&self, placed: &mut Placed, side: f64) -> Told<'_> {
+        let order = std::mem::take(&mut placed.order);
         let states = AsperityStates {
-            places: drawn(&places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
-            heights: drawn(&heights, &order),
-            radii: drawn(&radii, &order),
+            places: drawn(&placed.places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
+            heights: drawn(&placed.heights, &order),
+            radii: drawn(&placed.radii, &order),
             states: Vec::new(),
         };
-        Told { at: substrate.loads_at, order, states: Box::new(states) }
-    });
-    let (different, numbers) = distinct(&radii);
-    let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
-    let points = HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance);
-    let half_space = match substrate.kernel {
-        Kernel::Point => points,
-        Kernel::Contact => points.with_contacts(side, radii),
-    };
-    // A second thread for each surface.
-    let are_spare = rayon::current_num_threads() as u64 >= 2 * job.replicas;
-    let solver = Solver::new(
-        Asperities::new(laws, numbers),
-        half_space.shared(are_spare),
-        &heights,
-        substrate.tolerance,
-    );
-    let r = job.laws.regimes().len();
-    let mut surface = CoupledSurface {
-        job,
-        ends,
-        solver,
-        side,
-        settled: Settled::default(),
-        energy: substrate.energy,
-        regimes: vec![RegimeSums::default(); r],
-        highest,
-        contacts: (f64::NAN, f64::NAN),
-        before: [None, None],
-        approach: Vec::new(),
-        turn: None,
-        told,
-    };
-    let (mut replica, of_independent) = independent;
-    if let Some(span) = job.protocol.stiffness_span {
-        // From lines between the separations, as with coupling: else they could not be compared.
-        let external = &of_independent.total[Quantity::ExternalForce.index()];
-        let s = job.separations.len();
-        let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
-        replica.stiffest(&largest_secant(job.separations, pulled, span));
+        Told { at: self.substrate.loads_at, order, states: Box::new(states) }
     }
-    let mut curves = Curves::new(job.states(), r);
-    let mut coupled = CoupledCurves::new(of_independent);
-    surface.travel(substrate.history, &mut curves, &mut coupled);
-    if job.protocol.cycle.is_some() {
-        surface.contacts = contacts(job, &curves);
+
+    /// The half-space under asperities at places, in sides of the surface, m, of radii, m.
+    fn half_space(self, places: Vec<[f64; 2]>, radii: Vec<f64>, side: f64) -> HalfSpace {
+        let Substrate { coupling, kernel, tolerance, reduced_modulus, .. } = *self.substrate;
+        let points = HalfSpace::new(coupling, places, 1.0 / (PI * reduced_modulus * side), tolerance);
+        let half_space = match kernel {
+            Kernel::Point => points,
+            Kernel::Contact => points.with_contacts(side, radii),
+        };
+        // A second thread for each surface.
+        half_space.shared(rayon::current_num_threads() as u64 >= 2 * self.job.replicas)
     }
-    let mut kept = keep(&mut surface, &mut curves);
-    stats.merge(&surface.solver.take_stats());
-    let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
-    kept.coupled = Some(Box::new(CoupledReplica {
-        independent: replica,
-        unsettled: total(&coupled.unsettled),
-        largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
-            as u64,
-        avalanche_sizes: coupled.avalanche_sizes,
-        largest_crowding: coupled.largest_crowding,
-        overlapping: total(&coupled.overlapping),
-        energy_lost: coupled.energy_lost.iter().sum(),
-        energy_classes: coupled.energy_classes,
-        asperities: surface.told.map(|told| told.states),
-    }));
-    curves.coupled = Some(Box::new(coupled));
-    (kept, curves)
+
+    /// The laws of the asperities of a radius, m.
+    fn laws_of(&self, radius: f64) -> RadiusLaws<'_> {
+        let Self { job, substrate, .. } = self;
+        let memory = match (substrate.memory, job.laws.family) {
+            (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
+            (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
+            (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
+            (None, None) => Memory::None(Held::Shared(job.laws.typical)),
+        };
+        // Of elastic laws, s_δ ~ R^(1/3).
+        RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))
+    }
 }
 
 /// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in the
@@ -175,41 +218,6 @@ struct Placed {
     places: Vec<[f64; 2]>,
     /// The number of each among those that were drawn.
     order: Vec<u32>,
-}
-
-impl Placed {
-    /// Gives the asperities of the replica of an index, `heights` and `radii`, m, their places.
-    fn new(
-        (job, substrate): (&Job<'_>, &Substrate<'_>),
-        index: u64,
-        (heights, radii): (&[f64], &[f64]),
-    ) -> Self {
-        let random = &mut stream(job.seed, Purpose::Places, index);
-        let side = substrate.places.side(job.surface.nominal_area);
-        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
-        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
-        order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
-        let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
-        let numbers = || order.iter().map(|i| *i as usize);
-        Self {
-            heights: numbers().map(|i| heights[i]).collect(),
-            radii: numbers().map(radius).collect(),
-            places: numbers().map(|i| places[i]).collect(),
-            order,
-        }
-    }
-}
-
-/// The laws of the asperities of a radius, m.
-fn laws_of<'a>((job, substrate): (&Job<'a>, &Substrate<'a>), radius: f64) -> RadiusLaws<'a> {
-    let memory = match (substrate.memory, job.laws.family) {
-        (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
-        (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
-        (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
-        (None, None) => Memory::None(Held::Shared(job.laws.typical)),
-    };
-    // Of elastic laws, s_δ ~ R^(1/3).
-    RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))
 }
 
 /// The separations h, m, of the samples of a loop at which the first contact is there on approach, and the last

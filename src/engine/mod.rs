@@ -64,7 +64,7 @@ pub use groups::Groups;
 pub use instability::Loading;
 pub use moments::{MomentMatrix, Unfit};
 #[doc(hidden)]
-pub use reduce::{Outcome, run, run_from};
+pub use reduce::{Bounds, Outcome, run, run_from};
 #[doc(hidden)]
 pub use reduction_tree::ReductionTree;
 #[doc(hidden)]
@@ -73,7 +73,7 @@ pub use replica::Replica;
 #[doc(hidden)]
 pub use replica::Workspace;
 #[doc(hidden)]
-pub use sampling::draw;
+pub use sampling::{Draw, draw};
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar};
 #[doc(hidden)]
 pub use scalars::{REPEATED_SCALARS, Ways, scalars};

@@ -9,19 +9,24 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Draws the asperities of the replica `index`, unsorted, into `heights`, m, and where radii differ into
+/// What the asperities of a replica are drawn by.
+#[derive(Clone, Copy, Debug)]
+pub struct Draw {
+    /// Seed of all replicas.
+    pub seed: u64,
+    /// The scheme by which they depend on each other.
+    pub scheme: SamplingScheme,
+    /// Index of the replica.
+    pub index: u64,
+}
+
+/// Draws the asperities of a replica, unsorted, into `heights`, m, and where radii differ into
 /// `radii`, m.
 ///
 /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that
 /// a surface on which one of them follows another law still has the same others.
-pub fn draw(
-    surface: &Surface,
-    seed: u64,
-    scheme: SamplingScheme,
-    index: u64,
-    heights: &mut Vec<f64>,
-    radii: &mut Vec<f64>,
-) {
+pub fn draw(surface: &Surface, by: Draw, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+    let Draw { seed, scheme, index } = by;
     let count = count(surface, seed, index);
     heights.resize(count, 0.0);
     radii.resize(if surface.is_polydisperse() { count } else { 0 }, 0.0);
@@ -33,7 +38,7 @@ pub fn draw(
         }
         (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[..count]),
         _ if scheme != SamplingScheme::Independent => {
-            draw_by_scheme(surface, (seed, scheme), index, heights, radii);
+            draw_by_scheme(surface, by, heights, radii);
         }
         (Radii::Common, _) => surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights),
         (law, _) => {
@@ -47,7 +52,7 @@ pub fn draw(
 
 /// Draws the asperities of the replica `index` of a job.
 pub(super) fn draw_of(job: &Job<'_>, index: u64, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-    draw(job.surface, job.seed, job.scheme, index, heights, radii);
+    draw(job.surface, Draw { seed: job.seed, scheme: job.scheme, index }, heights, radii);
 }
 
 /// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on each
@@ -59,13 +64,8 @@ pub(super) fn draw_of(job: &Job<'_>, index: u64, heights: &mut Vec<f64>, radii: 
 /// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
 /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
 ///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
-fn draw_by_scheme(
-    surface: &Surface,
-    (seed, scheme): (u64, SamplingScheme),
-    index: u64,
-    heights: &mut [f64],
-    radii: &mut [f64],
-) {
+fn draw_by_scheme(surface: &Surface, by: Draw, heights: &mut [f64], radii: &mut [f64]) {
+    let Draw { seed, scheme, index } = by;
     let stream = |purpose, index| stream(seed, purpose, index);
     let law = (surface.asperity_radius, &surface.heights);
     let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
@@ -123,7 +123,7 @@ mod tests {
 
     fn heights(scheme: SamplingScheme, index: u64, count: usize) -> Vec<f64> {
         let mut heights = vec![0.0; count];
-        draw(&surface(count), 3, scheme, index, &mut heights, &mut Vec::new());
+        draw(&surface(count), Draw { seed: 3, scheme, index }, &mut heights, &mut Vec::new());
         heights
     }
 

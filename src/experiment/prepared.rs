@@ -20,7 +20,7 @@ use crate::output::partial::{Functionals, Head};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
-use crate::validation::{Basis, Cumulants};
+use crate::validation::Basis;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -298,8 +298,7 @@ impl PreparedRun {
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> Functionals {
     if scene.replicas == 0 {
-        let basis = Basis { probes: Vec::new(), cumulants: Cumulants::default(), tested: Default::default() };
-        return Functionals { basis, controls: Vec::new(), fewest_replicas: 0 };
+        return Functionals { basis: Basis::untested(0), controls: Vec::new(), fewest_replicas: 0 };
     }
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();

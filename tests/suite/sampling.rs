@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
-use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, draw, run};
+use stiction::engine::{Draw, Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, draw, run};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
@@ -15,7 +15,7 @@ use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
     HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
 };
-use stiction::validation::basis;
+use stiction::validation::{Draws, Sampling, basis};
 
 /// A small patch of case II, on which a replica takes some hundred microseconds.
 struct Patch {
@@ -64,7 +64,7 @@ impl Patch {
     }
 
     fn controls(&self, scheme: SamplingScheme, replicas: u64) -> Vec<usize> {
-        let basis = basis(self.law.as_ref(), &self.surface, &self.separations, scheme, replicas);
+        let basis = basis(self.law.as_ref(), &self.surface, &self.separations, Draws { scheme, replicas });
         controls(&self.separations, &self.expectations, &basis.tested[1], replicas / scheme.group())
     }
 }
@@ -105,7 +105,7 @@ impl Skewed {
             Controls::At(places) => places.to_vec(),
             Controls::Chosen(groups) => {
                 let replicas = groups * scheme.group();
-                let basis = basis(law.as_ref(), &surface, &separations, scheme, replicas);
+                let basis = basis(law.as_ref(), &surface, &separations, Draws { scheme, replicas });
                 stiction::integral::controls(&separations, &expectations, &basis.tested[1], groups)
             }
         });
@@ -503,7 +503,7 @@ fn every_surface_is_drawn_by_every_scheme() {
         let moments = |scheme: SamplingScheme, index: u64| {
             let (mut heights, mut radii) = (Vec::new(), Vec::new());
             let many = Surface { asperity_count: 40_000, ..surface.clone() };
-            draw(&many, 3, scheme, index, &mut heights, &mut radii);
+            draw(&many, Draw { seed: 3, scheme, index }, &mut heights, &mut radii);
             let of = |values: &[f64], unit: f64| {
                 let squares: Vec<f64> = values.iter().map(|value| (value / unit).powi(2)).collect();
                 let n = squares.len() as f64;
@@ -529,7 +529,7 @@ fn every_surface_is_drawn_by_every_scheme() {
             }
             let group = scheme.group();
             let replicas = 60 * group;
-            let basis = basis(laws.view(), &surface, &separations, scheme, replicas);
+            let basis = basis(laws.view(), &surface, &separations, Draws { scheme, replicas });
             let expected = Expectations::new(laws.view(), &surface, &separations).expected;
             let job = Job { scheme, ..job(laws.view(), &surface, &separations, replicas) };
             let (mut scores, mut squares) = (vec![0.0; basis.probes.len()], 0.0);

@@ -58,9 +58,10 @@ pub(super) struct Top {
     adhesion: f64,
 }
 
-/// Tops, each with the lane of R′.
+/// Tops, each with the lane of R′, and the law of their asperities on retraction.
 #[derive(Clone, Copy)]
 pub(super) struct Tops<'a> {
+    pub law: &'a dyn Law,
     pub tops: &'a [Top],
     pub lanes: &'a [Lane],
 }
@@ -133,12 +134,11 @@ impl Springback {
         }
     }
 
-    /// Unloads tops, whose responses at ω_max `out` has, to a distance, m, from there; `law` is that of the asperity on
-    /// retraction. Contacts that follow powers have no tops.
+    /// Unloads tops, whose responses at ω_max `out` has, to a distance, m, from there. Contacts that follow powers have
+    /// no tops.
     pub fn unload(
         &self,
-        law: &dyn Law,
-        Tops { tops, lanes }: Tops<'_>,
+        Tops { law, tops, lanes }: Tops<'_>,
         distance: f64,
         out: &mut Responses,
         stats: &mut SolverStats,

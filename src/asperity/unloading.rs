@@ -594,7 +594,7 @@ impl Loop {
         let top = |i: usize| self.springback.top(scale, out.contact[i], out.area[i]);
         let tops: Vec<Top> = (0..largest.len()).map(top).collect();
         let lanes: Vec<Lane> = tops.iter().map(|top| self.lane(top.ratio)).collect();
-        self.springback.unload(law, Tops { tops: &tops, lanes: &lanes }, distance, out, stats);
+        self.springback.unload(Tops { law, tops: &tops, lanes: &lanes }, distance, out, stats);
     }
 
     /// End of the elastic regime, m.

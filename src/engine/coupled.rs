@@ -3,7 +3,6 @@
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
-use super::sampling::draw_of;
 use super::scalars::Ways;
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
@@ -86,6 +85,21 @@ pub(super) struct Independent {
     pub curves: Curves,
 }
 
+impl Independent {
+    /// Its record, with the stiffness from lines between the separations, as with coupling: else they could not be
+    /// compared.
+    fn by_lines(&self, job: &Job<'_>) -> Replica {
+        let mut replica = self.kept.clone();
+        if let Some(span) = job.protocol.stiffness_span {
+            let external = &self.curves.total[Quantity::ExternalForce.index()];
+            let s = job.separations.len();
+            let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
+            replica.stiffest(&largest_secant(job.separations, pulled, span));
+        }
+        replica
+    }
+}
+
 /// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more, and what
 /// comes back is no result.
 #[derive(Clone, Copy)]
@@ -105,7 +119,8 @@ impl CoupledJob<'_> {
         keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
     ) -> (Replica, Curves) {
         let Self { job, substrate, ends } = self;
-        let Independent { index, kept: mut replica, curves: of_independent } = independent;
+        let replica = independent.by_lines(job);
+        let Independent { index, curves: of_independent, .. } = independent;
         let side = substrate.places.side(job.surface.nominal_area);
         let mut placed = self.placed(index, side);
         let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| self.told(&mut placed, side));
@@ -130,13 +145,6 @@ impl CoupledJob<'_> {
             turn: None,
             told,
         };
-        if let Some(span) = job.protocol.stiffness_span {
-            // From lines between the separations, as with coupling: else they could not be compared.
-            let external = &of_independent.total[Quantity::ExternalForce.index()];
-            let s = job.separations.len();
-            let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
-            replica.stiffest(&largest_secant(job.separations, pulled, span));
-        }
         let mut curves = Curves::new(job.states(), r);
         let mut coupled = CoupledCurves::new(&of_independent);
         surface.travel(substrate.history, &mut curves, &mut coupled);
@@ -156,7 +164,7 @@ impl CoupledJob<'_> {
     fn placed(self, index: u64, side: f64) -> Placed {
         let Self { job, substrate, .. } = self;
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        draw_of(job, index, &mut heights, &mut radii);
+        job.draw(index).of(job.surface, &mut heights, &mut radii);
         let random = &mut stream(job.seed, Purpose::Places, index);
         let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
         let mut order: Vec<u32> = (0..heights.len() as u32).collect();

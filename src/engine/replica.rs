@@ -9,7 +9,6 @@ use super::held::{HeldSurface, OfLane};
 use super::kinks::Kinks;
 use super::moments::{LANES, MANY, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};
-use super::sampling::draw_of;
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use super::{Ends, Job};
@@ -205,7 +204,7 @@ impl Workspace {
             }
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                draw_of(job, index, heights, &mut self.radii);
+                job.draw(index).of(job.surface, heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {

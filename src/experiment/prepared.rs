@@ -261,10 +261,8 @@ impl PreparedRun {
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main, retraction, reapproach } = integral;
         let PathIntegral { expectations, features: of_integral, .. } = main;
-        let of_mean = match replicas {
-            0 => of_integral,
-            _ => mean_features(&scene, law.view(), &ensemble, &expectations),
-        };
+        let of_mean = || mean_features(&scene, law.view(), &ensemble, &expectations);
+        let of_mean = if replicas == 0 { of_integral } else { of_mean() };
         let retraction =
             cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
         Results {

@@ -160,17 +160,10 @@ impl AtSeparation {
                 continue;
             }
             let integral = self.integrate(law, heights, separation, &piece, tolerance);
-            self.density += integral.value[7];
+            self.add_panel(piece.regime, &integral.value);
             covered[piece.regime] += integral.value[7];
             self.error =
                 maximum(self.error, loss(integral.value[7], heights, separation, [piece.lower, piece.upper]));
-            let regime = &mut self.regimes[piece.regime];
-            regime.adhesion += integral.value[0];
-            regime.contact += integral.value[1];
-            regime.area += integral.value[2];
-            for q in 0..4 {
-                regime.squares[q] += integral.value[3 + q];
-            }
             for c in 0..3 {
                 // What underflows has no relative error; what is not a number is no better for that.
                 if !(integral.value[c] <= f64::MIN_POSITIVE / f64::EPSILON) {

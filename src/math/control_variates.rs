@@ -78,19 +78,7 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
     let parts: Vec<&CentralMoments> = parts.iter().filter(|part| part.count() > 0).collect();
     let Some(first) = parts.first() else { return Vec::new() };
     let length = first.second().mean().len();
-    let others = |left_out: usize| {
-        let mut sample = Comoments::new(length);
-        let taken = parts.iter().enumerate().filter(|(i, _)| *i != left_out);
-        taken.for_each(|(_, part)| sample.merge(part.second()));
-        sample
-    };
-    let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
-    let enough = others.iter().all(|others| others.count() > expected.len() as u64 + 2);
-    let regressions: Vec<Regression> = if enough {
-        others.iter().map(|others| Regression::new(others, expected.len())).collect()
-    } else {
-        Vec::new()
-    };
+    let regressions = Regression::of_others(&parts, expected.len());
     let coefficients = regressions.iter().map(|regression| regression.components.len()).max().unwrap_or(0);
     let merged = |y: usize, is_controlled: bool| {
         let mut merged = CentralMoments::new(1);
@@ -169,6 +157,20 @@ struct Regression {
 }
 
 impl Regression {
+    /// The regressions for each part by all others; none where these are too few.
+    fn of_others(parts: &[&CentralMoments], expected: usize) -> Vec<Self> {
+        let others = |left_out: usize| {
+            let mut sample = Comoments::new(parts[0].second().mean().len());
+            let taken = parts.iter().enumerate().filter(|(i, _)| *i != left_out);
+            taken.for_each(|(_, part)| sample.merge(part.second()));
+            sample
+        };
+        let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
+        let enough = others.iter().all(|others| others.count() > expected as u64 + 2);
+        let others = others.iter().filter(|_| enough);
+        others.map(|others| Self::new(others, expected)).collect()
+    }
+
     fn new(sample: &Comoments, expected: usize) -> Self {
         let (covariance, length) = (sample.covariance(), sample.mean().len());
         let variance = |i: usize| covariance[i * length + i];

@@ -3,7 +3,7 @@
 use super::grid::{StateAt, Turned, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Facing, Laws, Loop, Responses, Scratch, SolverStats};
+use crate::asperity::{Facing, Laws, Loop, Scratch, SolverStats};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
@@ -221,17 +221,15 @@ fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSche
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     for (alike, places) in grid.iter().zip(&places) {
         for (k, state) in states.iter().enumerate() {
-            let mut visit = |range: Range<usize>, responses: &Responses| {
-                for (i, node) in range.enumerate() {
-                    let place = k * count + places[node];
-                    adhesion[place] = responses.adhesion[i];
-                    external[place] = responses.contact[i] - responses.adhesion[i];
-                }
-            };
-            state.visit(&alike.laws, |law, d| {
-                let visit = |_, range, responses: &Responses| visit(range, responses);
-                let facing = Facing { law, heights: &alike.heights, separation: d };
-                facing.for_each_block(&mut scratch, &mut stats, visit);
+            state.visit(&alike.laws, |law, separation| {
+                let facing = Facing { law, heights: &alike.heights, separation };
+                facing.for_each_block(&mut scratch, &mut stats, |_, range, responses| {
+                    for (i, node) in range.enumerate() {
+                        let place = k * count + places[node];
+                        adhesion[place] = responses.adhesion[i];
+                        external[place] = responses.contact[i] - responses.adhesion[i];
+                    }
+                });
             });
         }
     }

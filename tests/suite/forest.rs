@@ -30,9 +30,8 @@ fn scene() -> Scene {
 
 fn computed(job: &Job<'_>, start: ReductionTree) -> ReductionTree {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    match run_from::<()>(job, &pool, &AtomicBool::new(false), Bounds { merged: start, rule: None }, |_, _| {
-        Ok(())
-    }) {
+    let bounds = Bounds { merged: start, rule: None };
+    match run_from::<()>(job, &pool, &AtomicBool::new(false), bounds, |_, _| Ok(())) {
         Ok(Outcome::Complete(reduction_tree)) => *reduction_tree,
         other => panic!("the run did not complete: {other:?}"),
     }

@@ -462,14 +462,8 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     let mut without_snaps = restored.clone();
     without_snaps.snaps.clear();
     assert!(without_snaps.restored(&job).is_none());
-    let outcome = run_from::<()>(
-        &job,
-        &pool,
-        &AtomicBool::new(false),
-        Bounds { merged: restored, rule: None },
-        |_, _| Ok(()),
-    )
-    .unwrap();
+    let bounds = Bounds { merged: restored, rule: None };
+    let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), bounds, |_, _| Ok(())).unwrap();
     assert_eq!(whole, bits(&outcome.reduction_tree().ensemble(&job)));
 }
 

@@ -8,9 +8,7 @@ use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
     ContactHistory, Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius, Unloading,
 };
-use stiction::engine::{
-    Curves, Draw, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, draw, run,
-};
+use stiction::engine::{Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run};
 use stiction::integral::{Expectations, RetractionModel};
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{Heights, RADIUS_RANGE, Radii, SamplingScheme, Surface};
@@ -154,7 +152,7 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
         let job = setting.job(&surface, &separations, 1);
         let (replica, curves) = one(&job);
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        draw(&surface, Draw { seed: job.seed, scheme: job.scheme, index: 0 }, &mut heights, &mut radii);
+        job.draw(0).of(&surface, &mut heights, &mut radii);
         let loops: Vec<Loop> = radii.iter().map(|radius| setting.alone(*radius)).collect();
         let d = |h: f64| surface.asperity_separation(h);
         let closest = d(separations[0]);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
-use stiction::engine::{Draw, Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, draw, run};
+use stiction::engine::{Draw, Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, run};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
@@ -15,7 +15,7 @@ use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
     HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
 };
-use stiction::validation::{Draws, Sampling, basis};
+use stiction::validation::{Draws, basis};
 
 /// A small patch of case II, on which a replica takes some hundred microseconds.
 struct Patch {
@@ -503,7 +503,7 @@ fn every_surface_is_drawn_by_every_scheme() {
         let moments = |scheme: SamplingScheme, index: u64| {
             let (mut heights, mut radii) = (Vec::new(), Vec::new());
             let many = Surface { asperity_count: 40_000, ..surface.clone() };
-            draw(&many, Draw { seed: 3, scheme, index }, &mut heights, &mut radii);
+            Draw { seed: 3, scheme, index }.of(&many, &mut heights, &mut radii);
             let of = |values: &[f64], unit: f64| {
                 let squares: Vec<f64> = values.iter().map(|value| (value / unit).powi(2)).collect();
                 let n = squares.len() as f64;

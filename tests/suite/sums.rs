@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Facing, Path, Quantity, Scratch, SolverStats};
 use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Draw, Job, Workspace, draw};
+use stiction::engine::{Curves, Job, Workspace};
 use stiction::integral::Expectations;
 use stiction::math::moments::{Comoments, Moments};
 use stiction::surface::{Heights, SamplingScheme, Surface};
@@ -35,12 +35,7 @@ fn curves(job: &Job<'_>, replica: u64) -> Curves {
 fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let d = job.surface.asperity_separation(separation);
     let mut heights = Vec::new();
-    draw(
-        job.surface,
-        Draw { seed: job.seed, scheme: job.scheme, index: replica },
-        &mut heights,
-        &mut Vec::new(),
-    );
+    job.draw(replica).of(job.surface, &mut heights, &mut Vec::new());
     let [mut adhesion_sum, mut contact_sum] = [Exact::default(), Exact::default()];
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     for heights in heights.chunks_mut(1 << 14) {

@@ -130,11 +130,8 @@ fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let law =
         scene.model.law(&LawParameters { table_range: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
-    Draw { seed: scene.seed, scheme: scene.sampling, index }.of(
-        &scene.surface,
-        &mut heights,
-        &mut Vec::new(),
-    );
+    let draw = Draw { seed: scene.seed, scheme: scene.sampling, index };
+    draw.of(&scene.surface, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);
     let at = |&h: &f64| {
         let d = scene.surface.asperity_separation(h);

@@ -454,11 +454,15 @@ pub fn noncontact<'a>(
                     let own = of(i);
                     lanes.roots[i] = (own.reference - displacement) * own.per_span;
                 }
-                for (i, share) in lanes.roots[..count].iter().enumerate() {
-                    near.add(i, *share <= 1.0);
-                }
+                lanes.roots[..count].iter().enumerate().for_each(|(i, share)| near.add(i, *share <= 1.0));
                 if near.count < count {
-                    lanes.far(&of, gap, adhesion);
+                    for i in 0..count {
+                        (lanes.places[i], lanes.starts[i]) = (gap(i), of(i).stiffness);
+                    }
+                    let far = lanes.places.iter().zip(&lanes.starts);
+                    for (adhesion, (gap, stiffness)) in adhesion.iter_mut().zip(far) {
+                        *adhesion = far::attraction(*gap, *stiffness);
+                    }
                 }
                 lanes.roots[..count].iter().fold(false, |any, share| any | (*share <= 0.0))
             },
@@ -526,23 +530,6 @@ fn uncut(lambda: f64, _: f64) -> Noncontact {
 }
 
 impl Lanes {
-    /// Attractions across rigid gaps z₀ that are far.
-    #[inline(always)]
-    fn far<'a>(
-        &mut self,
-        of: impl Fn(usize) -> &'a Elastic,
-        gap: impl Fn(usize) -> f64,
-        adhesion: &mut [f64],
-    ) {
-        for i in 0..adhesion.len() {
-            (self.places[i], self.starts[i]) = (gap(i), of(i).stiffness);
-        }
-        let far = self.places.iter().zip(&self.starts);
-        for (adhesion, (gap, stiffness)) in adhesion.iter_mut().zip(far) {
-            *adhesion = far::attraction(*gap, *stiffness);
-        }
-    }
-
     /// Solves chosen lanes on the outermost branch. Where it has no fold it ends at ε = 0, which is as far as 0 is.
     fn outer<'a>(
         &mut self,

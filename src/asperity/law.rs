@@ -300,7 +300,8 @@ impl<'a> Facing<'a> {
         })
     }
 
-    /// Evaluates the law for a range of heights in one regime. `visit` gets the range of each block and its responses.
+    /// Evaluates the law for a range of heights in one regime. `visit` gets the range of each block and its
+    /// responses.
     pub fn for_each_block_of(
         self,
         (regime, range): (usize, Range<usize>),
@@ -324,8 +325,8 @@ impl<'a> Facing<'a> {
         }
     }
 
-    /// Evaluates the law for all heights. `visit` gets the regime's index, the range of heights and their responses,
-    /// block by block; the ranges of a regime are contiguous and rise.
+    /// Evaluates the law for all heights. `visit` gets the regime's index, the range of heights and their
+    /// responses, block by block; the ranges of a regime are contiguous and rise.
     pub fn for_each_block(
         self,
         scratch: &mut Scratch,

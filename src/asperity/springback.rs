@@ -134,8 +134,8 @@ impl Springback {
         }
     }
 
-    /// Unloads tops, whose responses at ω_max `out` has, to a distance, m, from there. Contacts that follow powers have
-    /// no tops.
+    /// Unloads tops, whose responses at ω_max `out` has, to a distance, m, from there. Contacts that follow
+    /// powers have no tops.
     pub fn unload(
         &self,
         Tops { law, tops, lanes }: Tops<'_>,

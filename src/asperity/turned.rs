@@ -262,8 +262,8 @@ impl Turned {
         cycle.springback.unload(Tops { law, tops: &tops, lanes: &lanes }, distance, out, stats);
     }
 
-    /// Unloads contacts that follow powers, and mixes their adhesion with that of the elastic law, by the share that they
-    /// spring back.
+    /// Unloads contacts that follow powers, and mixes their adhesion with that of the elastic law, by the
+    /// share that they spring back.
     fn unload_powers(
         &self,
         cycle: &Loop,

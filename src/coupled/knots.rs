@@ -198,7 +198,8 @@ impl Solver<'_> {
     }
 
     /// Unties one knot, with the asperities that give way.
-    // Responses, choices and places are of one state of the knot: apart they would have all of them as arguments.
+    // Responses, choices and places are of one state of the knot: apart they would have all of them as
+    // arguments.
     fn untie_one(
         &mut self,
         first: usize,

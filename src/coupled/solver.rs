@@ -109,7 +109,7 @@ pub struct Solver<'a> {
     unsure: f64,
     pub(super) residual: Vec<f64>,
     /// The stable state before the present one.
-    path: Option<Stable>,
+    path: Option<Snapshot>,
     pub(super) passages: Passages,
     /// The last step, if it was one between stable states.
     pub(super) step: Option<Step>,
@@ -123,16 +123,6 @@ pub(super) struct Taken {
     /// f of the law, N.
     loads: Vec<f64>,
     segments: Vec<u8>,
-}
-
-/// A stable state.
-struct Stable {
-    /// d, m.
-    separation: f64,
-    /// δ of each asperity, m.
-    interference: Vec<f64>,
-    /// Asperities at rest.
-    resting: BTreeMap<u32, Rest>,
 }
 
 #[derive(Default)]
@@ -274,8 +264,7 @@ impl<'a> Solver<'a> {
         let is_near = self.search(d, HOPELESS);
         let is_converged = is_near || self.fall_from(&before, d);
         if is_near {
-            let (interference, resting) = (before.interference.clone(), before.states.resting.clone());
-            self.path = Some(Stable { separation: from, interference, resting });
+            self.path = Some(before.clone());
         }
         (self.separation, self.is_stable) = (d, is_converged);
         self.asperities.remember(&mut self.states, &self.interference);
@@ -291,7 +280,7 @@ impl<'a> Solver<'a> {
     fn extrapolate(&mut self, d: f64) {
         let from = self.separation;
         match &self.path {
-            Some(Stable { separation, interference: one, .. }) if *separation != from => {
+            Some(Snapshot { separation, interference: one, .. }) if *separation != from => {
                 let share = (d - from) / (from - separation);
                 self.interference
                     .iter_mut()
@@ -303,7 +292,8 @@ impl<'a> Solver<'a> {
         // Jumps are short: few asperities stay at theirs, those that have been there for two separations.
         let mut resting = std::mem::take(&mut self.states.resting);
         resting.retain(|i, rest| {
-            let before = self.path.as_ref().and_then(|path| Some((path.separation, path.resting.get(i)?)));
+            let before =
+                self.path.as_ref().and_then(|path| Some((path.separation, path.states.resting.get(i)?)));
             if let Some((first, one)) = before.filter(|(_, one)| one.segments == rest.segments) {
                 rest.share += (d - from) / (from - first) * (rest.share - one.share);
                 if (0.0..=1.0).contains(&rest.share) {

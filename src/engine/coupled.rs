@@ -66,11 +66,11 @@ struct CoupledSurface<'a> {
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
-    told: Option<Told<'a>>,
+    recorded: Option<Recorded<'a>>,
 }
 
 /// The asperities of a surface that are recorded one by one.
-struct Told<'a> {
+struct Recorded<'a> {
     /// Indices of the separations.
     at: &'a [usize],
     /// The number of each among those that were drawn.
@@ -86,8 +86,8 @@ pub(super) struct Independent {
 }
 
 impl Independent {
-    /// Its record, with the stiffness from lines between the separations, as with coupling: else they could not be
-    /// compared.
+    /// Its record, with the stiffness from lines between the separations, as with coupling: else they could
+    /// not be compared.
     fn by_lines(&self, job: &Job<'_>) -> Replica {
         let mut replica = self.kept.clone();
         if let Some(span) = job.protocol.stiffness_span {
@@ -100,8 +100,8 @@ impl Independent {
     }
 }
 
-/// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more, and what
-/// comes back is no result.
+/// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more,
+/// and what comes back is no result.
 #[derive(Clone, Copy)]
 pub(super) struct CoupledJob<'a> {
     pub job: &'a Job<'a>,
@@ -110,8 +110,8 @@ pub(super) struct CoupledJob<'a> {
 }
 
 impl CoupledJob<'_> {
-    /// The record of a replica with its curves, its asperities coupled. `keep` makes a record of a surface that has been
-    /// summed.
+    /// The record of a replica with its curves, its asperities coupled. `keep` makes a record of a surface
+    /// that has been summed.
     pub fn couple(
         self,
         independent: Independent,
@@ -123,7 +123,8 @@ impl CoupledJob<'_> {
         let Independent { index, curves: of_independent, .. } = independent;
         let side = substrate.places.side(job.surface.nominal_area);
         let mut placed = self.placed(index, side);
-        let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| self.told(&mut placed, side));
+        let recorded =
+            (index == 0 && !substrate.loads_at.is_empty()).then(|| self.recorded(&mut placed, side));
         let Placed { heights, radii, places, .. } = placed;
         let (different, numbers) = distinct(&radii);
         let laws = different.iter().map(|radius| self.laws_of(*radius)).collect();
@@ -143,7 +144,7 @@ impl CoupledJob<'_> {
             before: [None, None],
             approach: Vec::new(),
             turn: None,
-            told,
+            recorded,
         };
         let mut curves = Curves::new(job.states(), r);
         let mut coupled = CoupledCurves::new(&of_independent);
@@ -153,7 +154,7 @@ impl CoupledJob<'_> {
         }
         let mut kept = keep(&mut surface, &mut curves);
         stats.merge(&surface.solver.take_stats());
-        let asperities = surface.told.map(|told| told.states);
+        let asperities = surface.recorded.map(|recorded| recorded.states);
         kept.coupled =
             Some(Box::new(CoupledReplica { asperities, ..CoupledReplica::new(replica, &coupled) }));
         curves.coupled = Some(Box::new(coupled));
@@ -180,7 +181,7 @@ impl CoupledJob<'_> {
     }
 
     /// The record of asperities one by one, no state yet, which takes their order.
-    fn told(&self, placed: &mut Placed, side: f64) -> Told<'_> {
+    fn recorded(&self, placed: &mut Placed, side: f64) -> Recorded<'_> {
         let order = std::mem::take(&mut placed.order);
         let states = AsperityStates {
             places: drawn(&placed.places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
@@ -188,7 +189,7 @@ impl CoupledJob<'_> {
             radii: drawn(&placed.radii, &order),
             states: Vec::new(),
         };
-        Told { at: self.substrate.loads_at, order, states: Box::new(states) }
+        Recorded { at: self.substrate.loads_at, order, states: Box::new(states) }
     }
 
     /// The half-space under asperities at places, in sides of the surface, m, of radii, m.
@@ -217,8 +218,8 @@ impl CoupledJob<'_> {
     }
 }
 
-/// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in the
-/// law as neighbours in memory.
+/// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in
+/// the law as neighbours in memory.
 struct Placed {
     heights: Vec<f64>,
     radii: Vec<f64>,
@@ -311,7 +312,7 @@ impl CoupledSurface<'_> {
             sum.area.add(forces.area[i]);
         }
         RegimeSums::record(&self.regimes, state, curves);
-        if let Some(Told { at, order, states }) = &mut self.told
+        if let Some(Recorded { at, order, states }) = &mut self.recorded
             && at.contains(&(state % self.job.separations.len()))
         {
             let is_contact = |regime: usize| self.job.laws.regimes()[regime].is_contact();

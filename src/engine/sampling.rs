@@ -23,8 +23,8 @@ impl Draw {
     /// Draws the asperities of a surface, unsorted, into `heights`, m, and where radii differ into
     /// `radii`, m.
     ///
-    /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that
-    /// a surface on which one of them follows another law still has the same others.
+    /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so
+    /// that a surface on which one of them follows another law still has the others.
     pub fn of(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
         let Self { seed, scheme, index } = self;
         let count = count(surface, seed, index);
@@ -50,15 +50,17 @@ impl Draw {
         }
     }
 
-    /// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on each
-    /// other, asperity by asperity.
+    /// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on
+    /// each other, asperity by asperity.
     ///
-    /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
-    /// an asperity in the order of heights; radii that scatter independently of the height are independent.
+    /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the
+    /// normal score of an asperity in the order of heights; radii that scatter independently of the height
+    /// are independent.
     ///
     /// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
-    /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
-    ///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
+    /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of
+    ///   the group is a random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman
+    ///   and Conover 1979).
     fn by_scheme(self, surface: &Surface, heights: &mut [f64], radii: &mut [f64]) {
         let Self { seed, scheme, index } = self;
         let stream = |purpose, index| stream(seed, purpose, index);

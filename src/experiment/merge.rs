@@ -71,9 +71,8 @@ impl Merge<'_> {
         let laws = SceneLaws::fitting(&scene, scene.replicas, task, self.session, 1);
         let laws = laws.map_err(|error| error.in_scene(&self.run.source))?;
         let of = scene.replicas;
-        let Some(first) = places.first() else {
-            return Err(Error::NotFor(format!("{}: no replicas are there", self.run.source.display())));
-        };
+        let none = || Error::NotFor(format!("{}: no replicas are there", self.run.source.display()));
+        let first = places.first().ok_or_else(none)?;
         let mut curves = Curves::new(&scene, task.lock.folder());
         let (shard, piece) = self.run.at(*first);
         let functionals = shard.state(piece, &scene)?.functionals;

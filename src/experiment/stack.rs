@@ -25,14 +25,8 @@ pub struct PointFiles<'a> {
     pub goes_on: &'a dyn Fn() -> bool,
 }
 
-/// A dataset of the stack.
-struct Made {
-    path: &'static str,
-    /// The places of the points that have it.
-    places: Vec<Vec<usize>>,
-    /// Whether it holds fractions.
-    is_float: bool,
-}
+/// The points that have a dataset of the stack, by its path, and whether it holds fractions.
+type Made = BTreeMap<&'static str, (Vec<Vec<usize>>, bool)>;
 
 /// Values that the points have in common along a dimension.
 enum Scale {
@@ -82,7 +76,7 @@ pub fn stack(writer: &mut Writer<'_>, points: &PointFiles<'_>) -> Result<bool, O
         }
     }
     let mut attributes = Attributes::new(writer);
-    let mut copies = Copies { writer, scales, made: Vec::new() };
+    let mut copies = Copies { writer, scales, made: Made::new() };
     for (path, place) in points.files.iter().zip(points.places) {
         if !(points.goes_on)() {
             return Ok(false);
@@ -170,7 +164,7 @@ fn names(dataset: &Dataset) -> hdf5::Result<Vec<String>> {
 struct Copies<'w, 'c> {
     writer: &'w Writer<'c>,
     scales: Vec<(Dimension, Scale)>,
-    made: Vec<Made>,
+    made: Made,
 }
 
 impl Copies<'_, '_> {
@@ -184,12 +178,10 @@ impl Copies<'_, '_> {
     ) -> Result<(), OutputError> {
         let Self { writer, scales, made } = self;
         let path = variable.path.as_str();
-        let first = !made.iter().any(|known| known.path == path);
+        let first = !made.contains_key(path);
         let descriptor = dataset.dtype()?.to_descriptor()?;
-        if first {
-            let is_float = matches!(descriptor, TypeDescriptor::Float(_));
-            made.push(Made { path, places: Vec::new(), is_float });
-        }
+        let is_float = matches!(descriptor, TypeDescriptor::Float(_));
+        let (places, _) = made.entry(path).or_insert((Vec::new(), is_float));
         // Texts are equal for all points.
         if descriptor == TypeDescriptor::VarLenUnicode {
             let texts = names(dataset)?;
@@ -198,9 +190,7 @@ impl Copies<'_, '_> {
         }
         let curves = variable.dimensions == [Dimension::Replica, Dimension::Separation];
         let target = Target { writer, path, place, curves, first };
-        if let Some(known) = made.iter_mut().find(|known| known.path == path) {
-            known.places.push(place.to_vec());
-        }
+        places.push(place.to_vec());
         if curves {
             return target.rows(dataset);
         }
@@ -217,9 +207,8 @@ impl Copies<'_, '_> {
     /// Fills datasets that only some points have with NaN for the others.
     fn fill_absent(&self, points: &PointFiles<'_>) -> Result<(), OutputError> {
         let is_some = |places: &[Vec<usize>]| !places.is_empty() && places.len() < points.places.len();
-        for Made { path, places, .. } in
-            self.made.iter().filter(|made| made.is_float && is_some(&made.places))
-        {
+        let some = self.made.iter().filter(|(_, (places, is_float))| *is_float && is_some(places));
+        for (path, (places, _)) in some {
             let absent = vec![f64::NAN; self.writer.shape_of_point(path).iter().product()];
             for place in points.places.iter().filter(|place| !places.contains(place)) {
                 self.writer.at_point(path, place, 0, &absent)?;

@@ -157,8 +157,8 @@ pub(super) fn accuracy(tolerance: f64, heights: &Heights, radii: usize) -> (f64,
 }
 
 impl Mixture {
-    /// Expectations of parts of a surface, each `of` a class of radii and `at` deviations from typical quantities, which a law
-    /// has at the interference of an asperity of mean height, m.
+    /// Expectations of parts of a surface, each `of` a class of radii and `at` deviations from typical
+    /// quantities, which a law has at the interference of an asperity of mean height, m.
     pub fn new<P: Sync>(
         law: &dyn Law,
         mean: f64,

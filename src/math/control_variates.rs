@@ -129,7 +129,8 @@ struct Estimate {
 }
 
 impl Estimate {
-    /// The mean of a sample of one component, which a number of estimated coefficients correct; a sum of squares of at most
+    /// The mean of a sample of one component, which a number of estimated coefficients correct; a sum of
+    /// squares of at most
     /// `nothing` counts as 0.
     fn new(sample: &CentralMoments, coefficients: usize, nothing: f64) -> Self {
         let ([mean, squares, cubes], n) = (sample.of_combination(&[1.0]), sample.count());

@@ -77,15 +77,8 @@ struct Skewed {
 impl Skewed {
     /// From a pool of so many replicas; with its own controls for ensembles of so many groups, or with those
     /// that are given.
-    fn new(
-        law: &str,
-        heights: HeightLaw,
-        asperities: usize,
-        scheme: SamplingScheme,
-        pool: u64,
-        controls: Controls,
-    ) -> Self {
-        let [skewed] = Self::each(law, heights, asperities, scheme, pool, [controls]);
+    fn new(law: &str, heights: HeightLaw, asperities: usize, pool: Draws, controls: Controls) -> Self {
+        let [skewed] = Self::each(law, heights, asperities, pool, [controls]);
         skewed
     }
 
@@ -94,12 +87,12 @@ impl Skewed {
         law: &str,
         heights: HeightLaw,
         asperities: usize,
-        scheme: SamplingScheme,
-        pool: u64,
+        pool: Draws,
         controls: [Controls; N],
     ) -> [Self; N] {
         let (law, surface, separations) = patch(heights, asperities, law);
-        let job = Job { scheme, ..crate::common::job(law.as_ref(), &surface, &separations, pool) };
+        let Draws { scheme, replicas } = pool;
+        let job = Job { scheme, ..crate::common::job(law.as_ref(), &surface, &separations, replicas) };
         let expectations = Expectations::new(law.as_ref(), &surface, &separations);
         let places = controls.map(|controls| match controls {
             Controls::At(places) => places.to_vec(),
@@ -177,7 +170,7 @@ fn means_with_controls_are_unbiased(of: fn(SamplingScheme) -> bool) {
     for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
         let heights =
             if scheme == SamplingScheme::Independent { HeightLaw::Exponential } else { HeightLaw::Gaussian };
-        let patch = Skewed::new("isbl", heights, 50, scheme, 4000, Controls::At(&[1, 3]));
+        let patch = Skewed::new("isbl", heights, 50, Draws { scheme, replicas: 4000 }, Controls::At(&[1, 3]));
         let found = patch.ensembles(ENSEMBLES, 24, |parts, means| {
             let own: Vec<f64> =
                 (0..means.len()).map(|i| naive(parts, patch.pool.expected(), 2 + i)).collect();
@@ -212,7 +205,8 @@ fn intervals_hold_what_they_say_for_skewed_outcomes() {
         (HeightLaw::Gaussian, SamplingScheme::Stratified),
     ] {
         let groups = if scheme == SamplingScheme::Independent { 4000 } else { 1000 };
-        let patch = Skewed::new("isbl", heights, 100, scheme, groups, Controls::Chosen(64));
+        let patch =
+            Skewed::new("isbl", heights, 100, Draws { scheme, replicas: groups }, Controls::Chosen(64));
         assert!(patch.pool.controls > 0);
         let means = patch.ensembles(ENSEMBLES as u64, 64, |_, means| means.to_vec());
         for (i, scalar) in SCALARS.iter().enumerate() {
@@ -262,7 +256,8 @@ fn coverage_of_intervals() {
             let about = heights.about();
             let controls = GROUPS.map(|groups| Controls::Chosen(groups as u64));
             let scheme = SamplingScheme::Independent;
-            let patches = Skewed::each(law, heights.clone(), asperities, scheme, replicas, controls);
+            let patches =
+                Skewed::each(law, heights.clone(), asperities, Draws { scheme, replicas }, controls);
             let row = [0, 1, 2, 3, 4].map(|i| {
                 let (groups, patch): (usize, &Skewed) = (GROUPS[i], &patches[i]);
                 let truth = patch.pool.truth()[0];
@@ -341,7 +336,13 @@ fn controls_reduce_the_variance_of_stratified_replicas() {
 fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
     const ENSEMBLES: u64 = 4000;
     for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
-        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 500, scheme, 600, Controls::Chosen(80));
+        let patch = Skewed::new(
+            "isbl",
+            HeightLaw::Gaussian,
+            500,
+            Draws { scheme, replicas: 600 },
+            Controls::Chosen(80),
+        );
         let found = patch.ensembles(ENSEMBLES, 80, |_, means| means[0]);
         let variance = |of: fn(&ControlledMean) -> f64| {
             let mean = found.iter().map(of).sum::<f64>() / ENSEMBLES as f64;

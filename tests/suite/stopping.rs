@@ -275,10 +275,8 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
         states.push(merged.clone());
         Ok(())
     };
-    let whole = complete(
-        &job,
-        run_from(&job, &pool, &never, Bounds { merged: ReductionTree::of(&job), rule: Some(rule) }, keep),
-    );
+    let bounds = |merged| Bounds { merged, rule: Some(rule) };
+    let whole = complete(&job, run_from(&job, &pool, &never, bounds(ReductionTree::of(&job)), keep));
     assert!(states.len() > 5 && states.len() < 1000, "{}", states.len());
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
@@ -288,8 +286,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
             batches.fetch_add(1, Ordering::Relaxed);
             Ok(())
         };
-        let taken_up =
-            complete(&job, run_from(&job, &pool, &never, Bounds { merged: start, rule: Some(rule) }, count));
+        let taken_up = complete(&job, run_from(&job, &pool, &never, bounds(start), count));
         assert!(taken_up == whole, "{place}");
         assert_eq!(batches.into_inner(), last - place);
     }

@@ -111,12 +111,8 @@ fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> 
 /// p-values of ensembles that agree: how many are below 0.1, 0.01 and 0.001.
 fn alarms(scene: &Scene<'_>, law: &dyn Law, seeds: Range<u64>) -> (usize, [u64; 3]) {
     let expected = Expectations::new(law, scene.surface, scene.separations);
-    let basis = basis(
-        law,
-        scene.surface,
-        scene.separations,
-        Draws { scheme: scene.scheme, replicas: scene.replicas },
-    );
+    let draws = Draws { scheme: scene.scheme, replicas: scene.replicas };
+    let basis = basis(law, scene.surface, scene.separations, draws);
     let mut counts = [0; 3];
     for seed in seeds {
         let p = joint_test(scene, law, &basis, &expected, seed).p_value;
@@ -155,9 +151,8 @@ fn assert_alarms((ensembles, counts): (u64, [u64; 3])) {
 
 /// The fewest replicas, doubled from one group on, for which there is a p-value.
 fn fewest(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> u64 {
-    let tested = |replicas: &u64| {
-        !basis(law, surface, separations, Draws { scheme, replicas: *replicas }).probes.is_empty()
-    };
+    let basis = |replicas| basis(law, surface, separations, Draws { scheme, replicas });
+    let tested = |replicas: &u64| !basis(*replicas).probes.is_empty();
     (0..20).map(|i| scheme.group() << i).find(tested).expect("a few replicas more are tested")
 }
 

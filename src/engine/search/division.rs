@@ -107,8 +107,8 @@ impl<C: Curve> Search<'_, C> {
         }
     }
 
-    /// The smallest values that are expected in the parts of an interval by the curve at its points, and the error that
-    /// they may have.
+    /// The smallest values that are expected in the parts of an interval by the curve at its points, and the
+    /// error that they may have.
     fn expected(
         &self,
         points: &[f64; POINTS],

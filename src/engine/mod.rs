@@ -205,6 +205,7 @@ impl<'a> Job<'a> {
     }
 
     /// What the asperities of a replica are drawn by.
+    #[doc(hidden)]
     pub fn draw(&self, index: u64) -> Draw {
         Draw { seed: self.seed, scheme: self.scheme, index }
     }

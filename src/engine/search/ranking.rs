@@ -134,8 +134,8 @@ impl<C: Curve> Search<'_, C> {
             .collect();
         let least = |from: usize, to: usize| rough[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
         let known = |slack: f64| if shifts.len() > 1 { slack } else { 0.0 };
-        let highest = groups.iter().map(|(first, end, slack)| least(*first, *end) + known(*slack));
-        let mut attained = highest.fold(f64::INFINITY, f64::min);
+        let bounds = groups.iter().map(|(first, end, slack)| least(*first, *end) + known(*slack));
+        let mut attained = bounds.fold(f64::INFINITY, f64::min);
         let mut slacks = vec![f64::NEG_INFINITY; spaces];
         for (first, end, of_group) in groups {
             if least(first, end) - of_group <= attained {

@@ -11,18 +11,16 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{
-    self, BLOCK, Lanes, LawParameters, Quantity, Responses, SolverStats, regime_ranges,
-};
+use stiction::asperity::{self, BLOCK, Facing, Lanes, LawParameters, Quantity, Responses, SolverStats};
 use stiction::engine::moments::{LANES, MomentMatrix};
-use stiction::engine::{BATCH, Batch, Curves, Job, Outcome, ReductionTree, Summation, Workspace, draw};
+use stiction::engine::{BATCH, Batch, Curves, Draw, Job, Outcome, ReductionTree, Summation, Workspace};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::controlled_means;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::math::sums::Compensated;
 use stiction::scene::Scene;
 use stiction::surface::SamplingScheme;
-use stiction::validation::basis;
+use stiction::validation::{Draws, basis};
 
 const SUM_TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 const INTEGRAL_TOLERANCES: [f64; 7] = [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
@@ -132,13 +130,15 @@ fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let law =
         scene.model.law(&LawParameters { table_range: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
-    draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
+    let draw = Draw { seed: scene.seed, scheme: scene.sampling, index };
+    draw.of(&scene.surface, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);
     let at = |&h: &f64| {
         let d = scene.surface.asperity_separation(h);
         let (mut out, mut stats) = (Responses::default(), SolverStats::default());
         let (mut force, mut size) = (Compensated::default(), Compensated::default());
-        let ranges: Vec<_> = regime_ranges(law.as_ref(), &heights, d).collect();
+        let facing = Facing { law: law.as_ref(), heights: &heights, separation: d };
+        let ranges: Vec<_> = facing.regime_ranges().collect();
         for (regime, range) in ranges.into_iter().rev() {
             for u in heights[range].iter().rev() {
                 law.evaluate(regime, Lanes::Own, &[u - d], &mut out, &mut stats);
@@ -163,7 +163,8 @@ fn monte_carlo(table: &mut Table) {
     let expectations = model();
     let of_scheme = |scheme| Job { scheme, ..job(&scene, law.view(), BATCH) };
     let try_out = |scheme| one.install(|| Summation::by_moments(&of_scheme(scheme), COMPRESSED));
-    let basis_of = |scheme, replicas| basis(law.view(), &scene.surface, &scene.separations, scheme, replicas);
+    let basis_of =
+        |scheme, replicas| basis(law.view(), &scene.surface, &scene.separations, Draws { scheme, replicas });
     let places_of = |scheme: SamplingScheme, replicas| {
         let eligible = &basis_of(scheme, replicas).tested[1];
         controls(&scene.separations, &expectations, eligible, replicas / scheme.group())

@@ -454,9 +454,7 @@ pub fn noncontact<'a>(
                     let own = of(i);
                     lanes.roots[i] = (own.reference - displacement) * own.per_span;
                 }
-                for (i, share) in lanes.roots[..count].iter().enumerate() {
-                    near.add(i, *share <= 1.0);
-                }
+                lanes.roots[..count].iter().enumerate().for_each(|(i, share)| near.add(i, *share <= 1.0));
                 if near.count < count {
                     for i in 0..count {
                         (lanes.places[i], lanes.starts[i]) = (gap(i), of(i).stiffness);

@@ -63,6 +63,19 @@ impl<'a> Lanes<'a> {
         Self::Each(Numbered { all, which })
     }
 
+    /// At most [`BLOCK`] asperities in their order.
+    pub fn each(all: &'a [Lane]) -> Self {
+        const EACH: [u32; BLOCK] = {
+            let (mut each, mut i) = ([0; BLOCK], 0);
+            while i < BLOCK {
+                each[i] = i as u32;
+                i += 1;
+            }
+            each
+        };
+        Self::new(all, &EACH[..all.len()])
+    }
+
     /// The displacements Δ of interferences δ, m, to which an `offset`, m, is added.
     pub fn displacements(self, scale: &Scale, offset: f64, interference: &[f64], out: &mut [f64]) {
         let inverse = 1.0 / scale.length;

@@ -4,6 +4,7 @@ use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
+use std::ops::Range;
 
 /// A regime of an asperity, by its interference δ (Shi and Polycarpou 2005, section 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -258,7 +259,7 @@ pub trait Law: Send + Sync {
     );
 }
 
-/// Scratch space of [`for_each_block`].
+/// Scratch space of [`Facing::for_each_block`].
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Scratch {
@@ -272,65 +273,69 @@ impl Default for Scratch {
     }
 }
 
-/// The ranges of `heights` (m, rising) that the regimes of a law have at one separation, m, with their
-/// indices, rising.
-pub fn regime_ranges(
-    law: &dyn Law,
-    heights: &[f64],
-    separation: f64,
-) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
-    let mut start = 0;
-    (0..law.regimes().len()).map(move |regime| {
-        let end = match law.boundaries().get(regime) {
-            Some(boundary) => {
-                start + heights[start..].partition_point(|&u| boundary.is_above(u - separation))
-            }
-            None => heights.len(),
-        };
-        (regime, std::mem::replace(&mut start, end)..end)
-    })
+/// Asperities of a law that face a plane.
+#[derive(Clone, Copy)]
+pub struct Facing<'a> {
+    /// Their law.
+    pub law: &'a dyn Law,
+    /// Their heights, m, rising.
+    pub heights: &'a [f64],
+    /// The separation of the plane, m.
+    pub separation: f64,
 }
 
-/// Evaluates a law for a range of `heights` (m, rising) in one regime at one separation, m. `visit` gets the
-/// range of each block and its responses.
-pub fn for_each_block_of(
-    law: &dyn Law,
-    (regime, range): (usize, std::ops::Range<usize>),
-    heights: &[f64],
-    separation: f64,
-    scratch: &mut Scratch,
-    stats: &mut SolverStats,
-    mut visit: impl FnMut(std::ops::Range<usize>, &Responses),
-) {
-    for block in range.clone().step_by(BLOCK) {
-        let block = block..range.end.min(block + BLOCK);
-        let interference = &mut scratch.interference[..block.len()];
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (delta, &height) in interference.iter_mut().zip(&heights[block.clone()]) {
-                    *delta = height - separation;
+impl<'a> Facing<'a> {
+    /// The ranges of heights in each regime, with the index of that, rising.
+    pub fn regime_ranges(self) -> impl Iterator<Item = (usize, Range<usize>)> + use<'a> {
+        let Self { law, heights, separation } = self;
+        let mut start = 0;
+        (0..law.regimes().len()).map(move |regime| {
+            let end = match law.boundaries().get(regime) {
+                Some(boundary) => {
+                    start + heights[start..].partition_point(|&u| boundary.is_above(u - separation))
                 }
-            },
-        );
-        law.evaluate(regime, Lanes::Own, interference, &mut scratch.responses, stats);
-        visit(block, &scratch.responses);
+                None => heights.len(),
+            };
+            (regime, std::mem::replace(&mut start, end)..end)
+        })
     }
-}
 
-/// Evaluates a law for a whole surface: `heights` (m, rising) at one separation (m). `visit` gets the
-/// regime's index, the range of heights and their responses, block by block; the ranges of a regime are
-/// contiguous and rise.
-pub fn for_each_block(
-    law: &dyn Law,
-    heights: &[f64],
-    separation: f64,
-    scratch: &mut Scratch,
-    stats: &mut SolverStats,
-    mut visit: impl FnMut(usize, std::ops::Range<usize>, &Responses),
-) {
-    for (regime, range) in regime_ranges(law, heights, separation) {
-        let visit = |range, responses: &Responses| visit(regime, range, responses);
-        for_each_block_of(law, (regime, range), heights, separation, scratch, stats, visit);
+    /// Evaluates the law for a range of heights in one regime. `visit` gets the range of each block and its
+    /// responses.
+    pub fn for_each_block_of(
+        self,
+        (regime, range): (usize, Range<usize>),
+        scratch: &mut Scratch,
+        stats: &mut SolverStats,
+        mut visit: impl FnMut(Range<usize>, &Responses),
+    ) {
+        for block in range.clone().step_by(BLOCK) {
+            let block = block..range.end.min(block + BLOCK);
+            let interference = &mut scratch.interference[..block.len()];
+            InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    for (delta, &height) in interference.iter_mut().zip(&self.heights[block.clone()]) {
+                        *delta = height - self.separation;
+                    }
+                },
+            );
+            self.law.evaluate(regime, Lanes::Own, interference, &mut scratch.responses, stats);
+            visit(block, &scratch.responses);
+        }
+    }
+
+    /// Evaluates the law for all heights. `visit` gets the regime's index, the range of heights and their
+    /// responses, block by block; the ranges of a regime are contiguous and rise.
+    pub fn for_each_block(
+        self,
+        scratch: &mut Scratch,
+        stats: &mut SolverStats,
+        mut visit: impl FnMut(usize, Range<usize>, &Responses),
+    ) {
+        for (regime, range) in self.regime_ranges() {
+            let visit = |range, responses: &Responses| visit(regime, range, responses);
+            self.for_each_block_of((regime, range), scratch, stats, visit);
+        }
     }
 }

@@ -18,7 +18,7 @@ use super::block::Responses;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
-use super::springback::{Springback, follow, within};
+use super::springback::{Springback, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
@@ -178,27 +178,20 @@ impl Memory<'_> {
         let lost_contact = lowered(own, Path::Approach, f64::NEG_INFINITY..capture, residual);
         let mut contact = lowered(own, Path::Retraction, lost..release, residual);
         let end = release + residual;
+        let unloading = |within| Segment::unloading(within, UNLOADING);
         match (&cycle.springback, kinks) {
             (Springback::Punch(_), Some([.., opening])) => {
                 let opened = Segment::unloading(opening + residual..largest, 1);
                 contact.push(Segment::unloading(end..opening + residual, 2));
                 contact.push(Segment { smoothness: Smoothness::Smooth, ..opened });
             }
-            (Springback::Elastic(_) | Springback::Flattened(_), _) => {
-                contact.push(Segment::unloading(end..largest, UNLOADING));
-            }
-            _ => {
-                contact.push(Segment::unloading(end..residual, UNLOADING));
-                contact.push(Segment::unloading(residual..largest, UNLOADING));
-            }
+            (Springback::Elastic(_) | Springback::Flattened(_), _) => contact.push(unloading(end..largest)),
+            _ => contact.extend([end..residual, residual..largest].map(unloading)),
         }
-        let virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
-        contact.extend(
-            virgin
-                .into_iter()
-                .filter(|segment| segment.upper > largest)
-                .map(|segment| Segment { lower: segment.lower.max(largest), ..segment }),
-        );
+        let mut virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
+        virgin.retain(|segment| segment.upper > largest);
+        virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
+        contact.append(&mut virgin);
         let mut out = Responses::default();
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
         cycle.approach().evaluate(regime, Lanes::Own, &[largest], &mut out, stats);
@@ -240,7 +233,7 @@ impl Memory<'_> {
                 if cycle.own_radii {
                     let lane = [cycle.lane(flowed.ratio)];
                     within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
-                    follow(law, regime, &lane, &own, out, stats);
+                    law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
                 } else {
                     law.evaluate(regime, Lanes::Own, &own, out, stats);
                 }

@@ -67,10 +67,7 @@ pub use history::{ContactHistory, Path};
 #[doc(hidden)]
 pub use lane::{Lane, Lanes};
 #[doc(hidden)]
-pub use law::{
-    Boundary, End, FitReport, Method, Piece, Scratch, Smoothness, for_each_block, for_each_block_of,
-    regime_ranges,
-};
+pub use law::{Boundary, End, Facing, FitReport, Method, Piece, Scratch, Smoothness};
 pub use law::{Law, Regime};
 pub use laws::md_plastic::PlasticContact;
 pub use models::{MODELS, Model, Validity, model};

@@ -3,7 +3,7 @@
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
-use super::springback::{POWERS, Springback, Top, follow, within};
+use super::springback::{POWERS, Springback, Top, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};
 use crate::math::roots::{Sample, safe_newton};
@@ -142,15 +142,13 @@ impl<'a> Retraction<'a> {
             lost: cycle.onset,
         };
         let Loop { approach, retraction, capture, first_contact, first_plastic, onset, .. } = cycle;
-        let (elastic, first_flowing) = cycle.elastic_regimes();
+        let elastic = cycle.elastic_regimes().0;
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
-            law.push(
-                Condition::Untouched(regime),
-                Some(lower(shifted(approach.boundaries()[regime]), captured)),
-            );
+            let end = lower(shifted(approach.boundaries()[regime]), captured);
+            law.push(Condition::Untouched(regime), Some(end));
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on retraction it is known again.
@@ -167,25 +165,32 @@ impl<'a> Retraction<'a> {
             };
             law.push(Condition::Elastic(regime), end);
         }
-        let Some(top) = top.filter(|_| flows) else { return law };
-        let mut end = top;
-        for regime in 0..*first_contact {
-            let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);
-            let interference = match &cycle.springback {
-                Springback::Powers(plastic) if !cycle.own_radii => plastic.recovered_from(interference),
-                _ => let_go(regime),
-            };
-            end = higher(Boundary { interference, belongs_below }, top);
-            law.push(Condition::Lowered(regime), Some(end));
-        }
-        law.lost = end.interference;
-        for regime in first_flowing..approach.regimes().len() {
-            law.push(
-                Condition::Unloading(regime),
-                approach.boundaries().get(regime).map(|upper| higher(*upper, end)),
-            );
+        if let Some(top) = top.filter(|_| flows) {
+            law.push_flowed(top, let_go);
         }
         law
+    }
+
+    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to.
+    fn push_flowed(&mut self, onset: Boundary, let_go: impl Fn(usize) -> f64) {
+        let Self { cycle, distance, .. } = *self;
+        let mut end = onset;
+        for regime in 0..cycle.first_contact {
+            let Boundary { interference, belongs_below } = cycle.retraction.boundaries()[regime];
+            let interference = match &cycle.springback {
+                Springback::Powers(plastic) if !cycle.own_radii => {
+                    plastic.recovered_from(interference + distance)
+                }
+                _ => let_go(regime),
+            };
+            end = higher(Boundary { interference, belongs_below }, onset);
+            self.push(Condition::Lowered(regime), Some(end));
+        }
+        self.lost = end.interference;
+        for regime in cycle.elastic_regimes().1..cycle.approach.regimes().len() {
+            let upper = cycle.approach.boundaries().get(regime);
+            self.push(Condition::Unloading(regime), upper.map(|upper| higher(*upper, end)));
+        }
     }
 
     fn push(&mut self, condition: Condition, end: Option<Boundary>) {
@@ -395,7 +400,7 @@ impl Law for Retraction<'_> {
                 own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
                 let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
                 within(law, base, &lanes, own, f64::NEG_INFINITY);
-                return follow(law, base, &lanes, own, out, stats);
+                return law.evaluate(base, Lanes::each(&lanes), own, out, stats);
             }
             _ => own.copy_from_slice(interference),
         }

@@ -1,7 +1,7 @@
 //! One asperity at one interference.
 
 use super::block::Responses;
-use super::law::{Law, Regime, Scratch, for_each_block};
+use super::law::{Facing, Law, Regime, Scratch};
 use super::stats::SolverStats;
 
 /// One asperity at one interference, in the units of its law: SI, or scaled ones.
@@ -58,7 +58,8 @@ impl SolvedAsperity {
             (solved.adhesion_force, solved.contact_force) = (responses.adhesion[0], responses.contact[0]);
             solved.contact_area = responses.area[0];
         };
-        for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut stats, visit);
+        let facing = Facing { law, heights: &[interference], separation: 0.0 };
+        facing.for_each_block(&mut Scratch::default(), &mut stats, visit);
         Self { stats, ..solved }
     }
 

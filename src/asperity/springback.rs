@@ -31,15 +31,6 @@ use super::stats::SolverStats;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Each lane is one of its own.
-const EACH: [u32; BLOCK] = {
-    let (mut each, mut i) = ([0; BLOCK], 0);
-    while i < BLOCK {
-        each[i] = i as u32;
-        i += 1;
-    }
-    each
-};
 /// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
 pub(super) const POWERS: i32 = 10;
 
@@ -65,6 +56,14 @@ pub(super) struct Top {
     pub ratio: f64,
     /// μ of its decohesion.
     adhesion: f64,
+}
+
+/// Tops, each with the lane of R′, and the law of their asperities on retraction.
+#[derive(Clone, Copy)]
+pub(super) struct Tops<'a> {
+    pub law: &'a dyn Law,
+    pub tops: &'a [Top],
+    pub lanes: &'a [Lane],
 }
 
 impl Springback {
@@ -135,29 +134,11 @@ impl Springback {
         }
     }
 
-    /// Turns the responses at interferences ω_max, m, into responses of contacts at a distance, m, from
-    /// there; `lane` makes the lane of R′/R.
+    /// Unloads tops, whose responses at ω_max `out` has, to a distance, m, from there. Contacts that follow
+    /// powers have no tops.
     pub fn unload(
         &self,
-        (law, scale, lane): (&dyn Law, &Scale, impl Fn(f64) -> Lane),
-        (largest, distance): (&[f64], f64),
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        if let Self::Powers(plastic) = self {
-            plastic.unload(largest, |_| distance, out);
-            return fade(plastic, (law, scale), (largest, distance), out, stats);
-        }
-        let top = |i: usize| self.top(scale, out.contact[i], out.area[i]);
-        let tops: Vec<Top> = (0..largest.len()).map(top).collect();
-        let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
-        self.unload_tops((law, &tops, &lanes), distance, out, stats);
-    }
-
-    /// Unloads tops in lanes, whose responses at ω_max `out` has. Contacts that follow powers have no tops.
-    pub fn unload_tops(
-        &self,
-        (law, tops, lanes): (&dyn Law, &[Top], &[Lane]),
+        Tops { law, tops, lanes }: Tops<'_>,
         distance: f64,
         out: &mut Responses,
         stats: &mut SolverStats,
@@ -172,7 +153,7 @@ impl Springback {
                 // Deeper than ω_c it stays elastic.
                 let first = first_contact(contact);
                 within(contact, first, lanes, own, f64::INFINITY);
-                follow(contact, first, lanes, own, out, stats);
+                contact.evaluate(first, Lanes::each(lanes), own, out, stats);
             }
             Self::Punch(_) => {
                 for (i, top) in tops.iter().enumerate() {
@@ -188,7 +169,7 @@ impl Springback {
 
 /// Mixes the adhesion of contacts that follow powers with that of the elastic law, by the share that they
 /// spring back.
-fn fade(
+pub(super) fn fade(
     plastic: &PlasticUnloading,
     (law, scale): (&dyn Law, &Scale),
     (largest, distance): (&[f64], f64),
@@ -233,17 +214,4 @@ pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference:
         let upper = if beyond == f64::INFINITY { beyond } else { upper().max(beyond) };
         *delta = delta.max(lower_limit(law, regime, lane)).min(upper);
     }
-}
-
-/// The responses of asperities in a regime of a law.
-pub(super) fn follow(
-    law: &dyn Law,
-    regime: usize,
-    lanes: &[Lane],
-    interference: &[f64],
-    out: &mut Responses,
-    stats: &mut SolverStats,
-) {
-    let lanes = Lanes::new(lanes, &EACH[..interference.len()]);
-    law.evaluate(regime, lanes, interference, out, stats);
 }

@@ -10,7 +10,7 @@ use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Lanes};
 use super::plastic_unloading::PlasticUnloading;
 use super::retraction::Condition;
-use super::springback::{Springback, Top, pull, within};
+use super::springback::{Springback, Top, Tops, pull, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::sync::Arc;
@@ -47,11 +47,45 @@ fn conditions(cycle: &Loop) -> Vec<Condition> {
     untouched.chain(elastic).chain(lowered).chain(flowed).collect()
 }
 
+/// The ends of the regimes of an asperity, m.
+#[derive(Default)]
+struct Ends {
+    approach: Vec<f64>,
+    retraction: Vec<f64>,
+    /// Interference from which it has touched.
+    capture: f64,
+}
+
+impl Ends {
+    /// Takes the ends of the asperity of a lane.
+    fn set(&mut self, cycle: &Loop, lane: &Lane) {
+        cycle.approach().ends(lane, &mut self.approach);
+        cycle.retraction().ends(lane, &mut self.retraction);
+        let touch = self.approach[cycle.first_contact - 1];
+        self.capture = cycle.approach().capture(Some(lane)).map_or(touch, |capture| capture.min(touch));
+    }
+
+    /// The history of such an asperity that has been at ω_max, m.
+    fn history(&self, cycle: &Loop, lane: &Lane, largest: f64) -> ContactHistory {
+        // From where tops are lowered is as ω_c is.
+        let onset = || match cycle.onset == cycle.critical() {
+            true => self.approach[cycle.first_plastic - 1],
+            false => cycle.onset * lane.ratio,
+        };
+        if largest < self.capture {
+            ContactHistory::Untouched
+        } else if cycle.flows() && largest > onset() {
+            ContactHistory::Flowed
+        } else {
+            ContactHistory::Touched
+        }
+    }
+}
+
 impl Turned {
     /// Asperities of lanes of a loop, with ω_max of each, m.
     pub fn new(cycle: &Loop, lanes: &Arc<[Lane]>, largest: Vec<f64>, stats: &mut SolverStats) -> Self {
-        let (contact, plastic) = (cycle.first_contact, cycle.first_plastic);
-        let (back, unloads) = cycle.elastic_regimes();
+        let (contact, (back, unloads)) = (cycle.first_contact, cycle.elastic_regimes());
         let columns = cycle.approach().boundaries().len();
         let count = largest.len();
         let mut turned = Self {
@@ -68,34 +102,19 @@ impl Turned {
             ends: vec![Vec::with_capacity(count); columns],
         };
         let first = [0, contact, contact + back];
-        let [approach, retraction] = [cycle.approach(), cycle.retraction()];
-        // From where tops are lowered is as ω_c is.
-        let onset = |lane: &Lane, ends: &[f64]| {
-            if cycle.onset == cycle.critical() { ends[plastic - 1] } else { cycle.onset * lane.ratio }
-        };
-        let (mut on_approach, mut own, mut flowed) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut ratio, mut capture) = (f64::NAN, f64::NAN);
+        let (mut ends, mut flowed) = (Ends::default(), Vec::new());
         for (i, lane) in lanes.iter().enumerate() {
             let largest = turned.largest[i];
             // Neighbours are often alike.
-            if lane.ratio != ratio {
-                ratio = lane.ratio;
-                approach.ends(lane, &mut on_approach);
-                retraction.ends(lane, &mut own);
-                let touch = on_approach[contact - 1];
-                capture = approach.capture(Some(lane)).map_or(touch, |capture| capture.min(touch));
+            if i == 0 || lane.ratio != lanes[i - 1].ratio {
+                ends.set(cycle, lane);
             }
-            let history = if largest < capture {
-                ContactHistory::Untouched
-            } else if cycle.flows() && largest > onset(lane, &on_approach) {
-                ContactHistory::Flowed
-            } else {
-                ContactHistory::Touched
-            };
+            let history = ends.history(cycle, lane, largest);
             turned.histories.push(history);
             turned.first.push(first[history as usize] as u8);
             if history == ContactHistory::Flowed {
-                let regime = on_approach.iter().take_while(|end| largest > **end).count().max(unloads);
+                let passed = ends.approach.iter().take_while(|end| largest > **end);
+                let regime = passed.count().max(unloads);
                 turned.deepest[i] = (first[2] + contact + regime - unloads) as u8;
                 flowed.push(i as u32);
             }
@@ -106,7 +125,7 @@ impl Turned {
                 ContactHistory::Touched => columns,
                 ContactHistory::Flowed => contact,
             };
-            let ends = if history == ContactHistory::Untouched { &on_approach } else { &own };
+            let ends = if history == ContactHistory::Untouched { &ends.approach } else { &ends.retraction };
             for (e, column) in turned.ends.iter_mut().enumerate() {
                 column.push(if e < passed { turned.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
             }
@@ -235,32 +254,33 @@ impl Turned {
             [out.adhesion[lane], out.contact[lane], out.area[lane]] = self.borne[*i as usize];
         }
         if let Springback::Powers(plastic) = &cycle.springback {
-            // In units of the radius all unload alike.
-            let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
-            let mut scaled = [0.0; BLOCK];
-            for (lane, i) in which.iter().enumerate() {
-                scaled[lane] = self.largest[*i as usize] / ratio(lane);
-            }
-            plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
-            let largest = &scaled[..which.len()];
-            return self.fade((cycle, plastic), (which, largest, distance), out, stats);
+            return self.unload_powers(cycle, plastic, (which, distance), out, stats);
         }
         let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
         let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
-        cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
+        let law = cycle.retraction();
+        cycle.springback.unload(Tops { law, tops: &tops, lanes: &lanes }, distance, out, stats);
     }
 
-    /// Mixes the adhesion of contacts that follow powers with that of the elastic law, by the share that they
-    /// spring back; `largest` are their ω_max over the ratio of their radius, m.
-    fn fade(
+    /// Unloads contacts that follow powers, and mixes their adhesion with that of the elastic law, by the
+    /// share that they spring back.
+    fn unload_powers(
         &self,
-        (cycle, plastic): (&Loop, &PlasticUnloading),
-        (which, largest, distance): (&[u32], &[f64], f64),
+        cycle: &Loop,
+        plastic: &PlasticUnloading,
+        (which, distance): (&[u32], f64),
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let (count, mut shares, mut places) = (which.len(), [0.0; BLOCK], [0.0; BLOCK]);
+        // In units of the radius all unload alike.
         let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
+        let (count, mut largest) = (which.len(), [0.0; BLOCK]);
+        for (lane, i) in which.iter().enumerate() {
+            largest[lane] = self.largest[*i as usize] / ratio(lane);
+        }
+        let largest = &largest[..count];
+        plastic.unload(largest, |lane| distance / ratio(lane), out);
+        let (mut shares, mut places) = ([0.0; BLOCK], [0.0; BLOCK]);
         (0..count).for_each(|lane| places[lane] = distance / ratio(lane));
         plastic.elastic_places(largest, &mut shares[..count], &mut places[..count]);
         let (law, first) = (cycle.retraction(), cycle.first_contact);

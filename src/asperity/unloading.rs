@@ -57,7 +57,7 @@ use super::parameters::{InnerState, LawParameters};
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::RadiusLaw;
 use super::scale::Scale;
-use super::springback::{Springback, Top, first_contact};
+use super::springback::{Springback, Top, Tops, fade, first_contact};
 use super::stats::SolverStats;
 use crate::math::roots::{Sample, safe_newton};
 use std::sync::Arc;
@@ -586,8 +586,15 @@ impl Loop {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let law = (self.retraction(), &self.scale, |ratio| self.lane(ratio));
-        self.springback.unload(law, (largest, distance), out, stats);
+        let (law, scale) = (self.retraction(), &self.scale);
+        if let Springback::Powers(plastic) = &self.springback {
+            plastic.unload(largest, |_| distance, out);
+            return fade(plastic, (law, scale), (largest, distance), out, stats);
+        }
+        let top = |i: usize| self.springback.top(scale, out.contact[i], out.area[i]);
+        let tops: Vec<Top> = (0..largest.len()).map(top).collect();
+        let lanes: Vec<Lane> = tops.iter().map(|top| self.lane(top.ratio)).collect();
+        self.springback.unload(Tops { law, tops: &tops, lanes: &lanes }, distance, out, stats);
     }
 
     /// End of the elastic regime, m.

@@ -90,37 +90,13 @@ fn background(surface: &Surface) -> String {
 /// The numbers that characterise the scene, whatever its law.
 pub(super) fn numbers(scene: &Scene) -> String {
     let surface = &scene.surface;
-    let Scale { lambda, length, .. } = scene.scale();
-    let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
-    let h_star = |h: f64| h / surface.surface_height_std;
-    let mut text = String::new();
-    text += &row(
-        "lambda",
-        &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")),
-    );
-    text += &row(
-        "psi of sigma_s",
-        &format!(
-            "{}  plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1",
-            pure(scene.plasticity_index())
-        ),
-    );
-    text += &row(
-        "psi of sigma",
-        &format!(
-            "{}  as Shi and Polycarpou print it (critical interference {})",
-            pure(scene.surface_plasticity_index()),
-            si(scene.asperity.critical_interference(), "m")
-        ),
-    );
+    let mut text = parameters(scene);
     if let Some(meniscus) = scene.model.meniscus() {
         text += &liquid(scene, meniscus);
     }
     if let Some(critical_approach) = scene.critical_approach {
-        text += &row(
-            "delta_A",
-            &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")),
-        );
+        let length = si(critical_approach, "m");
+        text += &row("delta_A", &format!("{length}  critical approach, as the scene sets it"));
     }
     let (mean, std) = surface.heights.moments();
     let varies = match surface.count_law {
@@ -131,18 +107,23 @@ pub(super) fn numbers(scene: &Scene) -> String {
     text += &row("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
     text += &laws(surface, mean);
     text += &background(surface);
-    text += &row(
-        "separations",
-        &format!(
-            "{} from h* = {:.3} to {:.3} (h = {} to {})",
-            scene.separations.len(),
-            h_star(first),
-            h_star(last),
-            si(first, "m"),
-            si(last, "m")
-        ),
-    );
-    text
+    let [first, last] = [0, scene.separations.len() - 1].map(|k| scene.separations[k]);
+    let [from, to] = [first, last].map(|h| h / surface.surface_height_std);
+    let range = format!("h* = {from:.3} to {to:.3} (h = {} to {})", si(first, "m"), si(last, "m"));
+    text + &row("separations", &format!("{} from {range}", scene.separations.len()))
+}
+
+/// The parameters that characterise the asperities.
+fn parameters(scene: &Scene) -> String {
+    let Scale { lambda, length, .. } = scene.scale();
+    let [lambda, of_asperities, of_surface] =
+        [lambda, scene.plasticity_index(), scene.surface_plasticity_index()].map(pure);
+    let [length, critical] = [length, scene.asperity.critical_interference()].map(|length| si(length, "m"));
+    let plastic = "plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1";
+    let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
+    row("lambda", &format!("{lambda}  adhesion parameter (unit of approach {length})"))
+        + &row("psi of sigma_s", &format!("{of_asperities}  {plastic}"))
+        + &row("psi of sigma", &format!("{of_surface}  {printed}"))
 }
 
 /// The liquid that condenses around the asperities.

@@ -11,9 +11,12 @@ const GROUP_FILES: [(&str, [&str; 2]); 2] = [
     ("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes"]),
 ];
 
-/// Bytes of address space that the program takes by itself, that the allocator of the GNU C library reserves
-/// for each thread, and threads besides the computing ones.
-const RESERVE: (f64, f64, f64) = (3e8, 67_108_864.0, 4.0);
+/// Bytes of address space that the program takes by itself.
+const OWN: f64 = 3e8;
+/// Bytes of address space that the allocator of the GNU C library reserves for each thread.
+const PER_THREAD: f64 = 67_108_864.0;
+/// Threads besides the computing ones.
+const OTHER_THREADS: f64 = 4.0;
 
 /// Refuses a run that would take more memory, or more disk where its output is to be, than can be had.
 ///
@@ -73,7 +76,7 @@ fn memory(threads: f64) -> Option<f64> {
 #[cfg(unix)]
 fn address_space(threads: f64) -> Option<f64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current? as f64;
-    Some((limit - RESERVE.0 - RESERVE.1 * (threads + RESERVE.2)).max(0.0))
+    Some((limit - OWN - PER_THREAD * (threads + OTHER_THREADS)).max(0.0))
 }
 
 #[cfg(not(unix))]

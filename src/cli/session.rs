@@ -4,7 +4,6 @@ use super::arguments::{Execution, RunOptions};
 use super::failure::Failure;
 use super::progress::{Display, Progress};
 use super::resources;
-use crate::engine::Shard;
 use crate::estimate::Estimate;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::{self, thread_pool};
@@ -78,10 +77,9 @@ pub(super) fn points<'a>(
     lock: &'a OutputLock,
     options: &RunOptions,
     session: &'a Session,
-    shard: Option<Shard>,
 ) -> Points<'a> {
     let (policy, replicas, seed) = (options.policy(), options.replicas, options.seed);
-    Points { sweep, source, session, lock, policy, replicas, seed, shard }
+    Points { sweep, source, session, lock, policy, replicas, seed, shard: None }
 }
 
 /// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the

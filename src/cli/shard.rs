@@ -9,6 +9,7 @@ use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::{Shard, batches_of};
 use crate::experiment::partial::{Part, PartialFile, Piece};
+use crate::experiment::points::Points;
 use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
 use crate::experiment::stacked::run_sweep;
@@ -42,7 +43,8 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
             run_scene(scene.clone(), laws, &task, &session, progress)?.is_some()
         }
         Some(sweep) => {
-            run_sweep(&points(sweep, source, &lock, &arguments.options, &session, Some(shard)))?.is_some()
+            let all = points(sweep, source, &lock, &arguments.options, &session);
+            run_sweep(&Points { shard: Some(shard), ..all })?.is_some()
         }
     };
     match is_computed {

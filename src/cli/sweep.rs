@@ -19,7 +19,7 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
     let output = arguments.output(".h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(first))?;
-    let points = points(sweep, arguments.scene.path(), &lock, &arguments.options, &session, None);
+    let points = points(sweep, arguments.scene.path(), &lock, &arguments.options, &session);
     match run_sweep(&points)? {
         Some(rows) => print_of(&output, &(told(&points, &rows)? + &arguments.rest(&output)?)),
         None => complete_before(&output),

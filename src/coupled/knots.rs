@@ -93,6 +93,7 @@ pub fn untied(
 
 /// The state in which members are where they are chosen to be, or beyond their ends, by Newton's method from
 /// one side of segments.
+// One step of the method: rows, solution and end all take its matrices.
 fn stand(
     chosen: &[Choice],
     side: usize,
@@ -189,7 +190,7 @@ impl Solver<'_> {
                 if !near.iter().any(|i| moved[*i]) {
                     near.iter().for_each(|i| moved[*i] = true);
                     is_worth |= before < AGAIN.1;
-                    self.untie_one((first, near, is_local), &members, &choices);
+                    self.untie_one(first, &near, is_local, &members, &choices);
                 }
             }
         }
@@ -197,9 +198,13 @@ impl Solver<'_> {
     }
 
     /// Unties one knot, with the asperities that give way.
+    // Responses, choices and places are of one state of the knot: apart they would have all of them as
+    // arguments.
     fn untie_one(
         &mut self,
-        (first, near, is_local): (usize, Vec<usize>, bool),
+        first: usize,
+        near: &[usize],
+        is_local: bool,
         members: &[Member],
         choices: &[Vec<Choice>],
     ) {
@@ -207,9 +212,9 @@ impl Solver<'_> {
         let count = of.len();
         for &i in &of {
             self.states.resting.remove(&(i as u32));
-            (self.slopes[i], self.taken.0[i]) = (0.0, f64::NAN);
+            (self.slopes[i], self.taken.places[i]) = (0.0, f64::NAN);
         }
-        let responses = if is_local { self.local(&near, &of) } else { Some(self.global(&near, &of)) };
+        let responses = if is_local { self.local(near, &of) } else { Some(self.global(near, &of)) };
         let Some((steps, responses)) = responses else { return self.passages.untied(first) };
         let loads: Vec<f64> = of.iter().map(|i| self.external[*i]).collect();
         let at = |k: usize| {

@@ -29,9 +29,12 @@ use crate::math::sums::Compensated;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Smallest and largest residual of the system of a Newton step, the share of the tolerance of loads that it aims at,
-/// and most products for it.
-const SYSTEM: ([f64; 2], f64, usize) = ([1e-2, 0.1], 0.3, 40);
+/// Smallest and largest residual of the system of a Newton step.
+const RESIDUALS: [f64; 2] = [1e-2, 0.1];
+/// The share of the tolerance of loads that the system aims at.
+const AIM: f64 = 0.3;
+/// Most products for a system.
+const MOST_PRODUCTS: usize = 40;
 /// Residual of systems that decide on stability.
 const DECISIVE: f64 = 1e-3;
 /// Shares of the tolerance of loads that residuals, and the error of rough sums, may have: neighbours add to both.
@@ -98,19 +101,28 @@ pub struct Solver<'a> {
     pub(super) slopes: Vec<f64>,
     /// Mean slope, N/m.
     pub(super) mean_slope: f64,
-    /// State at which slopes were taken: δ of the law, m, NaN of none, f of the law, N, and the segment.
-    pub(super) taken: (Vec<f64>, Vec<f64>, Vec<u8>),
+    /// The state at which slopes were taken.
+    pub(super) taken: Taken,
     /// ∛(R_eff/R) of each by the last forces; none where contacts are points.
     stretches: Vec<f64>,
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
     pub(super) residual: Vec<f64>,
-    /// The stable state before the present one: δ, m, and asperities at rest, at d, m.
-    path: Option<(f64, Vec<f64>, BTreeMap<u32, Rest>)>,
+    /// The stable state before the present one.
+    path: Option<Snapshot>,
     pub(super) passages: Passages,
     /// The last step, if it was one between stable states.
     pub(super) step: Option<Step>,
     pub(super) memory: Scratch,
+}
+
+/// The state of each asperity at which its slope was taken.
+pub(super) struct Taken {
+    /// δ of the law, m; NaN of none.
+    pub(super) places: Vec<f64>,
+    /// f of the law, N.
+    loads: Vec<f64>,
+    segments: Vec<u8>,
 }
 
 #[derive(Default)]
@@ -157,7 +169,7 @@ impl<'a> Solver<'a> {
             external: vec![0.0; count],
             slopes: vec![0.0; count],
             mean_slope: 0.0,
-            taken: (vec![f64::NAN; count], vec![0.0; count], vec![0; count]),
+            taken: Taken { places: vec![f64::NAN; count], loads: vec![0.0; count], segments: vec![0; count] },
             stretches,
             unsure: 0.0,
             residual: vec![0.0; count],
@@ -207,7 +219,7 @@ impl<'a> Solver<'a> {
     /// Forgets where slopes were taken, and the states before.
     fn forget(&mut self) {
         self.step = None;
-        self.taken.0.fill(f64::NAN);
+        self.taken.places.fill(f64::NAN);
         self.path = None;
     }
 
@@ -252,7 +264,7 @@ impl<'a> Solver<'a> {
         let is_near = self.search(d, HOPELESS);
         let is_converged = is_near || self.fall_from(&before, d);
         if is_near {
-            self.path = Some((from, before.interference.clone(), before.states.resting.clone()));
+            self.path = Some(before.clone());
         }
         (self.separation, self.is_stable) = (d, is_converged);
         self.asperities.remember(&mut self.states, &self.interference);
@@ -268,8 +280,8 @@ impl<'a> Solver<'a> {
     fn extrapolate(&mut self, d: f64) {
         let from = self.separation;
         match &self.path {
-            Some((first, one, _)) if *first != from => {
-                let share = (d - from) / (from - first);
+            Some(Snapshot { separation, interference: one, .. }) if *separation != from => {
+                let share = (d - from) / (from - separation);
                 self.interference
                     .iter_mut()
                     .zip(one)
@@ -280,7 +292,8 @@ impl<'a> Solver<'a> {
         // Jumps are short: few asperities stay at theirs, those that have been there for two separations.
         let mut resting = std::mem::take(&mut self.states.resting);
         resting.retain(|i, rest| {
-            let before = self.path.as_ref().and_then(|(first, _, resting)| Some((first, resting.get(i)?)));
+            let before =
+                self.path.as_ref().and_then(|path| Some((path.separation, path.states.resting.get(i)?)));
             if let Some((first, one)) = before.filter(|(_, one)| one.segments == rest.segments) {
                 rest.share += (d - from) / (from - first) * (rest.share - one.share);
                 if (0.0..=1.0).contains(&rest.share) {
@@ -318,18 +331,18 @@ impl<'a> Solver<'a> {
             // By the law itself, which knows no bent substrate: that changes with the others.
             let stretch = asperities.stretch_of(i);
             let (delta, of_law) = (delta / stretch, load / (stretch * stretch * stretch));
-            let (change, segment) = (delta - taken.0[i], states.segments[i]);
+            let (change, segment) = (delta - taken.places[i], states.segments[i]);
             let of = asperities.segment_of_law(states, i);
             if delta < of.lower || delta > of.upper {
                 slopes[i] = 0.0;
-                taken.0[i] = f64::NAN;
+                taken.places[i] = f64::NAN;
             } else {
-                if segment != taken.2[i] || change.is_nan() {
+                if segment != taken.segments[i] || change.is_nan() {
                     unknown.push(i as u32);
                 } else if change.abs() > SECANT * asperities.length(i) {
-                    slopes[i] = stretch * stretch * (of_law - taken.1[i]) / change;
+                    slopes[i] = stretch * stretch * (of_law - taken.loads[i]) / change;
                 }
-                (taken.0[i], taken.1[i], taken.2[i]) = (delta, of_law, segment);
+                (taken.places[i], taken.loads[i], taken.segments[i]) = (delta, of_law, segment);
             }
             external[i] = load;
         }
@@ -343,7 +356,7 @@ impl<'a> Solver<'a> {
         }
         self.mean_slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
         for (&i, rest) in &states.resting {
-            (slopes[i as usize], taken.0[i as usize]) = (rest.stiffness, f64::NAN);
+            (slopes[i as usize], taken.places[i as usize]) = (rest.stiffness, f64::NAN);
         }
     }
 
@@ -414,7 +427,7 @@ impl Solver<'_> {
         let Self { half_space, states, slopes, residual, memory, .. } = self;
         let Scratch { step, product, gmres, .. } = memory;
         residual.iter_mut().for_each(|r| *r = -*r);
-        let solved = gmres.solve(residual, step, (tolerance, SYSTEM.2), |v, out| {
+        let solved = gmres.solve(residual, step, (tolerance, MOST_PRODUCTS), |v, out| {
             let displace = |loads: &[f64], out: &mut [f64]| displace(half_space, loads, out);
             multiply((slopes, shift), &states.resting, displace, v, (product, out));
         });
@@ -475,6 +488,7 @@ impl Solver<'_> {
     }
 
     /// Newton's method with at most `most` steps; whether it came to a stable state.
+    // Each way out of a step stands where the method has it: the order of them is the method.
     fn search(&mut self, d: f64, most: usize) -> bool {
         self.passages.begin(self.heights.len(), false);
         self.pass_all(0.0);
@@ -511,9 +525,9 @@ impl Solver<'_> {
             if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
                 self.passages.come_close();
             }
-            let [low, high] = SYSTEM.0;
+            let [low, high] = RESIDUALS;
             smallest = if step <= STUBBORN {
-                self.system(0.0, (SYSTEM.1 * self.tolerance / error).clamp(low, high))
+                self.system(0.0, (AIM * self.tolerance / error).clamp(low, high))
             } else {
                 self.system_by(HalfSpace::displace_finely, 0.0, DECISIVE)
             };

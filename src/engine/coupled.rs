@@ -66,11 +66,11 @@ struct CoupledSurface<'a> {
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
-    told: Option<Told<'a>>,
+    recorded: Option<Recorded<'a>>,
 }
 
 /// The asperities of a surface that are recorded one by one.
-struct Told<'a> {
+struct Recorded<'a> {
     /// Indices of the separations.
     at: &'a [usize],
     /// The number of each among those that were drawn.
@@ -78,96 +78,148 @@ struct Told<'a> {
     states: Box<AsperityStates>,
 }
 
-/// The record of the replica of an index with its curves, whose asperities have heights and, where they differ in
-/// them, radii, m, and are coupled; `independent` is the record of them without that. `keep` makes a record of a
-/// surface that has been summed. When `ends` is true nothing is solved any more, and what comes back is no result.
-pub(super) fn couple(
-    (job, substrate, ends): (&Job<'_>, &Substrate<'_>, Ends<'_>),
-    index: u64,
-    asperities: (&[f64], &[f64]),
-    independent: (Replica, &Curves),
-    stats: &mut SolverStats,
-    keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
-) -> (Replica, Curves) {
-    let Placed { heights, radii, places, order } = Placed::new((job, substrate), index, asperities);
-    let highest = heights.last().copied().unwrap_or(f64::NAN);
-    let side = substrate.places.side(job.surface.nominal_area);
-    let compliance = 1.0 / (PI * substrate.reduced_modulus * side);
-    let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| {
-        let states = AsperityStates {
-            places: drawn(&places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
-            heights: drawn(&heights, &order),
-            radii: drawn(&radii, &order),
-            states: Vec::new(),
-        };
-        Told { at: substrate.loads_at, order, states: Box::new(states) }
-    });
-    let (different, numbers) = distinct(&radii);
-    let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
-    let points = HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance);
-    let half_space = match substrate.kernel {
-        Kernel::Point => points,
-        Kernel::Contact => points.with_contacts(side, radii),
-    };
-    // A second thread for each surface.
-    let are_spare = rayon::current_num_threads() as u64 >= 2 * job.replicas;
-    let solver = Solver::new(
-        Asperities::new(laws, numbers),
-        half_space.shared(are_spare),
-        &heights,
-        substrate.tolerance,
-    );
-    let r = job.laws.regimes().len();
-    let mut surface = CoupledSurface {
-        job,
-        ends,
-        solver,
-        side,
-        settled: Settled::default(),
-        energy: substrate.energy,
-        regimes: vec![RegimeSums::default(); r],
-        highest,
-        contacts: (f64::NAN, f64::NAN),
-        before: [None, None],
-        approach: Vec::new(),
-        turn: None,
-        told,
-    };
-    let (mut replica, of_independent) = independent;
-    if let Some(span) = job.protocol.stiffness_span {
-        // From lines between the separations, as with coupling: else they could not be compared.
-        let external = &of_independent.total[Quantity::ExternalForce.index()];
-        let s = job.separations.len();
-        let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
-        replica.stiffest(&largest_secant(job.separations, pulled, span));
-    }
-    let mut curves = Curves::new(job.states(), r);
-    let mut coupled = CoupledCurves::new(of_independent);
-    surface.travel(substrate.history, &mut curves, &mut coupled);
-    if job.protocol.cycle.is_some() {
-        surface.contacts = contacts(job, &curves);
-    }
-    let mut kept = keep(&mut surface, &mut curves);
-    stats.merge(&surface.solver.take_stats());
-    let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
-    kept.coupled = Some(Box::new(CoupledReplica {
-        independent: replica,
-        unsettled: total(&coupled.unsettled),
-        largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
-            as u64,
-        avalanche_sizes: coupled.avalanche_sizes,
-        largest_crowding: coupled.largest_crowding,
-        overlapping: total(&coupled.overlapping),
-        energy_lost: coupled.energy_lost.iter().sum(),
-        energy_classes: coupled.energy_classes,
-        asperities: surface.told.map(|told| told.states),
-    }));
-    curves.coupled = Some(Box::new(coupled));
-    (kept, curves)
+/// A replica without coupling, its index and its curves.
+pub(super) struct Independent {
+    pub index: u64,
+    pub kept: Replica,
+    pub curves: Curves,
 }
 
-/// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in the
-/// law as neighbours in memory.
+impl Independent {
+    /// Its record, with the stiffness from lines between the separations, as with coupling: else they could
+    /// not be compared.
+    fn by_lines(&self, job: &Job<'_>) -> Replica {
+        let mut replica = self.kept.clone();
+        if let Some(span) = job.protocol.stiffness_span {
+            let external = &self.curves.total[Quantity::ExternalForce.index()];
+            let s = job.separations.len();
+            let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
+            replica.stiffest(&largest_secant(job.separations, pulled, span));
+        }
+        replica
+    }
+}
+
+/// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more,
+/// and what comes back is no result.
+#[derive(Clone, Copy)]
+pub(super) struct CoupledJob<'a> {
+    pub job: &'a Job<'a>,
+    pub substrate: &'a Substrate<'a>,
+    pub ends: Ends<'a>,
+}
+
+impl CoupledJob<'_> {
+    /// The record of a replica with its curves, its asperities coupled. `keep` makes a record of a surface
+    /// that has been summed.
+    pub fn couple(
+        self,
+        independent: Independent,
+        stats: &mut SolverStats,
+        keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
+    ) -> (Replica, Curves) {
+        let Self { job, substrate, ends } = self;
+        let replica = independent.by_lines(job);
+        let Independent { index, curves: of_independent, .. } = independent;
+        let side = substrate.places.side(job.surface.nominal_area);
+        let mut placed = self.placed(index, side);
+        let recorded =
+            (index == 0 && !substrate.loads_at.is_empty()).then(|| self.recorded(&mut placed, side));
+        let Placed { heights, radii, places, .. } = placed;
+        let (different, numbers) = distinct(&radii);
+        let laws = different.iter().map(|radius| self.laws_of(*radius)).collect();
+        let half_space = self.half_space(places, radii, side);
+        let solver = Solver::new(Asperities::new(laws, numbers), half_space, &heights, substrate.tolerance);
+        let r = job.laws.regimes().len();
+        let mut surface = CoupledSurface {
+            job,
+            ends,
+            solver,
+            side,
+            settled: Settled::default(),
+            energy: substrate.energy,
+            regimes: vec![RegimeSums::default(); r],
+            highest: heights.last().copied().unwrap_or(f64::NAN),
+            contacts: (f64::NAN, f64::NAN),
+            before: [None, None],
+            approach: Vec::new(),
+            turn: None,
+            recorded,
+        };
+        let mut curves = Curves::new(job.states(), r);
+        let mut coupled = CoupledCurves::new(&of_independent);
+        surface.travel(substrate.history, &mut curves, &mut coupled);
+        if job.protocol.cycle.is_some() {
+            surface.contacts = contacts(job, &curves);
+        }
+        let mut kept = keep(&mut surface, &mut curves);
+        stats.merge(&surface.solver.take_stats());
+        let asperities = surface.recorded.map(|recorded| recorded.states);
+        kept.coupled =
+            Some(Box::new(CoupledReplica { asperities, ..CoupledReplica::new(replica, &coupled) }));
+        curves.coupled = Some(Box::new(coupled));
+        (kept, curves)
+    }
+
+    /// The asperities of the replica of an index, on a surface of a side, m.
+    fn placed(self, index: u64, side: f64) -> Placed {
+        let Self { job, substrate, .. } = self;
+        let (mut heights, mut radii) = (Vec::new(), Vec::new());
+        job.draw(index).of(job.surface, &mut heights, &mut radii);
+        let random = &mut stream(job.seed, Purpose::Places, index);
+        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
+        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
+        order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
+        let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
+        let numbers = || order.iter().map(|i| *i as usize);
+        Placed {
+            heights: numbers().map(|i| heights[i]).collect(),
+            radii: numbers().map(radius).collect(),
+            places: numbers().map(|i| places[i]).collect(),
+            order,
+        }
+    }
+
+    /// The record of asperities one by one, no state yet, which takes their order.
+    fn recorded(&self, placed: &mut Placed, side: f64) -> Recorded<'_> {
+        let order = std::mem::take(&mut placed.order);
+        let states = AsperityStates {
+            places: drawn(&placed.places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
+            heights: drawn(&placed.heights, &order),
+            radii: drawn(&placed.radii, &order),
+            states: Vec::new(),
+        };
+        Recorded { at: self.substrate.loads_at, order, states: Box::new(states) }
+    }
+
+    /// The half-space under asperities at places, in sides of the surface, m, of radii, m.
+    fn half_space(self, places: Vec<[f64; 2]>, radii: Vec<f64>, side: f64) -> HalfSpace {
+        let Substrate { coupling, kernel, tolerance, reduced_modulus, .. } = *self.substrate;
+        let points = HalfSpace::new(coupling, places, 1.0 / (PI * reduced_modulus * side), tolerance);
+        let half_space = match kernel {
+            Kernel::Point => points,
+            Kernel::Contact => points.with_contacts(side, radii),
+        };
+        // A second thread for each surface.
+        half_space.shared(rayon::current_num_threads() as u64 >= 2 * self.job.replicas)
+    }
+
+    /// The laws of the asperities of a radius, m.
+    fn laws_of(&self, radius: f64) -> RadiusLaws<'_> {
+        let Self { job, substrate, .. } = self;
+        let memory = match (substrate.memory, job.laws.family) {
+            (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
+            (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
+            (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
+            (None, None) => Memory::None(Held::Shared(job.laws.typical)),
+        };
+        // Of elastic laws, s_δ ~ R^(1/3).
+        RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))
+    }
+}
+
+/// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in
+/// the law as neighbours in memory.
 struct Placed {
     heights: Vec<f64>,
     radii: Vec<f64>,
@@ -175,41 +227,6 @@ struct Placed {
     places: Vec<[f64; 2]>,
     /// The number of each among those that were drawn.
     order: Vec<u32>,
-}
-
-impl Placed {
-    /// Gives the asperities of the replica of an index, `heights` and `radii`, m, their places.
-    fn new(
-        (job, substrate): (&Job<'_>, &Substrate<'_>),
-        index: u64,
-        (heights, radii): (&[f64], &[f64]),
-    ) -> Self {
-        let random = &mut stream(job.seed, Purpose::Places, index);
-        let side = substrate.places.side(job.surface.nominal_area);
-        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
-        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
-        order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
-        let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
-        let numbers = || order.iter().map(|i| *i as usize);
-        Self {
-            heights: numbers().map(|i| heights[i]).collect(),
-            radii: numbers().map(radius).collect(),
-            places: numbers().map(|i| places[i]).collect(),
-            order,
-        }
-    }
-}
-
-/// The laws of the asperities of a radius, m.
-fn laws_of<'a>((job, substrate): (&Job<'a>, &Substrate<'a>), radius: f64) -> RadiusLaws<'a> {
-    let memory = match (substrate.memory, job.laws.family) {
-        (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
-        (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
-        (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
-        (None, None) => Memory::None(Held::Shared(job.laws.typical)),
-    };
-    // Of elastic laws, s_δ ~ R^(1/3).
-    RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))
 }
 
 /// The separations h, m, of the samples of a loop at which the first contact is there on approach, and the last
@@ -295,7 +312,7 @@ impl CoupledSurface<'_> {
             sum.area.add(forces.area[i]);
         }
         RegimeSums::record(&self.regimes, state, curves);
-        if let Some(Told { at, order, states }) = &mut self.told
+        if let Some(Recorded { at, order, states }) = &mut self.recorded
             && at.contains(&(state % self.job.separations.len()))
         {
             let is_contact = |regime: usize| self.job.laws.regimes()[regime].is_contact();

@@ -6,7 +6,7 @@ use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};
 use super::radii::{Places, PolydisperseCurve, Way};
-use super::retraction::{FlattenedTop, Retracted};
+use super::retraction::{FlattenedTop, Pulled, Retracted};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
 use super::stray_table::StrayTable;
 use super::summed::{Summed, of_highest};
@@ -36,8 +36,15 @@ pub(super) struct HeldSurface<'a> {
     /// Kinks of tops that have flowed and have radii of their own, when they are pulled back from a
     /// separation h, m.
     pub flattened: Option<(f64, Vec<FlattenedTop>)>,
-    /// The lane of the surface, if it was summed by moments.
-    pub moments: Option<(&'a MomentMatrix, &'a mut MomentSums, usize)>,
+    /// The moments of the surface, if it was summed by them.
+    pub moments: Option<OfLane<'a>>,
+}
+
+/// The lane of a surface that was summed by moments.
+pub(super) struct OfLane<'a> {
+    pub matrix: &'a MomentMatrix,
+    pub sums: &'a mut MomentSums,
+    pub lane: usize,
 }
 
 impl Summed for HeldSurface<'_> {
@@ -106,20 +113,10 @@ impl HeldSurface<'_> {
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.moments {
-            Some((matrix, moments, lane)) => {
-                let heights = ByMoments { job, matrix, moments, lane: *lane, sums: self.sums };
-                sought.find(
-                    &mut OfHeights {
-                        job,
-                        kinks,
-                        strays: &self.kinks.strays,
-                        highest,
-                        table: self.table,
-                        heights,
-                    },
-                    samples,
-                    spacing,
-                )
+            Some(moments) => {
+                let heights = ByMoments { job, moments, sums: self.sums };
+                let (strays, table) = (&self.kinks.strays, &mut *self.table);
+                sought.find(&mut OfHeights { job, kinks, strays, highest, table, heights }, samples, spacing)
             }
             None => self.find_sorted(sought, samples),
         }
@@ -132,12 +129,12 @@ impl HeldSurface<'_> {
         if self.asperities.is_some() {
             return self.find_pulled(sought, (cycle, from), samples);
         }
+        let pulled = Pulled { job, cycle, heights, from };
         if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
-            self.flattened = Some((from, FlattenedTop::of(job, cycle, heights, from)));
+            self.flattened = Some((from, FlattenedTop::of(pulled)));
         }
         let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
-        let mut surface =
-            Retracted::new(job, cycle, (&self.kinks.retraction, flattened), heights, from, self.sums);
+        let mut surface = Retracted::new(pulled, &self.kinks.retraction, flattened, self.sums);
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 
@@ -302,28 +299,27 @@ impl Heights for Sorted<'_> {
 }
 
 /// A surface that is summed by moments.
-struct ByMoments<'a> {
+struct ByMoments<'a, 'm> {
     job: &'a Job<'a>,
-    matrix: &'a MomentMatrix,
-    moments: &'a mut MomentSums,
-    lane: usize,
+    moments: &'a mut OfLane<'m>,
     sums: &'a mut Sums,
 }
 
-impl Heights for ByMoments<'_> {
+impl Heights for ByMoments<'_, '_> {
     fn between(&self, low: f64, high: f64) -> Vec<f64> {
-        let binned = self.moments.surface(self.lane);
-        binned.map(|binned| binned.between(self.matrix, low, high)).unwrap_or_default()
+        let OfLane { matrix, sums, lane } = &*self.moments;
+        sums.surface(*lane).map(|binned| binned.between(matrix, low, high)).unwrap_or_default()
     }
 
     fn count(&self, low: f64, high: f64) -> usize {
-        self.moments.surface(self.lane).map_or(0, |binned| binned.count(self.matrix, low, high))
+        let OfLane { matrix, sums, lane } = &*self.moments;
+        sums.surface(*lane).map_or(0, |binned| binned.count(matrix, low, high))
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        let (matrix, law) = (self.matrix, self.job.laws.typical);
-        let force = self.moments.external_force(matrix, law, self.lane, d, &mut self.sums.stats);
+        let (OfLane { matrix, sums, lane }, law) = (&mut *self.moments, self.job.laws.typical);
+        let force = sums.external_force(matrix, law, *lane, d, &mut self.sums.stats);
         self.job.surface.external_force(separation, force)
     }
 

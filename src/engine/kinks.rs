@@ -3,7 +3,7 @@
 use super::Job;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
-use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
+use crate::asperity::{Facing, Law, Scratch, SolverStats};
 use std::cell::RefCell;
 
 /// More kinks than asperities of one history have.
@@ -253,7 +253,8 @@ pub(super) fn forces(
     stats: &mut SolverStats,
 ) -> Vec<f64> {
     let mut forces = vec![0.0; interferences.len()];
-    for_each_block(law, interferences, 0.0, scratch, stats, |_, range, responses| {
+    let facing = Facing { law, heights: interferences, separation: 0.0 };
+    facing.for_each_block(scratch, stats, |_, range, responses| {
         for (i, place) in range.enumerate() {
             forces[place] = responses.contact[i] - responses.adhesion[i];
         }

@@ -64,7 +64,7 @@ pub use groups::Groups;
 pub use instability::Loading;
 pub use moments::{MomentMatrix, Unfit};
 #[doc(hidden)]
-pub use reduce::{Outcome, run, run_from};
+pub use reduce::{Bounds, Outcome, run, run_from};
 #[doc(hidden)]
 pub use reduction_tree::ReductionTree;
 #[doc(hidden)]
@@ -73,7 +73,7 @@ pub use replica::Replica;
 #[doc(hidden)]
 pub use replica::Workspace;
 #[doc(hidden)]
-pub use sampling::draw;
+pub use sampling::Draw;
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar};
 #[doc(hidden)]
 pub use scalars::{REPEATED_SCALARS, Ways, scalars};
@@ -202,6 +202,12 @@ impl<'a> Job<'a> {
             Ok(Outcome::Interrupted(_)) => unreachable!("nothing interrupts it"),
             Err(never) => match never {},
         }
+    }
+
+    /// What the asperities of a replica are drawn by.
+    #[doc(hidden)]
+    pub fn draw(&self, index: u64) -> Draw {
+        Draw { seed: self.seed, scheme: self.scheme, index }
     }
 
     /// Requires that the replicas come in whole groups: the last replicas would otherwise be in the means,

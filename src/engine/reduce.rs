@@ -1,14 +1,15 @@
 //! Batches computed in parallel, merged in order.
 
-use super::Job;
 use super::batch::Batch;
 use super::reduction_tree::ReductionTree;
 use super::replica::Workspace;
 use super::stopping::Rule;
+use super::{Ends, Job};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{SyncSender, sync_channel};
 
 /// The end of a run.
 #[derive(Debug)]
@@ -41,10 +42,18 @@ pub fn run<E: Send>(
     stop: &AtomicBool,
     observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
-    run_from(job, pool, stop, ReductionTree::of(job), None, observe)
+    run_from(job, pool, stop, Bounds { merged: ReductionTree::of(job), rule: None }, observe)
 }
 
-/// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in
+/// Where a run begins and ends.
+pub struct Bounds<'a> {
+    /// The batches that it begins with.
+    pub merged: ReductionTree,
+    /// The targets at which it ends, if it has any.
+    pub rule: Option<Rule<'a>>,
+}
+
+/// Computes the batches of a job that it does not begin with, on `pool`. `observe` gets every batch in
 /// order, with what it has been merged into; its error ends the run. When `stop` is set no batch is begun any
 /// more, and batches of large surfaces are given up. With a rule the run is complete after the first batch
 /// that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it
@@ -59,8 +68,7 @@ pub fn run_from<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    mut merged: ReductionTree,
-    rule: Option<Rule<'_>>,
+    Bounds { mut merged, rule }: Bounds<'_>,
     mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     job.require_whole_groups();
@@ -71,27 +79,11 @@ pub fn run_from<E: Send>(
     }
     let enough = AtomicBool::new(false);
     let ends = || stop.load(Ordering::Relaxed) || enough.load(Ordering::Relaxed);
-    let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
+    let (sender, receiver) = sync_channel(pool.current_num_threads());
     let (first, end) = (merged.next(), merged.batches().end);
     pool.in_place_scope(|scope| {
         let ends = &ends;
-        scope.spawn(move |_| {
-            // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-            let batches = (first..end).take_while(|_| !ends()).par_bridge();
-            batches.for_each_init(
-                // Threads without a batch take no memory.
-                || None,
-                |workspace, index| {
-                    if !ends() {
-                        let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
-                        if let Some(batch) = Batch::compute_until(job, workspace, index, ends) {
-                            // A closed channel means that the run has ended with an error.
-                            let _ = sender.send((index, batch));
-                        }
-                    }
-                },
-            );
-        });
+        scope.spawn(move |_| compute(job, first..end, ends, &sender));
         let mut waiting = BTreeMap::new();
         let mut next = first;
         for (index, batch) in receiver.iter() {
@@ -115,4 +107,23 @@ pub fn run_from<E: Send>(
         let merged = Box::new(merged);
         Ok(if complete { Outcome::Complete(merged) } else { Outcome::Interrupted(merged) })
     })
+}
+
+/// Computes batches by their indices in parallel until `ends` is true.
+fn compute(job: &Job<'_>, batches: Range<u64>, ends: Ends<'_>, sender: &SyncSender<(u64, Batch)>) {
+    // par_bridge hands batches out in order, so those that wait for an earlier one are few.
+    let batches = batches.take_while(|_| !ends()).par_bridge();
+    batches.for_each_init(
+        // Threads without a batch take no memory.
+        || None,
+        |workspace, index| {
+            if !ends() {
+                let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
+                if let Some(batch) = Batch::compute_until(job, workspace, index, ends) {
+                    // A closed channel means that the run has ended with an error.
+                    let _ = sender.send((index, batch));
+                }
+            }
+        },
+    );
 }

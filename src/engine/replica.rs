@@ -1,15 +1,14 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::asperity_states::AsperityStates;
-use super::coupled::{Substrate, couple};
-use super::curves::Curves;
+use super::coupled::{CoupledJob, Independent};
+use super::curves::{CoupledCurves, Curves};
 use super::cycle::{Cycle, snaps};
 use super::force_table::ForceTable;
-use super::held::HeldSurface;
+use super::held::{HeldSurface, OfLane};
 use super::kinks::Kinks;
 use super::moments::{LANES, MANY, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};
-use super::sampling::draw_of;
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use super::{Ends, Job};
@@ -81,6 +80,25 @@ pub struct CoupledReplica {
     pub energy_classes: [u64; ENERGY_CLASSES],
     /// The asperities one by one, of the first replica where that is asked for.
     pub asperities: Option<Box<AsperityStates>>,
+}
+
+impl CoupledReplica {
+    /// The record by curves with coupling, without asperities one by one.
+    pub(super) fn new(independent: Replica, coupled: &CoupledCurves) -> Self {
+        let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
+        let largest = coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size));
+        Self {
+            independent,
+            unsettled: total(&coupled.unsettled),
+            largest_avalanche: largest as u64,
+            largest_crowding: coupled.largest_crowding,
+            overlapping: total(&coupled.overlapping),
+            avalanche_sizes: coupled.avalanche_sizes,
+            energy_lost: coupled.energy_lost.iter().sum(),
+            energy_classes: coupled.energy_classes,
+            asperities: None,
+        }
+    }
 }
 
 impl Replica {
@@ -157,10 +175,10 @@ impl Workspace {
         };
         let mut independent = Vec::new();
         let all = self.independent(job, replicas, ends, |index, kept, curves| {
-            independent.push((index, kept, curves.clone()))
+            independent.push(Independent { index, kept, curves: curves.clone() })
         });
         // Each takes seconds, so the replicas of a batch are computed side by side.
-        let of = (job, substrate, ends);
+        let of = CoupledJob { job, substrate, ends };
         let coupled: Vec<_> = independent.into_par_iter().map(|replica| coupled(of, replica)).collect();
         for coupled in coupled {
             let Some((kept, curves, stats)) = coupled else { return false };
@@ -186,7 +204,7 @@ impl Workspace {
             }
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                draw_of(job, index, heights, &mut self.radii);
+                job.draw(index).of(job.surface, heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
@@ -240,39 +258,33 @@ impl Workspace {
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
         let heights = self.heights[lane].as_slice();
         let moments = job.moments.zip(self.moments.as_mut());
-        let mut surface = HeldSurface {
-            job,
-            heights,
-            asperities: self.asperities.as_ref().map(|asperities| (asperities, &mut self.lane_sums)),
-            pulled: &mut self.pulled,
-            kinks: &self.kinks,
-            table: &mut self.table,
-            places: None,
-            places_back: None,
-            flattened: None,
-            highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
-            sums: &mut self.sums,
-            moments: moments
-                .filter(|(_, sums)| sums.surface(lane).is_some())
-                .map(|(matrix, sums)| (matrix, sums, lane)),
-        };
+        let mut surface =
+            HeldSurface {
+                job,
+                heights,
+                asperities: self.asperities.as_ref().map(|asperities| (asperities, &mut self.lane_sums)),
+                pulled: &mut self.pulled,
+                kinks: &self.kinks,
+                table: &mut self.table,
+                places: None,
+                places_back: None,
+                flattened: None,
+                highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
+                sums: &mut self.sums,
+                moments: moments
+                    .filter(|(_, sums)| sums.surface(lane).is_some())
+                    .map(|(matrix, sums)| OfLane { matrix, sums, lane }),
+            };
         keep(job, &mut surface, heights.len(), &mut self.curves[lane])
     }
 }
 
-/// The replica of an index with its curves, its asperities coupled, and the cost of that; nothing when that was ended.
-/// `kept` and `curves` are of the same asperities without coupling.
-fn coupled(
-    of: (&Job<'_>, &Substrate<'_>, Ends<'_>),
-    (index, kept, curves): (u64, Replica, Curves),
-) -> Option<(Replica, Curves, SolverStats)> {
-    let (job, _, ends) = of;
-    let (mut heights, mut radii, mut stats) = (Vec::new(), Vec::new(), SolverStats::default());
-    draw_of(job, index, &mut heights, &mut radii);
-    let count = heights.len();
-    let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(job, surface, count, curves);
-    let (kept, curves) = couple(of, index, (&heights, &radii), (kept, &curves), &mut stats, keep);
-    (!ends()).then_some((kept, curves, stats))
+/// A replica with its curves, its asperities coupled, and the cost of that; nothing when that was ended.
+fn coupled(of: CoupledJob<'_>, independent: Independent) -> Option<(Replica, Curves, SolverStats)> {
+    let (mut stats, count) = (SolverStats::default(), independent.kept.asperity_count as usize);
+    let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(of.job, surface, count, curves);
+    let (kept, curves) = of.couple(independent, &mut stats, keep);
+    (!(of.ends)()).then_some((kept, curves, stats))
 }
 
 /// The record of a surface of `count` asperities whose curves are known; its snaps are left in these, and the

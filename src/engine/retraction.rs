@@ -59,10 +59,20 @@ pub(super) struct FlattenedTop {
     lost: [f64; 2],
 }
 
+/// Heights of a job that are pulled back.
+#[derive(Clone, Copy)]
+pub(super) struct Pulled<'a> {
+    pub job: &'a Job<'a>,
+    pub cycle: &'a Loop,
+    /// m, rising.
+    pub heights: &'a [f64],
+    /// The separation h from which they are, m.
+    pub from: f64,
+}
+
 impl FlattenedTop {
-    /// The tops of the `heights`, m, rising, that have flowed when they are pulled back from a
-    /// separation h, m; none where tops keep their radius.
-    pub fn of(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<Self> {
+    /// The tops that have flowed; none where tops keep their radius.
+    pub fn of(Pulled { job, cycle, heights, from }: Pulled<'_>) -> Vec<Self> {
         let closest = job.surface.asperity_separation(from);
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         let top = |largest: f64| {
@@ -82,13 +92,11 @@ impl FlattenedTop {
 }
 
 impl<'a> Retracted<'a> {
-    /// A surface of a job, `heights`, m, rising, pulled back from a separation h, m.
+    /// A surface whose asperities have kinks, and tops of radii of their own if there are any.
     pub fn new(
-        job: &'a Job<'a>,
-        cycle: &'a Loop,
-        (kinks, flattened): (&[Vec<Kink>; 3], &'a [FlattenedTop]),
-        heights: &'a [f64],
-        from: f64,
+        Pulled { job, cycle, heights, from }: Pulled<'a>,
+        kinks: &[Vec<Kink>; 3],
+        flattened: &'a [FlattenedTop],
         sums: &'a mut Sums,
     ) -> Self {
         let closest = job.surface.asperity_separation(from);

@@ -1,6 +1,5 @@
 //! The asperities of a replica under a sampling scheme.
 
-use super::Job;
 use super::stream::{Purpose, stream};
 use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use rand::RngExt;
@@ -9,86 +8,86 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Draws the asperities of the replica `index`, unsorted, into `heights`, m, and where radii differ into
-/// `radii`, m.
-///
-/// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that
-/// a surface on which one of them follows another law still has the same others.
-pub fn draw(
-    surface: &Surface,
-    seed: u64,
-    scheme: SamplingScheme,
-    index: u64,
-    heights: &mut Vec<f64>,
-    radii: &mut Vec<f64>,
-) {
-    let count = count(surface, seed, index);
-    heights.resize(count, 0.0);
-    radii.resize(if surface.is_polydisperse() { count } else { 0 }, 0.0);
-    match (&surface.radii, surface.heights.values()) {
-        (Radii::Measured(asperities), _) if surface.whole => {
-            for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {
-                [*height, *radius] = *asperity;
+/// What the asperities of a replica are drawn by.
+#[derive(Clone, Copy, Debug)]
+pub struct Draw {
+    /// Seed of all replicas.
+    pub seed: u64,
+    /// The scheme by which they depend on each other.
+    pub scheme: SamplingScheme,
+    /// Index of the replica.
+    pub index: u64,
+}
+
+impl Draw {
+    /// Draws the asperities of a surface, unsorted, into `heights`, m, and where radii differ into
+    /// `radii`, m.
+    ///
+    /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so
+    /// that a surface on which one of them follows another law still has the others.
+    pub fn of(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+        let Self { seed, scheme, index } = self;
+        let count = count(surface, seed, index);
+        heights.resize(count, 0.0);
+        radii.resize(if surface.is_polydisperse() { count } else { 0 }, 0.0);
+        match (&surface.radii, surface.heights.values()) {
+            (Radii::Measured(asperities), _) if surface.whole => {
+                for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {
+                    [*height, *radius] = *asperity;
+                }
+            }
+            (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[..count]),
+            _ if scheme != SamplingScheme::Independent => {
+                self.by_scheme(surface, heights, radii);
+            }
+            (Radii::Common, _) => surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights),
+            (law, _) => {
+                let [mut of_heights, mut of_radii] =
+                    [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
+                let streams = (&mut of_heights, &mut of_radii);
+                law.draw(surface.asperity_radius, &surface.heights, streams, heights, radii);
             }
         }
-        (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[..count]),
-        _ if scheme != SamplingScheme::Independent => {
-            draw_by_scheme(surface, (seed, scheme), index, heights, radii);
-        }
-        (Radii::Common, _) => surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights),
-        (law, _) => {
-            let [mut of_heights, mut of_radii] =
-                [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
-            let streams = (&mut of_heights, &mut of_radii);
-            law.draw(surface.asperity_radius, &surface.heights, streams, heights, radii);
-        }
     }
-}
 
-/// Draws the asperities of the replica `index` of a job.
-pub(super) fn draw_of(job: &Job<'_>, index: u64, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-    draw(job.surface, job.seed, job.scheme, index, heights, radii);
-}
-
-/// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on each
-/// other, asperity by asperity.
-///
-/// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
-/// an asperity in the order of heights; radii that scatter independently of the height are independent.
-///
-/// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
-/// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
-///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
-fn draw_by_scheme(
-    surface: &Surface,
-    (seed, scheme): (u64, SamplingScheme),
-    index: u64,
-    heights: &mut [f64],
-    radii: &mut [f64],
-) {
-    let stream = |purpose, index| stream(seed, purpose, index);
-    let law = (surface.asperity_radius, &surface.heights);
-    let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
-    if scheme == SamplingScheme::Antithetic {
-        let mut deviates = stream(Purpose::Heights, index - index % 2);
-        let sign = if index % 2 == 1 { -1.0 } else { 1.0 };
+    /// Draws asperities, unsorted, by a scheme under which the asperities of one group of replicas depend on
+    /// each other, asperity by asperity.
+    ///
+    /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the
+    /// normal score of an asperity in the order of heights; radii that scatter independently of the height
+    /// are independent.
+    ///
+    /// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
+    /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of
+    ///   the group is a random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman
+    ///   and Conover 1979).
+    fn by_scheme(self, surface: &Surface, heights: &mut [f64], radii: &mut [f64]) {
+        let Self { seed, scheme, index } = self;
+        let stream = |purpose, index| stream(seed, purpose, index);
+        let law = (surface.asperity_radius, &surface.heights);
+        let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
+        if scheme == SamplingScheme::Antithetic {
+            let mut deviates = stream(Purpose::Heights, index - index % 2);
+            let sign = if index % 2 == 1 { -1.0 } else { 1.0 };
+            let score = || {
+                let deviate: f64 = StandardNormal.sample(&mut deviates);
+                sign * deviate
+            };
+            return surface.radii.draw_by(law, score, streams, heights, radii);
+        }
+        let normal = Normal::standard();
+        let mut permutations = stream(Purpose::Strata, index / STRATA);
+        let mut uniforms = stream(Purpose::Heights, index);
         let score = || {
-            let deviate: f64 = StandardNormal.sample(&mut deviates);
-            sign * deviate
+            let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
+            let share: f64 = uniforms.sample(Open01);
+            // The upper half mirrors the lower one, so that both tails keep their digits.
+            let (below, sign) =
+                if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
+            sign * normal.inverse_cdf((below as f64 + share) / STRATA as f64)
         };
-        return surface.radii.draw_by(law, score, streams, heights, radii);
+        surface.radii.draw_by(law, score, streams, heights, radii);
     }
-    let normal = Normal::standard();
-    let mut permutations = stream(Purpose::Strata, index / STRATA);
-    let mut uniforms = stream(Purpose::Heights, index);
-    let score = || {
-        let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
-        let share: f64 = uniforms.sample(Open01);
-        // The upper half mirrors the lower one, so that both tails keep their digits.
-        let (below, sign) = if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-        sign * normal.inverse_cdf((below as f64 + share) / STRATA as f64)
-    };
-    surface.radii.draw_by(law, score, streams, heights, radii);
 }
 
 /// The number of asperities of the replica `index`.
@@ -123,7 +122,7 @@ mod tests {
 
     fn heights(scheme: SamplingScheme, index: u64, count: usize) -> Vec<f64> {
         let mut heights = vec![0.0; count];
-        draw(&surface(count), 3, scheme, index, &mut heights, &mut Vec::new());
+        Draw { seed: 3, scheme, index }.of(&surface(count), &mut heights, &mut Vec::new());
         heights
     }
 

@@ -4,7 +4,7 @@ use super::Job;
 use super::curves::Curves;
 use super::polydisperse::{LaneSums, PulledBack};
 use super::scalars::Ways;
-use crate::asperity::{Law, Loop, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
+use crate::asperity::{Facing, Law, Loop, Method, Quantity, Scratch, SolverStats};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 use crate::surface::Surface;
@@ -198,7 +198,8 @@ impl Sums {
     pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
         self.regimes.fill(RegimeSums::default());
         let Self { regimes, scratch, stats, .. } = self;
-        for (regime, range) in regime_ranges(law, heights, d) {
+        let facing = Facing { law, heights, separation: d };
+        for (regime, range) in facing.regime_ranges() {
             let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
             let count = range.len() as f64;
             sum.count += count;
@@ -209,7 +210,7 @@ impl Sums {
             }
             let touches = law.regimes()[regime].is_contact();
             stats.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(law, (regime, range), heights, d, scratch, stats, |range, responses| {
+            facing.for_each_block_of((regime, range), scratch, stats, |range, responses| {
                 let n = range.len();
                 InstructionSet::current().run(
                     #[inline(always)]

@@ -80,6 +80,25 @@ pub fn beyond(scene: &Scene, law: Laws<'_>) -> f64 {
     scene.surface.asperity_count as f64 * share
 }
 
+/// The solves far from contact that a series takes the place of.
+fn series(scene: &Scene, law: Laws<'_>) -> Option<String> {
+    let series = |regime| match law.method(regime) {
+        Method::Noncontact { far } => far,
+        _ => None,
+    };
+    let far = (0..law.regimes().len()).find_map(series).filter(|_| !scene.surface.is_polydisperse())?;
+    let share = |h: &f64| {
+        let d = scene.surface.asperity_separation(*h);
+        scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
+    };
+    let share = scene.separations.iter().map(share).sum::<f64>() / scene.separations.len() as f64;
+    Some(format!(
+        "solves more than {:.3} nm before contact: a series, for {:.3} % of asperities and separations",
+        -1e9 * far,
+        100.0 * share
+    ))
+}
+
 fn skips(scene: &Scene, law: Laws<'_>, regimes: &[RegimePlan]) -> Vec<String> {
     let mut skips = Vec::new();
     let dry = scene.asperity.lubricant_thickness == 0.0;
@@ -98,23 +117,7 @@ fn skips(scene: &Scene, law: Laws<'_>, regimes: &[RegimePlan]) -> Vec<String> {
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
     }
-    let series = |regime| match law.method(regime) {
-        Method::Noncontact { far } => far,
-        _ => None,
-    };
-    let far = (0..regimes.len()).find_map(series);
-    if let Some(far) = far.filter(|_| !scene.surface.is_polydisperse()) {
-        let share = |h: &f64| {
-            let d = scene.surface.asperity_separation(*h);
-            scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
-        };
-        let share = scene.separations.iter().map(share).sum::<f64>() / scene.separations.len() as f64;
-        skips.push(format!(
-            "solves more than {:.3} nm before contact: a series, for {:.3} % of asperities and separations",
-            -1e9 * far,
-            100.0 * share
-        ));
-    }
+    skips.extend(series(scene, law));
     let loads =
         regimes.iter().filter(|plan| !plan.regime.is_contact()).map(|plan| plan.asperities).sum::<f64>();
     let all = scene.surface.asperity_count as f64;

@@ -1,7 +1,7 @@
 //! The shards of a run put together into the result of one run of all.
 
 use super::layouts::{RUN, SWEEP};
-use super::partial::{OverwritePolicy, Run, beginning};
+use super::partial::{OverwritePolicy, PartialFile, Run, beginning};
 use super::points::Points;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Partial, Results, RunMetadata};
@@ -9,9 +9,10 @@ use super::sampling::set_ensemble;
 use super::shard_set::{Place, ShardSet};
 use super::stacked::{SweepPoint, stacked};
 use super::{Error, Observer, Phases};
-use crate::engine::ReductionTree;
+use crate::engine::{Job, ReductionTree};
 use crate::output::OutputLock;
 use crate::output::curves::Curves;
+use crate::output::partial::{Functionals, State};
 use crate::output::writer::Writer;
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -70,9 +71,8 @@ impl Merge<'_> {
         let laws = SceneLaws::fitting(&scene, scene.replicas, task, self.session, 1);
         let laws = laws.map_err(|error| error.in_scene(&self.run.source))?;
         let of = scene.replicas;
-        let Some(first) = places.first() else {
-            return Err(Error::NotFor(format!("{}: no replicas are there", self.run.source.display())));
-        };
+        let none = || Error::NotFor(format!("{}: no replicas are there", self.run.source.display()));
+        let first = places.first().ok_or_else(none)?;
         let mut curves = Curves::new(&scene, task.lock.folder());
         let (shard, piece) = self.run.at(*first);
         let functionals = shard.state(piece, &scene)?.functionals;
@@ -87,27 +87,21 @@ impl Merge<'_> {
             let (shard, piece) = self.run.at(*place);
             let state = shard.state(piece, &ground.scene)?;
             shard.read_curves(piece, &ground.scene, &mut curves)?;
-            if state.functionals != functionals {
-                let problem = "has other functionals of the joint test than the shards before it";
-                return Err(shard.refused(problem).into());
-            }
-            let tree = state.tree.restored(&job).filter(ReductionTree::is_complete);
-            let tree = tree.ok_or_else(|| shard.refused("is not of this scene"))?;
+            seconds_before += state.seconds;
+            metadata.resumptions += state.resumptions;
+            let tree = tree_of(shard, state, &functionals, &job)?;
             there.extend(piece.replicas.clone());
             phases.advance(tree.replicas.len() as u64);
             merged.append(tree);
-            seconds_before += state.seconds;
-            metadata.resumptions += state.resumptions;
         }
         metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
-        let summation = setup.summation(&self.session.pool);
-        let on = (self.session, &mut phases);
-        let mut results = ground.whole_results(&mut merged, &Arc::new(summation), metadata, on);
+        let summation = Arc::new(setup.summation(&self.session.pool));
+        let mut results =
+            ground.whole_results(&mut merged, &summation, metadata, (self.session, &mut phases));
         results.add_seconds(seconds_before);
         phases.phase("writing");
-        let writer = Writer::create(&RUN, task.lock, task.policy.force);
-        let written =
-            writer.and_then(|writer| write(writer, &results, None, &mut curves, &self.session.stop));
+        let written = Writer::create(&RUN, task.lock, task.policy.force)
+            .and_then(|writer| write(writer, &results, None, &mut curves, &self.session.stop));
         phases.end();
         match written {
             Ok(true) => Ok(Box::new(results)),
@@ -120,4 +114,20 @@ impl Merge<'_> {
         let stopped = self.session.stop.load(Ordering::Relaxed);
         if stopped { Err(Error::Interrupted { done, of, kept: false }) } else { Ok(()) }
     }
+}
+
+/// The batches of a piece in its state, which have to be of one job and one joint test with all others.
+fn tree_of(
+    shard: &PartialFile,
+    state: State,
+    functionals: &Functionals,
+    job: &Job<'_>,
+) -> Result<ReductionTree, Error> {
+    if state.functionals != *functionals {
+        return Err(shard
+            .refused("has other functionals of the joint test than the shards before it")
+            .into());
+    }
+    let tree = state.tree.restored(job).filter(ReductionTree::is_complete);
+    Ok(tree.ok_or_else(|| shard.refused("is not of this scene"))?)
 }

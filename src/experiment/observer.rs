@@ -40,8 +40,15 @@ impl Observer for () {}
 /// The phases of an experiment as it goes through them: their times, and an observer who follows them.
 pub(crate) struct Phases<'a> {
     observer: &'a mut dyn Observer,
-    /// Name, begin, and seconds once it has ended.
-    phases: Vec<(&'static str, Instant, Option<f64>)>,
+    phases: Vec<Timed>,
+}
+
+/// A phase.
+struct Timed {
+    name: &'static str,
+    begun: Instant,
+    /// Seconds, once it has ended.
+    lasted: Option<f64>,
 }
 
 impl<'a> Phases<'a> {
@@ -64,7 +71,7 @@ impl<'a> Phases<'a> {
 
     fn begin(&mut self, name: &'static str) {
         self.end();
-        self.phases.push((name, Instant::now(), None));
+        self.phases.push(Timed { name, begun: Instant::now(), lasted: None });
     }
 
     /// Reports that this number of further replicas is done.
@@ -75,15 +82,15 @@ impl<'a> Phases<'a> {
     /// Ends the phase.
     pub fn end(&mut self) {
         self.observer.end();
-        if let Some((_, begun, lasted @ None)) = self.phases.last_mut() {
+        if let Some(Timed { begun, lasted: lasted @ None, .. }) = self.phases.last_mut() {
             *lasted = Some(begun.elapsed().as_secs_f64());
         }
     }
 
     /// The phases so far and the seconds that each took.
     pub fn seconds(&self) -> Vec<(&'static str, f64)> {
-        let seconds = |begun: &Instant, lasted: &Option<f64>| lasted.unwrap_or(begun.elapsed().as_secs_f64());
-        self.phases.iter().map(|(name, begun, lasted)| (*name, seconds(begun, lasted))).collect()
+        let seconds = |phase: &Timed| phase.lasted.unwrap_or(phase.begun.elapsed().as_secs_f64());
+        self.phases.iter().map(|phase| (phase.name, seconds(phase))).collect()
     }
 }
 

@@ -20,7 +20,7 @@ use crate::output::partial::{Functionals, Head};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
-use crate::validation::{Basis, Cumulants};
+use crate::validation::Basis;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -261,10 +261,8 @@ impl PreparedRun {
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main, retraction, reapproach } = integral;
         let PathIntegral { expectations, features: of_integral, .. } = main;
-        let of_mean = match replicas {
-            0 => of_integral,
-            _ => mean_features(&scene, law.view(), &ensemble, &expectations),
-        };
+        let of_mean = || mean_features(&scene, law.view(), &ensemble, &expectations);
+        let of_mean = if replicas == 0 { of_integral } else { of_mean() };
         let retraction =
             cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
         Results {
@@ -298,8 +296,7 @@ impl PreparedRun {
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> Functionals {
     if scene.replicas == 0 {
-        let basis = Basis { probes: Vec::new(), cumulants: Cumulants::default(), tested: Default::default() };
-        return Functionals { basis, controls: Vec::new(), fewest_replicas: 0 };
+        return Functionals { basis: Basis::untested(0), controls: Vec::new(), fewest_replicas: 0 };
     }
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();

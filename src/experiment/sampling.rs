@@ -4,13 +4,14 @@ use super::Error;
 use super::observer::Phases;
 use crate::asperity::{Laws, Loop, Path, Quantity, SurfaceLoops};
 use crate::engine::{
-    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation, run_from,
+    Batch, Bounds, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation,
+    run_from,
 };
 use crate::integral::Expectations;
 use crate::output::OutputError;
 use crate::scene::{self, Instability, Scene};
 use crate::surface::SamplingScheme;
-use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
+use crate::validation::{Basis, Draws, JointTest, basis_of_loop, basis_to, z_scores};
 use std::sync::atomic::AtomicBool;
 
 /// The ensemble of a scene under a law.
@@ -89,11 +90,12 @@ impl Sampling<'_> {
         mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), OutputError>,
     ) -> Result<Outcome, OutputError> {
         let job = Job { moments: summation.matrix.as_ref(), ..self.job() };
-        let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {
-            observe(batch, merged)?;
-            phases.advance(batch.ensemble.replicas.len() as u64);
-            Ok::<(), OutputError>(())
-        })?;
+        let outcome =
+            run_from(&job, pool, stop, Bounds { merged: start, rule: self.rule }, |batch, merged| {
+                observe(batch, merged)?;
+                phases.advance(batch.ensemble.replicas.len() as u64);
+                Ok::<(), OutputError>(())
+            })?;
         phases.end();
         Ok(outcome)
     }
@@ -145,18 +147,12 @@ pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest
 /// replicas that it may have.
 pub(crate) fn basis_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Basis {
-    if let Some(cycle) = cycle {
-        return basis_of_loop(
-            law,
-            cycle,
-            &scene.surface,
-            &scene.separations,
-            scene.sampling,
-            scene.fewest_replicas(),
-        );
+    let Scene { surface, separations, .. } = scene;
+    let draws = Draws { scheme: scene.sampling, replicas: scene.fewest_replicas() };
+    match cycle {
+        Some(cycle) => basis_of_loop(law, cycle, surface, separations, draws),
+        None => basis_to(law, surface, separations, draws, scene.sum_tolerance.unwrap_or(0.0)),
     }
-    let accuracy = scene.sum_tolerance.unwrap_or(0.0);
-    basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas(), accuracy)
 }
 
 /// z-scores of adhesion force and external force over the states, and the joint test; of a loop `ways` are

@@ -216,8 +216,8 @@ mod tests {
     use super::*;
     use crate::output::partial::Head;
 
-    fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> PartialFile {
-        let piece = |&(point, start, end): &(u64, u64, u64)| Piece {
+    fn shard(index: u64, count: u64, pieces: &[[u64; 3]]) -> PartialFile {
+        let piece = |&[point, start, end]: &[u64; 3]| Piece {
             point,
             replicas: start..end,
             done: end - start,
@@ -234,31 +234,31 @@ mod tests {
             shard: Some(Shard { index, count }),
         };
         let path = PathBuf::from(format!("{index}of{count}.h5"));
-        let points = pieces.iter().map(|piece| piece.0).collect();
+        let points = pieces.iter().map(|piece| piece[0]).collect();
         let head = Head { identity, scene_file: String::new(), points };
         PartialFile { path, head, pieces: pieces.iter().map(piece).collect() }
     }
 
     #[test]
     fn pieces_are_put_in_order_whatever_shards_they_are_of() {
-        let shards = [shard(3, 4, &[(0, 16, 32)]), shard(1, 2, &[(0, 0, 16)]), shard(4, 4, &[(0, 32, 40)])];
+        let shards = [shard(3, 4, &[[0, 16, 32]]), shard(1, 2, &[[0, 0, 16]]), shard(4, 4, &[[0, 32, 40]])];
         let Coverage { places, doubled, gaps } = coverage(&shards, 1, 40);
         assert_eq!(places, [[(1, 0), (0, 0), (2, 0)]]);
         assert!(doubled.is_empty() && gaps.is_empty());
-        let shards = [shard(2, 2, &[(0, 24, 40), (1, 0, 40)]), shard(1, 2, &[(0, 0, 24)])];
+        let shards = [shard(2, 2, &[[0, 24, 40], [1, 0, 40]]), shard(1, 2, &[[0, 0, 24]])];
         assert_eq!(coverage(&shards, 2, 40).places, [vec![(1, 0), (0, 0)], vec![(0, 1)]]);
     }
 
     #[test]
     fn what_is_missing_is_named_by_shards_or_replicas() {
-        let own = |index: u64| shard(index, 5, &[(0, 8 * (index - 1), 8 * index)]);
+        let own = |index: u64| shard(index, 5, &[[0, 8 * (index - 1), 8 * index]]);
         let missing = |shards: &[PartialFile]| absent(shards, coverage(shards, 1, 40).gaps);
         assert_eq!(missing(&[own(1), own(3)]), ["missing: shard 2/5", "missing: shards 4/5 to 5/5"]);
         assert!(missing(&[own(1), own(2), own(3), own(4), own(5)]).is_empty());
-        let mixed = [own(1), shard(2, 2, &[(0, 16, 40)])];
+        let mixed = [own(1), shard(2, 2, &[[0, 16, 40]])];
         assert_eq!(missing(&mixed), ["missing: replicas 8 to 15 of 0 to 39"]);
         // More shards than batches: those that are empty are not missed.
-        let few = [shard(2, 3, &[(0, 0, 40)]), shard(1, 3, &[])];
+        let few = [shard(2, 3, &[[0, 0, 40]]), shard(1, 3, &[])];
         assert!(missing(&few).is_empty());
     }
 
@@ -266,12 +266,12 @@ mod tests {
     fn what_is_there_twice_is_named() {
         let doubled = |shards: &[PartialFile]| coverage(shards, 1, 40).doubled;
         let twice =
-            doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(1, 2, &[(0, 0, 24)]), shard(2, 2, &[(0, 24, 40)])]);
+            doubled(&[shard(1, 2, &[[0, 0, 24]]), shard(1, 2, &[[0, 0, 24]]), shard(2, 2, &[[0, 24, 40]])]);
         assert_eq!(twice, ["1of2.h5 and 1of2.h5 both have replicas 0 to 23 of 0 to 39"]);
-        let overlap = doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(3, 5, &[(0, 16, 40)])]);
+        let overlap = doubled(&[shard(1, 2, &[[0, 0, 24]]), shard(3, 5, &[[0, 16, 40]])]);
         assert_eq!(overlap, ["1of2.h5 and 3of5.h5 both have replicas 16 to 23 of 0 to 39"]);
-        assert_eq!(doubled(&[shard(1, 1, &[(0, 0, 48)])]).len(), 1);
-        assert_eq!(doubled(&[shard(1, 1, &[(7, 0, 40)])]).len(), 1);
+        assert_eq!(doubled(&[shard(1, 1, &[[0, 0, 48]])]).len(), 1);
+        assert_eq!(doubled(&[shard(1, 1, &[[7, 0, 40]])]).len(), 1);
     }
 
     #[test]

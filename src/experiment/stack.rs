@@ -25,8 +25,8 @@ pub struct PointFiles<'a> {
     pub goes_on: &'a dyn Fn() -> bool,
 }
 
-/// A dataset of the stack, the places of the points that have it, and whether it holds fractions.
-type Made = (&'static str, Vec<Vec<usize>>, bool);
+/// The points that have a dataset of the stack, by its path, and whether it holds fractions.
+type Made = BTreeMap<&'static str, (Vec<Vec<usize>>, bool)>;
 
 /// Values that the points have in common along a dimension.
 enum Scale {
@@ -76,7 +76,7 @@ pub fn stack(writer: &mut Writer<'_>, points: &PointFiles<'_>) -> Result<bool, O
         }
     }
     let mut attributes = Attributes::new(writer);
-    let mut made = Vec::new();
+    let mut copies = Copies { writer, scales, made: Made::new() };
     for (path, place) in points.files.iter().zip(points.places) {
         if !(points.goes_on)() {
             return Ok(false);
@@ -89,10 +89,10 @@ pub fn stack(writer: &mut Writer<'_>, points: &PointFiles<'_>) -> Result<bool, O
         attributes.read(&file)?;
         for variable in stacked() {
             let Some(dataset) = found(&file, variable) else { continue };
-            copy(writer, &scales, &file, variable, &dataset, place, &mut made)?;
+            copies.copy(&file, variable, &dataset, place)?;
         }
     }
-    fill_absent(writer, points, &made)?;
+    copies.fill_absent(points)?;
     attributes.write(writer, points)?;
     Ok(true)
 }
@@ -160,43 +160,61 @@ fn names(dataset: &Dataset) -> hdf5::Result<Vec<String>> {
     Ok(dataset.read_raw::<VarLenUnicode>()?.iter().map(|name| name.as_str().to_owned()).collect())
 }
 
-/// Copies a dataset of a point to its place; makes it in the file when it is the first.
-fn copy(
-    writer: &Writer<'_>,
-    scales: &[(Dimension, Scale)],
-    file: &File,
-    variable: &'static Variable,
-    dataset: &Dataset,
-    place: &[usize],
-    made: &mut Vec<Made>,
-) -> Result<(), OutputError> {
-    let path = variable.path.as_str();
-    let first = !made.iter().any(|(known, ..)| *known == path);
-    let descriptor = dataset.dtype()?.to_descriptor()?;
-    if first {
-        made.push((path, Vec::new(), matches!(descriptor, TypeDescriptor::Float(_))));
-    }
-    // Texts are equal for all points.
-    if descriptor == TypeDescriptor::VarLenUnicode {
-        let texts = names(dataset)?;
-        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        return if first { writer.texts(path, &texts) } else { Ok(()) };
-    }
-    let curves = variable.dimensions == [Dimension::Replica, Dimension::Separation];
-    let target = Target { writer, path, place, curves, first };
-    if let Some((_, places, _)) = made.iter_mut().find(|(known, ..)| *known == path) {
+/// The datasets of the stack that have been made so far.
+struct Copies<'w, 'c> {
+    writer: &'w Writer<'c>,
+    scales: Vec<(Dimension, Scale)>,
+    made: Made,
+}
+
+impl Copies<'_, '_> {
+    /// Copies a dataset of a point to its place; makes it in the file when it is the first.
+    fn copy(
+        &mut self,
+        file: &File,
+        variable: &'static Variable,
+        dataset: &Dataset,
+        place: &[usize],
+    ) -> Result<(), OutputError> {
+        let Self { writer, scales, made } = self;
+        let path = variable.path.as_str();
+        let first = !made.contains_key(path);
+        let descriptor = dataset.dtype()?.to_descriptor()?;
+        let is_float = matches!(descriptor, TypeDescriptor::Float(_));
+        let (places, _) = made.entry(path).or_insert((Vec::new(), is_float));
+        // Texts are equal for all points.
+        if descriptor == TypeDescriptor::VarLenUnicode {
+            let texts = names(dataset)?;
+            let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+            return if first { writer.texts(path, &texts) } else { Ok(()) };
+        }
+        let curves = variable.dimensions == [Dimension::Replica, Dimension::Separation];
+        let target = Target { writer, path, place, curves, first };
         places.push(place.to_vec());
+        if curves {
+            return target.rows(dataset);
+        }
+        let maps = variable.dimensions.iter().map(|dimension| indices(scales, file, *dimension));
+        let maps = maps.collect::<Result<Vec<Vec<usize>>, OutputError>>()?;
+        let regimes = variable.dimensions.contains(&Dimension::Regime);
+        match descriptor {
+            TypeDescriptor::Float(_) => target.values(dataset, &maps, if regimes { 0.0 } else { f64::NAN }),
+            TypeDescriptor::Unsigned(size) if size as usize == 1 => target.values(dataset, &maps, 0_u8),
+            _ => target.values(dataset, &maps, 0_u64),
+        }
     }
-    if curves {
-        return target.rows(dataset);
-    }
-    let maps = variable.dimensions.iter().map(|dimension| indices(scales, file, *dimension));
-    let maps = maps.collect::<Result<Vec<Vec<usize>>, OutputError>>()?;
-    let regimes = variable.dimensions.contains(&Dimension::Regime);
-    match descriptor {
-        TypeDescriptor::Float(_) => target.values(dataset, &maps, if regimes { 0.0 } else { f64::NAN }),
-        TypeDescriptor::Unsigned(size) if size as usize == 1 => target.values(dataset, &maps, 0_u8),
-        _ => target.values(dataset, &maps, 0_u64),
+
+    /// Fills datasets that only some points have with NaN for the others.
+    fn fill_absent(&self, points: &PointFiles<'_>) -> Result<(), OutputError> {
+        let is_some = |places: &[Vec<usize>]| !places.is_empty() && places.len() < points.places.len();
+        let some = self.made.iter().filter(|(_, (places, is_float))| *is_float && is_some(places));
+        for (path, (places, _)) in some {
+            let absent = vec![f64::NAN; self.writer.shape_of_point(path).iter().product()];
+            for place in points.places.iter().filter(|place| !places.contains(place)) {
+                self.writer.at_point(path, place, 0, &absent)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -281,18 +299,6 @@ fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
         stride *= length;
     }
     place
-}
-
-/// Fills datasets that only some points have with NaN for the others.
-fn fill_absent(writer: &Writer<'_>, points: &PointFiles<'_>, made: &[Made]) -> Result<(), OutputError> {
-    let some = |filled: &[Vec<usize>]| !filled.is_empty() && filled.len() < points.places.len();
-    for (path, filled, _) in made.iter().filter(|(_, filled, is_float)| *is_float && some(filled)) {
-        let absent = vec![f64::NAN; writer.shape_of_point(path).iter().product()];
-        for place in points.places.iter().filter(|place| !filled.contains(place)) {
-            writer.at_point(path, place, 0, &absent)?;
-        }
-    }
-    Ok(())
 }
 
 /// Attributes of a run, at the points that have been read.

@@ -111,17 +111,11 @@ fn assembled(
     let files = points.files();
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
     let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
-    write_about(&writer, scene, &identity.scene)?;
-    write_model(&writer, scene, identity.seed)?;
     write_axes(&mut writer, sweep)?;
+    write_head(&writer, scene, identity)?;
     if partial {
         writer.number("/", "partial", 1_u8)?;
     }
-    if let Some(stopping) = &scene.stopping {
-        writer.number("/", "min_replicas", stopping.min_replicas)?;
-        writer.number("/", "max_replicas", stopping.max_replicas)?;
-    }
-    write_limits(&writer)?;
     let goes_on = || !points.session.stop.load(Ordering::Relaxed);
     if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
@@ -156,6 +150,17 @@ fn assembled(
     }
     writer.finish()?;
     Ok(Some(rows))
+}
+
+/// Writes what all points have in common.
+fn write_head(writer: &Writer<'_>, scene: &Scene, identity: &Identity) -> Result<(), OutputError> {
+    write_about(writer, scene, &identity.scene)?;
+    write_model(writer, scene, identity.seed)?;
+    if let Some(stopping) = &scene.stopping {
+        writer.number("/", "min_replicas", stopping.min_replicas)?;
+        writer.number("/", "max_replicas", stopping.max_replicas)?;
+    }
+    write_limits(writer)
 }
 
 /// Writes the differences of the points to the first, and the verdict on all of them.

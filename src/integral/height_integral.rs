@@ -1,8 +1,6 @@
 //! Expectations of asperities that have one law, at one separation.
 
-use crate::asperity::{
-    Lanes, Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats, for_each_block, regime_ranges,
-};
+use crate::asperity::{Facing, Lanes, Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats};
 use crate::math::extrema::maximum;
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Heights;
@@ -113,35 +111,29 @@ impl AtSeparation {
     fn add_up(&mut self, law: &dyn Law, heights: &[f64], separation: f64) {
         let weight = 1.0 / heights.len() as f64;
         let mut counted = 0;
-        for (regime, range) in regime_ranges(law, heights, separation) {
+        let facing = Facing { law, heights, separation };
+        for (regime, range) in facing.regime_ranges() {
             counted += range.len();
             self.regimes[regime].probability = range.len() as f64 * weight;
         }
         self.beyond = (heights.len() - counted) as f64 * weight;
         self.density = counted as f64 * weight;
         let (regimes, typical) = (&mut self.regimes, self.typical);
-        for_each_block(
-            law,
-            heights,
-            separation,
-            &mut Scratch::default(),
-            &mut self.stats,
-            |regime, range, responses| {
-                let touches = law.regimes()[regime].is_contact();
-                let sum = &mut regimes[regime];
-                for i in 0..range.len() {
-                    let [contact, area] =
-                        [responses.contact[i], responses.area[i]].map(|q| if touches { q } else { 0.0 });
-                    let quantities = Quantity::of_response(responses.adhesion[i], contact, area);
-                    sum.adhesion += weight * quantities[0];
-                    sum.contact += weight * quantities[1];
-                    sum.area += weight * area;
-                    for q in 0..4 {
-                        sum.squares[q] += weight * (quantities[q] - typical[q]).powi(2);
-                    }
+        facing.for_each_block(&mut Scratch::default(), &mut self.stats, |regime, range, responses| {
+            let touches = law.regimes()[regime].is_contact();
+            let sum = &mut regimes[regime];
+            for i in 0..range.len() {
+                let [contact, area] =
+                    [responses.contact[i], responses.area[i]].map(|q| if touches { q } else { 0.0 });
+                let quantities = Quantity::of_response(responses.adhesion[i], contact, area);
+                sum.adhesion += weight * quantities[0];
+                sum.contact += weight * quantities[1];
+                sum.area += weight * area;
+                for q in 0..4 {
+                    sum.squares[q] += weight * (quantities[q] - typical[q]).powi(2);
                 }
-            },
-        );
+            }
+        });
     }
 
     /// Heights that have a density.
@@ -168,17 +160,10 @@ impl AtSeparation {
                 continue;
             }
             let integral = self.integrate(law, heights, separation, &piece, tolerance);
-            self.density += integral.value[7];
+            self.add_panel(piece.regime, &integral.value);
             covered[piece.regime] += integral.value[7];
             self.error =
                 maximum(self.error, loss(integral.value[7], heights, separation, [piece.lower, piece.upper]));
-            let regime = &mut self.regimes[piece.regime];
-            regime.adhesion += integral.value[0];
-            regime.contact += integral.value[1];
-            regime.area += integral.value[2];
-            for q in 0..4 {
-                regime.squares[q] += integral.value[3 + q];
-            }
             for c in 0..3 {
                 // What underflows has no relative error; what is not a number is no better for that.
                 if !(integral.value[c] <= f64::MIN_POSITIVE / f64::EPSILON) {

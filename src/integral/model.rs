@@ -124,7 +124,7 @@ impl<'a> Model<'a> {
             let d = self.surface.asperity_separation(h);
             let of = |part: &Part, typical| part.at(self, d, typical, tolerance);
             let parts = self.parts.as_slice();
-            Mixture::new((self.laws.typical, self.surface, d), parts, |part| &part.of, of)
+            Mixture::new(self.laws.typical, self.surface.heights.mean - d, parts, |part| &part.of, of)
         };
         separations.par_iter().map(at).collect()
     }
@@ -157,17 +157,18 @@ pub(super) fn accuracy(tolerance: f64, heights: &Heights, radii: usize) -> (f64,
 }
 
 impl Mixture {
-    /// Expectations of parts of a surface at a separation d, m, each `of` a class of radii and `at` deviations from typical
-    /// quantities.
+    /// Expectations of parts of a surface, each `of` a class of radii and `at` deviations from typical
+    /// quantities, which a law has at the interference of an asperity of mean height, m.
     pub fn new<P: Sync>(
-        (law, surface, d): (&dyn Law, &Surface, f64),
+        law: &dyn Law,
+        mean: f64,
         parts: &[P],
         of: impl Fn(&P) -> &RadiusClass,
         at: impl Fn(&P, [f64; 4]) -> AtSeparation + Sync,
     ) -> Self {
         let regimes = law.regimes().len();
         let mut stats = SolverStats::default();
-        let typical = typical(law, surface.heights.mean - d, &mut stats);
+        let typical = typical(law, mean, &mut stats);
         let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
         let alike: Vec<AtSeparation> = parts.par_iter().map(|part| at(part, typical)).collect();
         alike.iter().for_each(|at| stats.merge(&at.stats));

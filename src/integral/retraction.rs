@@ -220,7 +220,7 @@ impl<'a> RetractionModel<'a> {
             let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
             AtSeparation::of(&law, heights, self.closest, typical, accuracy(tolerance, heights, parts.len()))
         };
-        Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
+        Mixture::new(&law, self.surface.heights.mean - self.closest, parts, |part| &part.of, of)
     }
 }
 

@@ -78,28 +78,15 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
     let parts: Vec<&CentralMoments> = parts.iter().filter(|part| part.count() > 0).collect();
     let Some(first) = parts.first() else { return Vec::new() };
     let length = first.second().mean().len();
-    let others = |left_out: usize| {
-        let mut sample = Comoments::new(length);
-        let taken = parts.iter().enumerate().filter(|(i, _)| *i != left_out);
-        taken.for_each(|(_, part)| sample.merge(part.second()));
-        sample
-    };
-    let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
-    let enough = others.iter().all(|others| others.count() > expected.len() as u64 + 2);
-    let regressions: Vec<Regression> = if enough {
-        others.iter().map(|others| Regression::new(others, expected.len())).collect()
-    } else {
-        Vec::new()
-    };
+    let regressions = Regression::of_others(&parts, expected.len());
     let coefficients = regressions.iter().map(|regression| regression.components.len()).max().unwrap_or(0);
-    // Mean, standard error, interval and sum of squares, which counts as 0 where it is at most so much.
-    let mean_of = |y: usize, controlled: bool, nothing: f64| {
+    let merged = |y: usize, is_controlled: bool| {
         let mut merged = CentralMoments::new(1);
         for (i, part) in parts.iter().enumerate() {
             let mut weights = vec![0.0; length];
             weights[y] = 1.0;
             let mut shift = 0.0;
-            if controlled {
+            if is_controlled {
                 for (j, slope) in regressions[i].slopes(y).into_iter().enumerate() {
                     weights[j] = -slope;
                     shift += slope * expected[j];
@@ -107,37 +94,54 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
             }
             merged.merge(&part.combined(&weights, shift));
         }
-        let ([mean, squares, cubes], n) = (merged.of_combination(&[1.0]), merged.count());
-        let squares = if squares <= nothing { 0.0 } else { squares };
-        let agree = !controlled && agree(n, mean, squares);
-        let freedom = n as f64 - 1.0 - if controlled { coefficients as f64 } else { 0.0 };
-        let standard_error =
-            if n < 2 || agree { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
-        (
-            mean,
-            standard_error,
-            interval(mean, standard_error, skewness(n, squares, cubes), n, freedom),
-            squares,
-        )
+        merged
     };
     let samples: u64 = parts.iter().map(|part| part.count()).sum();
     let means = |y: usize| {
-        let plain = mean_of(y, false, 0.0);
+        let plain = Estimate::new(&merged(y, false), 0, 0.0);
         // What the sums round off is no residual.
-        let rounding = 16.0 * (samples as f64 + coefficients as f64) * f64::EPSILON * plain.3;
-        let controlled =
-            if coefficients > 0 && plain.1.is_finite() { mean_of(y, true, rounding) } else { plain };
+        let rounding = 16.0 * (samples as f64 + coefficients as f64) * f64::EPSILON * plain.squares;
+        let controlled = match coefficients > 0 && plain.standard_error.is_finite() {
+            true => Estimate::new(&merged(y, true), coefficients, rounding),
+            false => plain,
+        };
         ControlledMean {
             samples,
-            mean: plain.0,
-            standard_error: plain.1,
-            interval: plain.2,
-            controlled_mean: controlled.0,
-            controlled_standard_error: controlled.1,
-            controlled_interval: controlled.2,
+            mean: plain.mean,
+            standard_error: plain.standard_error,
+            interval: plain.interval,
+            controlled_mean: controlled.mean,
+            controlled_standard_error: controlled.standard_error,
+            controlled_interval: controlled.interval,
         }
     };
     (expected.len()..length).map(means).collect()
+}
+
+/// A mean, and what is known of its error.
+#[derive(Clone, Copy)]
+struct Estimate {
+    mean: f64,
+    standard_error: f64,
+    interval: [f64; 2],
+    /// Sum of squares.
+    squares: f64,
+}
+
+impl Estimate {
+    /// The mean of a sample of one component, which a number of estimated coefficients correct; a sum of
+    /// squares of at most
+    /// `nothing` counts as 0.
+    fn new(sample: &CentralMoments, coefficients: usize, nothing: f64) -> Self {
+        let ([mean, squares, cubes], n) = (sample.of_combination(&[1.0]), sample.count());
+        let squares = if squares <= nothing { 0.0 } else { squares };
+        let agree = coefficients == 0 && agree(n, mean, squares);
+        let freedom = n as f64 - 1.0 - coefficients as f64;
+        let standard_error =
+            if n < 2 || agree { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
+        let interval = interval(mean, standard_error, skewness(n, squares, cubes), n, freedom);
+        Self { mean, standard_error, interval, squares }
+    }
 }
 
 /// The regression of components of a sample on its first ones, through uncorrelated combinations of these of
@@ -154,6 +158,20 @@ struct Regression {
 }
 
 impl Regression {
+    /// The regressions for each part by all others; none where these are too few.
+    fn of_others(parts: &[&CentralMoments], expected: usize) -> Vec<Self> {
+        let others = |left_out: usize| {
+            let mut sample = Comoments::new(parts[0].second().mean().len());
+            let taken = parts.iter().enumerate().filter(|(i, _)| *i != left_out);
+            taken.for_each(|(_, part)| sample.merge(part.second()));
+            sample
+        };
+        let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
+        let enough = others.iter().all(|others| others.count() > expected as u64 + 2);
+        let others = others.iter().filter(|_| enough);
+        others.map(|others| Self::new(others, expected)).collect()
+    }
+
     fn new(sample: &Comoments, expected: usize) -> Self {
         let (covariance, length) = (sample.covariance(), sample.mean().len());
         let variance = |i: usize| covariance[i * length + i];

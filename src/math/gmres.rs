@@ -41,55 +41,42 @@ impl Memory {
             return solved;
         }
         self.vector(0, n).iter_mut().zip(right).for_each(|(v, b)| *v = b / norm);
-        let (mut rotations, mut triangle): (Vec<[f64; 2]>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
-        let mut rest = vec![norm];
+        let mut triangle = Triangle { rotations: Vec::new(), columns: Vec::new(), rest: vec![norm] };
         for k in 0..most {
             let mut next = std::mem::take(self.vector(k + 1, n));
             product(&self.basis[k], &mut next);
-            let mut column = Vec::with_capacity(k + 2);
-            for i in 0..=k {
-                let basis = std::mem::take(&mut self.basis[i]);
-                let along = self.dot(&basis, &next);
-                add(&mut next, -along, &basis);
-                self.basis[i] = basis;
-                column.push(along);
-            }
-            let length = self.dot(&next, &next).sqrt();
-            column.push(length);
-            if length > 0.0 {
-                next.iter_mut().for_each(|v| *v /= length);
-            }
+            let column = self.orthogonalise(&mut next, k + 1);
             self.basis[k + 1] = next;
-            solved.hessenberg.push(column.clone());
-            for (i, [cos, sin]) in rotations.iter().enumerate() {
-                let (a, b) = (column[i], column[i + 1]);
-                (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
-            }
-            let hypot = (column[k] * column[k] + length * length).sqrt();
-            let [cos, sin] = if hypot > 0.0 { [column[k] / hypot, length / hypot] } else { [1.0, 0.0] };
-            rotations.push([cos, sin]);
-            column[k] = hypot;
-            column.truncate(k + 1);
-            triangle.push(column);
-            let last = rest[k];
-            rest[k] = cos * last;
-            rest.push(-sin * last);
             solved.products = k + 1;
-            solved.residual = rest[k + 1].abs() / norm;
-            if solved.residual <= tolerance || !(length > 0.0) {
+            solved.residual = triangle.push(column.clone()).abs() / norm;
+            let is_last = solved.residual <= tolerance || !(column[k + 1] > 0.0);
+            solved.hessenberg.push(column);
+            if is_last {
                 break;
             }
         }
-        let count = solved.products;
-        let mut weights = vec![0.0; count];
-        for k in (0..count).rev() {
-            let known: f64 = (k + 1..count).map(|j| triangle[j][k] * weights[j]).sum();
-            weights[k] = if triangle[k][k] > 0.0 { (rest[k] - known) / triangle[k][k] } else { 0.0 };
-        }
-        for (weight, basis) in weights.iter().zip(&self.basis) {
+        for (weight, basis) in triangle.solution().iter().zip(&self.basis) {
             add(x, *weight, basis);
         }
         solved
+    }
+
+    /// Makes the next vector of the basis from a product with the last; the column of the Hessenberg matrix.
+    fn orthogonalise(&mut self, next: &mut [f64], count: usize) -> Vec<f64> {
+        let mut column = Vec::with_capacity(count + 1);
+        for i in 0..count {
+            let basis = std::mem::take(&mut self.basis[i]);
+            let along = self.dot(&basis, next);
+            add(next, -along, &basis);
+            self.basis[i] = basis;
+            column.push(along);
+        }
+        let length = self.dot(next, next).sqrt();
+        column.push(length);
+        if length > 0.0 {
+            next.iter_mut().for_each(|v| *v /= length);
+        }
+        column
     }
 
     fn vector(&mut self, k: usize, n: usize) -> &mut Vec<f64> {
@@ -112,6 +99,47 @@ impl Memory {
                 lane_sum(terms)
             },
         )
+    }
+}
+
+/// The Hessenberg matrix made triangular by rotations, and the right-hand side with it.
+struct Triangle {
+    rotations: Vec<[f64; 2]>,
+    columns: Vec<Vec<f64>>,
+    rest: Vec<f64>,
+}
+
+impl Triangle {
+    /// Adds a column of the Hessenberg matrix; the residual that is left.
+    fn push(&mut self, mut column: Vec<f64>) -> f64 {
+        let Self { rotations, columns, rest } = self;
+        for (i, [cos, sin]) in rotations.iter().enumerate() {
+            let (a, b) = (column[i], column[i + 1]);
+            (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
+        }
+        let (k, length) = (rotations.len(), column[rotations.len() + 1]);
+        let hypot = (column[k] * column[k] + length * length).sqrt();
+        let [cos, sin] = if hypot > 0.0 { [column[k] / hypot, length / hypot] } else { [1.0, 0.0] };
+        rotations.push([cos, sin]);
+        column[k] = hypot;
+        column.truncate(k + 1);
+        columns.push(column);
+        let last = rest[k];
+        rest[k] = cos * last;
+        rest.push(-sin * last);
+        rest[k + 1]
+    }
+
+    /// The solution of the triangular system, from its last unknown on.
+    fn solution(&self) -> Vec<f64> {
+        let Self { columns, rest, .. } = self;
+        let count = columns.len();
+        let mut solution = vec![0.0; count];
+        for k in (0..count).rev() {
+            let known: f64 = (k + 1..count).map(|j| columns[j][k] * solution[j]).sum();
+            solution[k] = if columns[k][k] > 0.0 { (rest[k] - known) / columns[k][k] } else { 0.0 };
+        }
+        solution
     }
 }
 

@@ -9,12 +9,12 @@ fn canonical(text: &str) -> Option<Vec<(String, String)>> {
     let document = DeTable::parse(text).ok()?;
     let mut values = Vec::new();
     collect(document.get_ref(), "", &mut values);
-    values.retain(|(_, name, _)| name != "title");
+    values.retain(|(_, [name, _])| name != "title");
     values.sort_unstable();
-    let swept = values.iter_mut().filter(|(_, name, _)| name.starts_with("sweep."));
-    swept.enumerate().for_each(|(i, (.., value))| *value += &format!(" as key {} of the sweep", i + 1));
-    values.sort_unstable_by(|(_, a, _), (_, b, _)| a.cmp(b));
-    Some(values.into_iter().map(|(_, name, value)| (name, value)).collect())
+    let swept = values.iter_mut().filter(|(_, [name, _])| name.starts_with("sweep."));
+    swept.enumerate().for_each(|(i, (_, [_, value]))| *value += &format!(" as key {} of the sweep", i + 1));
+    values.sort_unstable_by(|(_, a), (_, b)| a[0].cmp(&b[0]));
+    Some(values.into_iter().map(|(_, [name, value])| (name, value)).collect())
 }
 
 /// A key whose value differs between two scenes, with both values; `none` where it is missing.
@@ -39,13 +39,13 @@ pub fn difference(one: &str, other: &str) -> Option<(String, String, String)> {
     Some((name.clone(), shown(&one), shown(&other)))
 }
 
-/// The values of a table with the place and the dotted name of each.
-fn collect(table: &DeTable<'_>, prefix: &str, values: &mut Vec<(usize, String, String)>) {
+/// The places of the values of a table, and the dotted name and text of each.
+fn collect(table: &DeTable<'_>, prefix: &str, values: &mut Vec<(usize, [String; 2])>) {
     for (key, value) in table.iter() {
         let name = format!("{prefix}{}", key.get_ref());
         match value.get_ref() {
             DeValue::Table(table) => collect(table, &format!("{name}."), values),
-            _ => values.push((value.span().start, name, shown(value))),
+            _ => values.push((value.span().start, [name, shown(value)])),
         }
     }
 }
@@ -66,8 +66,8 @@ fn shown(value: &Spanned<DeValue<'_>>) -> String {
         DeValue::Table(table) => {
             let mut values = Vec::new();
             collect(table, "", &mut values);
-            values.sort_by(|a, b| a.1.cmp(&b.1));
-            let pairs = values.iter().map(|(_, name, value)| format!("{name} = {value}"));
+            values.sort_by(|(_, a), (_, b)| a[0].cmp(&b[0]));
+            let pairs = values.iter().map(|(_, [name, value])| format!("{name} = {value}"));
             format!("{{ {} }}", pairs.collect::<Vec<String>>().join(", "))
         }
         DeValue::Boolean(boolean) => boolean.to_string(),

@@ -32,17 +32,8 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
     let with = equilibrium(&section).and_then(|with| Ok((liquid(&section, &with)?, with)));
     let readings = (with, films(&section), angles, volume, bridges).together()?;
     let ((liquid, with), films, (entry, angles), volume, bridges) = readings;
-    if volume == Volume::Constant
-        && let Some(given) = section.get("volume")
-    {
-        if bridges == Bridges::Reversible {
-            return Err(given.wrong(
-                "a reversible bridge has the volume in equilibrium; bridges = \"metastable\" would do",
-            ));
-        }
-        if films.is_some() {
-            return Err(given.wrong("films feed their bridges; volume = \"equilibrium\" would do"));
-        }
+    if let Some(given) = section.get("volume").filter(|_| volume == Volume::Constant) {
+        has_volume(&given, bridges, films.is_some())?;
     }
     if let Some((faces, _)) = films
         && angles.iter().filter(|angle| **angle == 0.0).count() < usize::from(faces)
@@ -77,6 +68,16 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
     let film = meniscus.film.filter(|_| section.get("film_thickness").is_some());
     let draining_film = film.filter(|_| drains).map(|film| film.thickness);
     Ok(Some(CapillaryTable { meniscus: Meniscus { volume, bridges, ..meniscus }, draining_film }))
+}
+
+/// Whether bridges may have a volume of their own.
+fn has_volume(given: &Entry<'_>, bridges: Bridges, has_films: bool) -> Result<(), SceneError> {
+    match bridges {
+        Bridges::Reversible => Err(given
+            .wrong("a reversible bridge has the volume in equilibrium; bridges = \"metastable\" would do")),
+        _ if has_films => Err(given.wrong("films feed their bridges; volume = \"equilibrium\" would do")),
+        _ => Ok(()),
+    }
 }
 
 /// A vapour or a film, one of them.

@@ -11,6 +11,7 @@ use toml::de::DeValue;
 const LONGEST_NAME: usize = 100;
 
 /// Words written in the place of a key, in lower case, the key, and what to know of it.
+// A table of texts, whose columns are in the line above.
 const MEANT: &[(&[&str], &str, &str)] = &[
     (
         &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],

@@ -25,22 +25,9 @@ pub(super) fn measured(
     let offset = section.optional("mean_plane_offset", |entry| entry.measured());
     let readings = (others, path, (whole, is_equivalent).together(), area, offset, count(section));
     let (_, (path, name), (whole, is_equivalent), given_area, offset, count_law) = readings.together()?;
-    let Measured { heights, radii, equivalent_radii, positions, extent, nominal_area, surface_height_std } =
-        files.asperities(name).map_err(|problem| path.wrong(&problem))?;
-    let radii = match (equivalent_radii, is_equivalent) {
-        (Some(equivalent), true) => equivalent,
-        (None, true) => {
-            return Err(path.wrong(
-                "has no equivalent radii: it was made by an earlier version; make it again, or leave out radius",
-            ));
-        }
-        (_, false) => radii,
-    };
-    if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
-        return Err(
-            path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len()))
-        );
-    }
+    let found = files.asperities(name).and_then(|found| with_radii(found, is_equivalent));
+    let found = found.map_err(|problem| path.wrong(&problem))?;
+    let Measured { heights, radii, positions, extent, nominal_area, surface_height_std, .. } = found;
     let places = (is_coupled && whole).then(|| places(positions, extent)).transpose();
     let places = places.map_err(|problem| path.wrong(&problem))?;
     let of_places = places.iter().flat_map(|own| own.positions.iter().chain([&own.extent])).flatten();
@@ -69,6 +56,18 @@ pub(super) fn measured(
     }
     let surface = Surface { heights, radii: Radii::Measured(pairs.into()), whole, count_law, ..surface };
     Ok(Population { surface, places, inputs })
+}
+
+/// Measured asperities, no fewer and no more than a scene may have, with the radii that are asked for.
+fn with_radii(found: Measured, is_equivalent: bool) -> Result<Measured, String> {
+    let old =
+        "has no equivalent radii: it was made by an earlier version; make it again, or leave out radius";
+    let Measured { radii, equivalent_radii, .. } = found;
+    let radii = if is_equivalent { equivalent_radii.ok_or(old)? } else { radii };
+    match radii.len() {
+        FEWEST..=MOST_VALUES => Ok(Measured { radii, equivalent_radii: None, ..found }),
+        count => Err(format!("has {count} asperities; {FEWEST} to {MOST_VALUES} are needed")),
+    }
 }
 
 /// The places of measured asperities on their map.

@@ -92,6 +92,7 @@ impl<'a> Readings<'a> {
     }
 
     /// The scene that they are of, where they suit each other.
+    // One line a table or a field of the scene: long, but flat.
     fn scene(self, text: &str, root: &Section<'a>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
         let Self { title, material, population, model, separation, instability, .. } = self;
         let Population { surface, places, inputs } = population;

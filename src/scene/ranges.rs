@@ -35,6 +35,7 @@ pub(super) struct Range {
 }
 
 /// Ranges of what is known of materials and surfaces.
+// One row a number: long, but flat.
 pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
     let asperity = &scene.asperity;
     let sigma = scene.surface.surface_height_std;

@@ -236,89 +236,88 @@ mod tests {
         }
     }
 
+    /// A scene that has a key, or as much as it needs to take one.
+    fn scene_with(key: &Sweepable) -> String {
+        let of_law = match key.name {
+            "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",
+            "surface.heights.lower" | "surface.heights.upper" => {
+                "heights = { law = \"truncated\", lower = -2.0, upper = 2.0 }\n"
+            }
+            "surface.radii.coefficient_of_variation" => {
+                "radii = { law = \"gamma\", coefficient_of_variation = 0.5 }\n"
+            }
+            _ => "",
+        };
+        let scene = include_str!("../../configs/paper/case_iii_delta_a.toml")
+            .replace("[ensemble]", "[solver]\nsummation = \"moments\"\n\n[ensemble]")
+            .replace("[surface]\n", &format!("[surface]\n{of_law}"));
+        let own = key.name.split_once('.').unwrap_or_default().0;
+        let force = FORCES.iter().find(|table| table.name == own);
+        // A table of a force is as its example, which stands before all others.
+        let force = force.map_or(String::new(), |table| format!("{own} = {}\n", table.keys[0].example));
+        let table = if own == "substrate" { "[substrate]\ncoupling = \"patch\"\n" } else { "" };
+        let liquid = match key.name {
+            "capillary.surface_tension" | "capillary.molar_volume" => {
+                "surface_tension = \"30 mN/m\"\nmolar_volume = \"30 cm^3/mol\"\n"
+            }
+            _ => "",
+        };
+        let equilibrium = match key.name {
+            "capillary.film_thickness" | "capillary.hamaker_constant" => {
+                "film_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1"
+            }
+            _ => "relative_humidity = 0.5",
+        };
+        let liquid = format!("[capillary]\n{equilibrium}\ncontact_angles = [0, 0]\n{liquid}");
+        // Fits are of one dry law, and of loops whose tops keep their radius.
+        let (law, history, liquid) = match key.name {
+            "model.law" | "model.unloading" => ("hybrid", "loop", ""),
+            "model.plastic_contact" => ("md_plastic", "approach", ""),
+            name if name.starts_with("capillary.") => ("capillary", "approach", liquid.as_str()),
+            _ => return format!("{force}{scene}\n{table}"),
+        };
+        let scene = scene
+            .replace("critical_approach =", "# critical_approach =")
+            .replace("fit:paper", law)
+            .replace("history = \"approach\"", &format!("history = \"{history}\""));
+        format!("{scene}\n{liquid}")
+    }
+
+    /// A number that would do for most keys of its dimension.
+    fn number_for(key: &Sweepable) -> f64 {
+        match key.dimension {
+            // Neither the law nor the choices of the scene.
+            None if key.name == "model.law" => 2.0,
+            None if !key.names.is_empty() => 1.0,
+            None if key.name == "surface.heights.shape" => 1.5,
+            None if key.name.starts_with("surface.heights") || key.name.starts_with("surface.radii") => 0.25,
+            None if key.name.starts_with("solver") || key.name.starts_with("substrate") => 1e-5,
+            None if key.name == "electrostatic.relative_permittivity" => 7.0,
+            None => 0.3,
+            Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
+            Some(Dimension::Length) => 0.7e-9,
+            Some(Dimension::Area) => 1.25e-10,
+            Some(Dimension::ArealDensity) => 1.25e13,
+            Some(Dimension::Pressure) => 1.25e9,
+            Some(Dimension::SurfaceEnergy) => 0.125,
+            Some(Dimension::Force | Dimension::Stiffness | Dimension::Angle) => 1.25,
+            Some(Dimension::Energy) => 1.25e-19,
+            Some(Dimension::Voltage) => 12.5,
+            Some(Dimension::Temperature) => 300.0,
+            Some(Dimension::MolarVolume) => 1.25e-5,
+        }
+    }
+
     /// Every key of the table is one that scenes know, and is put where scenes read it.
     #[test]
     fn every_key_that_can_be_swept_is_one_of_scenes() {
-        let scene = include_str!("../../configs/paper/case_iii_delta_a.toml");
-        let scene = scene.replace("[ensemble]", "[solver]\nsummation = \"moments\"\n\n[ensemble]");
         for key in SWEEPABLE.iter() {
-            let of_law = match key.name {
-                "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",
-                "surface.heights.lower" | "surface.heights.upper" => {
-                    "heights = { law = \"truncated\", lower = -2.0, upper = 2.0 }\n"
-                }
-                "surface.radii.coefficient_of_variation" => {
-                    "radii = { law = \"gamma\", coefficient_of_variation = 0.5 }\n"
-                }
-                _ => "",
-            };
-            let scene = scene.replace("[surface]\n", &format!("[surface]\n{of_law}"));
-            let own = key.name.split_once('.').unwrap_or_default().0;
-            let force = FORCES.iter().find(|table| table.name == own);
-            // A table of a force is as its example, which stands before all others.
-            let force = force.map_or(String::new(), |table| format!("{own} = {}\n", table.keys[0].example));
-            let scene = force + &scene;
-            let table = if own == "substrate" { "[substrate]\ncoupling = \"patch\"\n" } else { "" };
-            let liquid = match key.name {
-                "capillary.surface_tension" | "capillary.molar_volume" => {
-                    "surface_tension = \"30 mN/m\"\nmolar_volume = \"30 cm^3/mol\"\n"
-                }
-                _ => "",
-            };
-            let equilibrium = match key.name {
-                "capillary.film_thickness" | "capillary.hamaker_constant" => {
-                    "film_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1"
-                }
-                _ => "relative_humidity = 0.5",
-            };
-            let (scene, liquid) = match key.name.starts_with("capillary.") {
-                true => (
-                    scene
-                        .replace("fit:paper", "capillary")
-                        .replace("critical_approach", "# critical_approach"),
-                    format!("[capillary]\n{equilibrium}\ncontact_angles = [0, 0]\n{liquid}"),
-                ),
-                false => (scene, String::new()),
-            };
-            let scene = format!("{scene}\n{table}{liquid}");
-            // Fits are of one law, and of loops whose tops keep their radius.
-            let scene = match key.name {
-                "model.law" | "model.unloading" => scene
-                    .replace("critical_approach =", "# critical_approach =")
-                    .replace("fit:paper", "hybrid")
-                    .replace("history = \"approach\"", "history = \"loop\""),
-                "model.plastic_contact" => scene
-                    .replace("critical_approach =", "# critical_approach =")
-                    .replace("fit:paper", "md_plastic"),
-                _ => scene,
-            };
+            let scene = scene_with(key);
             let base = Scene::parse(&scene).unwrap();
-            // Such as would do for most of them.
-            let number = match key.dimension {
-                // Neither the law nor the choices of the scene.
-                None if key.name == "model.law" => 2.0,
-                None if !key.names.is_empty() => 1.0,
-                None if key.name == "surface.heights.shape" => 1.5,
-                None if !of_law.is_empty() => 0.25,
-                None if key.name.starts_with("solver") || key.name.starts_with("substrate") => 1e-5,
-                None if key.name == "electrostatic.relative_permittivity" => 7.0,
-                None => 0.3,
-                Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
-                Some(Dimension::Length) => 0.7e-9,
-                Some(Dimension::Area) => 1.25e-10,
-                Some(Dimension::ArealDensity) => 1.25e13,
-                Some(Dimension::Pressure) => 1.25e9,
-                Some(Dimension::SurfaceEnergy) => 0.125,
-                Some(Dimension::Force | Dimension::Stiffness | Dimension::Angle) => 1.25,
-                Some(Dimension::Energy) => 1.25e-19,
-                Some(Dimension::Voltage) => 12.5,
-                Some(Dimension::Temperature) => 300.0,
-                Some(Dimension::MolarVolume) => 1.25e-5,
-            };
             let sweep = Sweep {
                 mode: Mode::Grid,
                 common_random_numbers: true,
-                axes: vec![Axis { key, values: vec![number] }],
+                axes: vec![Axis { key, values: vec![number_for(key)] }],
                 text: scene.clone(),
                 template: template(&scene).unwrap(),
                 files: Arc::new(NoFiles),

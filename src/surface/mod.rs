@@ -243,19 +243,12 @@ impl Surface {
         if !(mean_plane_offset >= 0.0 && mean_plane_offset <= *LENGTHS.end()) {
             return Err(SurfaceError::Length { name: "mean_plane_offset", value: mean_plane_offset });
         }
+        let Roughness { asperity_radius, asperity_density, nominal_area, .. } = *roughness;
         Ok(Self {
             surface_height_std,
-            heights: Heights::gaussian(asperity_height_std),
-            radii: Radii::Common,
-            asperity_radius: roughness.asperity_radius,
             mean_plane_offset,
-            asperity_count: count as usize,
-            count_law: CountLaw::Fixed,
-            whole: false,
-            asperity_density: roughness.asperity_density,
-            nominal_area: roughness.nominal_area,
-            background: None,
-            spread: Spreads::default(),
+            asperity_density,
+            ..Self::uniform(asperity_height_std, asperity_radius, count as usize, nominal_area)
         })
     }
 

@@ -1,9 +1,9 @@
 //! Functionals of the force curves for the joint test.
 
-use super::grid::{StateAt, grid};
+use super::grid::{StateAt, Turned, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Laws, Loop, Responses, Scratch, SolverStats, for_each_block};
+use crate::asperity::{Facing, Laws, Loop, Scratch, SolverStats};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ const LARGEST_ERROR: f64 = 0.1;
 /// use stiction::engine::Job;
 /// use stiction::integral::Expectations;
 /// use stiction::surface::Surface;
-/// use stiction::validation::{Basis, JointTest, Verdict, basis};
+/// use stiction::validation::{Basis, JointTest, Draws, Verdict, basis};
 ///
 /// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
@@ -48,7 +48,8 @@ const LARGEST_ERROR: f64 = 0.1;
 /// let quantities = [Quantity::AdhesionForce.index(), Quantity::ExternalForce.index()];
 /// let mean = quantities.map(|q| ensemble.curves[q].mean());
 /// let expected = quantities.map(|q| &integral.expected[q][..]);
-/// let Basis { probes, cumulants, .. } = basis(job.laws, &surface, &separations, job.scheme, job.replicas);
+/// let draws = Draws { scheme: job.scheme, replicas: job.replicas };
+/// let Basis { probes, cumulants, .. } = basis(job.laws, &surface, &separations, draws);
 /// let test = JointTest::new(&probes, mean, expected, cumulants, job.replicas);
 /// assert_eq!(test.verdict, Verdict::Agree);
 /// # Ok::<(), stiction::asperity::LawError>(())
@@ -65,26 +66,37 @@ pub struct Basis {
     pub tested: [Vec<bool>; 2],
 }
 
+impl Basis {
+    /// No functionals, which look at none of the states.
+    pub(crate) fn untested(states: usize) -> Self {
+        let tested = [vec![false; states], vec![false; states]];
+        Self { probes: Vec::new(), cumulants: Cumulants::default(), tested }
+    }
+}
+
 /// Moments of one asperity's contribution, weighted by the height density.
 struct Column {
     std: f64,
     gaussian: bool,
 }
 
-/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading
+/// The replicas that functionals are for.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    /// The scheme by which they are drawn.
+    pub scheme: SamplingScheme,
+    /// Their number.
+    pub replicas: u64,
+}
+
+/// The functionals for replicas of a surface, at separations h, m: leading
 /// eigenvectors of the correlation of adhesion and external force over all separations, by the law and of
 /// what the scheme leaves to chance. Separations, and eigenvectors, whose mean over the ensemble is still
 /// decided by a few rare asperities are left out, because no covariance describes them.
 ///
 /// Sums are direct; [`basis_to`] is for others.
-pub fn basis<'a>(
-    laws: impl Into<Laws<'a>>,
-    surface: &Surface,
-    separations: &[f64],
-    scheme: SamplingScheme,
-    replicas: u64,
-) -> Basis {
-    basis_to(laws, surface, separations, scheme, replicas, ACCURACY)
+pub fn basis<'a>(laws: impl Into<Laws<'a>>, surface: &Surface, separations: &[f64], draws: Draws) -> Basis {
+    basis_to(laws, surface, separations, draws, ACCURACY)
 }
 
 /// The functionals for sums that are accurate to the share `accuracy` of F_s + P: left out are also
@@ -93,14 +105,13 @@ pub fn basis_to<'a>(
     laws: impl Into<Laws<'a>>,
     surface: &Surface,
     separations: &[f64],
-    scheme: SamplingScheme,
-    replicas: u64,
+    draws: Draws,
     accuracy: f64,
 ) -> Basis {
     let laws = laws.into();
     let at = |h: &f64| StateAt::Way(laws, surface.asperity_separation(*h));
     let states: Vec<StateAt<'_>> = separations.iter().map(at).collect();
-    basis_of(&states, surface, scheme, replicas, accuracy)
+    basis_of(&states, surface, draws, accuracy)
 }
 
 /// The functionals for a loop: they look at all its ways, between which only what differs counts.
@@ -109,18 +120,18 @@ pub fn basis_of_loop<'a>(
     cycle: &Loop,
     surface: &Surface,
     separations: &[f64],
-    scheme: SamplingScheme,
-    replicas: u64,
+    draws: Draws,
 ) -> Basis {
     let laws = laws.into();
     let d = |h: &f64| surface.asperity_separation(*h);
     let closest = d(&separations[0]);
     let inward = separations.iter().map(|h| StateAt::Way(laws, d(h)));
-    let outward = separations.iter().map(|h| StateAt::Retraction(cycle, closest, d(h) - closest));
-    let again = separations.iter().map(|h| StateAt::Again(cycle, closest, d(h) - closest));
+    let back = |h: &f64| Turned { cycle, from: closest, distance: d(h) - closest };
+    let outward = separations.iter().map(|h| StateAt::Retraction(back(h)));
+    let again = separations.iter().map(|h| StateAt::Again(back(h)));
     let again = again.filter(|_| cycle.again().is_some());
     let states: Vec<StateAt<'_>> = inward.chain(outward).chain(again).collect();
-    basis_of(&states, surface, scheme, replicas, ACCURACY)
+    basis_of(&states, surface, draws, ACCURACY)
 }
 
 /// The number of separations that the functionals look at, out of `separations`.
@@ -128,23 +139,13 @@ pub fn tested_separations(separations: usize) -> usize {
     separations.div_ceil(separations.div_ceil(MAX_SEPARATIONS).max(1))
 }
 
-fn basis_of(
-    states: &[StateAt<'_>],
-    surface: &Surface,
-    scheme: SamplingScheme,
-    replicas: u64,
-    accuracy: f64,
-) -> Basis {
-    let accuracy = accuracy.max(ACCURACY);
+fn basis_of(states: &[StateAt<'_>], surface: &Surface, draws: Draws, accuracy: f64) -> Basis {
+    let (accuracy, Draws { scheme, replicas }) = (accuracy.max(ACCURACY), draws);
     let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
     if surface.whole {
         // Nothing is left to chance.
-        return Basis {
-            probes: Vec::new(),
-            cumulants: Cumulants::default(),
-            tested: [vec![false; all], vec![false; all]],
-        };
+        return Basis::untested(all);
     }
     let states: Vec<StateAt<'_>> = states.iter().copied().step_by(stride).collect();
     let s = states.len();
@@ -202,38 +203,35 @@ fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSche
     // Nodes of the same score are together where a scheme relates scores.
     let rows = grid[0].heights.len();
     let radii = if scheme != SamplingScheme::Independent && rows > 1 { grid.len() } else { 1 };
-    let place_of = |number: usize, first: usize, node: usize| {
-        if radii > 1 { node * radii + number } else { first + node }
-    };
-    let mut weights = vec![0.0; count];
     let mut first = 0;
-    for (number, alike) in grid.iter().enumerate() {
-        for (node, weight) in alike.weights.iter().enumerate() {
-            weights[place_of(number, first, node)] = *weight;
-        }
+    let places = grid.iter().enumerate().map(|(number, alike)| {
+        let begin = if radii > 1 { number } else { first };
         first += alike.heights.len();
+        (0..alike.heights.len()).map(|node| begin + node * radii).collect()
+    });
+    let places: Vec<Vec<usize>> = places.collect();
+    let mut weights = vec![0.0; count];
+    for (place, weight) in places.iter().flatten().zip(grid.iter().flat_map(|alike| &alike.weights)) {
+        weights[*place] = *weight;
     }
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
     let mut values = vec![0.0; 2 * states.len() * count];
     let (adhesion, external) = values.split_at_mut(states.len() * count);
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
-    let mut first = 0;
-    for (number, alike) in grid.iter().enumerate() {
+    for (alike, places) in grid.iter().zip(&places) {
         for (k, state) in states.iter().enumerate() {
-            let mut visit = |range: Range<usize>, responses: &Responses| {
-                for (i, node) in range.enumerate() {
-                    let place = k * count + place_of(number, first, node);
-                    adhesion[place] = responses.adhesion[i];
-                    external[place] = responses.contact[i] - responses.adhesion[i];
-                }
-            };
-            state.visit(&alike.laws, |law, d| {
-                let visit = |_, range, responses: &Responses| visit(range, responses);
-                for_each_block(law, &alike.heights, d, &mut scratch, &mut stats, visit);
+            state.visit(&alike.laws, |law, separation| {
+                let facing = Facing { law, heights: &alike.heights, separation };
+                facing.for_each_block(&mut scratch, &mut stats, |_, range, responses| {
+                    for (i, node) in range.enumerate() {
+                        let place = k * count + places[node];
+                        adhesion[place] = responses.adhesion[i];
+                        external[place] = responses.contact[i] - responses.adhesion[i];
+                    }
+                });
             });
         }
-        first += alike.heights.len();
     }
     let mean = |column: &[f64]| column.iter().zip(&weights).map(|(f, w)| f * w).sum::<f64>();
     // F_s + P = 2 F_s + F.

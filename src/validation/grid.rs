@@ -53,10 +53,20 @@ impl GridSize {
 pub(super) enum StateAt<'a> {
     /// A law at the separation d, m.
     Way(Laws<'a>, f64),
-    /// The retraction of a loop from the separation d, m, further by a distance, m.
-    Retraction(&'a Loop, f64, f64),
-    /// The second approach of a loop from the separation d, m, further by a distance, m.
-    Again(&'a Loop, f64, f64),
+    /// On the retraction of a loop.
+    Retraction(Turned<'a>),
+    /// On the second approach of a loop.
+    Again(Turned<'a>),
+}
+
+/// A loop whose surfaces have turned.
+#[derive(Clone, Copy)]
+pub(super) struct Turned<'a> {
+    pub cycle: &'a Loop,
+    /// Closest separation d, m.
+    pub from: f64,
+    /// Distance from there, m.
+    pub distance: f64,
 }
 
 impl StateAt<'_> {
@@ -65,10 +75,10 @@ impl StateAt<'_> {
     pub fn visit<T>(&self, own: &OwnLaws, visit: impl FnOnce(&dyn Law, f64) -> T) -> T {
         match *self {
             Self::Way(laws, separation) => visit(own.law.as_deref().unwrap_or(laws.typical), separation),
-            Self::Retraction(cycle, from, distance) => {
+            Self::Retraction(Turned { cycle, from, distance }) => {
                 visit(&own.cycle.as_ref().unwrap_or(cycle).at(distance), from)
             }
-            Self::Again(cycle, from, distance) => {
+            Self::Again(Turned { cycle, from, distance }) => {
                 let cycle = own.cycle.as_ref().unwrap_or(cycle);
                 visit(&cycle.again().unwrap_or(cycle).at(distance), from)
             }
@@ -95,7 +105,7 @@ impl OwnLaws {
                 StateAt::Way(laws, _) if own.law.is_none() => {
                     own.law = laws.family.map(|family| family.law(radius));
                 }
-                StateAt::Retraction(cycle, ..) if own.cycle.is_none() => {
+                StateAt::Retraction(Turned { cycle, .. }) if own.cycle.is_none() => {
                     own.cycle = Some(cycle.of(cycle.lane(radius / surface.asperity_radius)));
                 }
                 _ => {}

@@ -15,7 +15,7 @@ mod joint;
 mod null;
 mod several;
 
-pub use basis::{Basis, basis, basis_of_loop};
+pub use basis::{Basis, Draws, basis, basis_of_loop};
 #[doc(hidden)]
 pub use basis::{MAX_COMPONENTS, basis_to, tested_separations};
 #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! The deepest point of a curve by looking at all of it: both sides of every event, and what lies between
 //! them.
 
-use stiction::asperity::{Law, Scratch, SolverStats, for_each_block};
+use stiction::asperity::{Facing, Law, Scratch, SolverStats};
 use stiction::math::sums::Compensated;
 
 /// Interferences, m, at which a law is not smooth, from its boundaries and pieces.
@@ -18,7 +18,8 @@ pub fn events(law: &dyn Law) -> Vec<f64> {
 pub fn external_force(law: &dyn Law, heights: &[f64], d: f64) -> f64 {
     let (mut scratch, mut stats, mut sum) =
         (Scratch::default(), SolverStats::default(), Compensated::default());
-    for_each_block(law, heights, d, &mut scratch, &mut stats, |_, range, responses| {
+    let facing = Facing { law, heights, separation: d };
+    facing.for_each_block(&mut scratch, &mut stats, |_, range, responses| {
         for i in 0..range.len() {
             sum.add(responses.contact[i]);
             sum.add(-responses.adhesion[i]);

@@ -11,9 +11,7 @@ pub mod unlocked;
 use std::sync::Mutex;
 use stiction::asperity::models::{MODELS, Model, model};
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{
-    Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats, for_each_block,
-};
+use stiction::asperity::{Facing, Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats};
 use stiction::engine::{Job, Protocol, ReductionTree};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
@@ -98,7 +96,8 @@ pub fn respond(law: &dyn Law, interference: f64) -> Option<(Regime, [f64; 3])> {
         let values = [responses.adhesion[0], responses.contact[0], responses.area[0]];
         found = Some((law.regimes()[regime], values));
     };
-    for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut SolverStats::default(), visit);
+    let facing = Facing { law, heights: &[interference], separation: 0.0 };
+    facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), visit);
     found
 }
 

@@ -9,7 +9,7 @@ use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Family, Law, Laws, Path, Quantity, SolverStats, SurfaceLaws};
 use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Ensemble, Job, Outcome, Workspace, draw, run};
+use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
 use stiction::integral::Expectations;
 use stiction::surface::{RADIUS_RANGE, Radii, Surface};
 
@@ -128,7 +128,7 @@ fn misses(job: &Job<'_>, far: f64, accuracy: f64) -> Vec<f64> {
     let mut workspace = Workspace::new(job);
     workspace.replicas(job, 0..job.replicas, |replica, curves| {
         let (mut heights, mut radii) = (vec![0.0; surface.asperity_count], Vec::new());
-        draw(surface, job.seed, job.scheme, misses.len() as u64, &mut heights, &mut radii);
+        job.draw(misses.len() as u64).of(surface, &mut heights, &mut radii);
         heights.sort_by(f64::total_cmp);
         let force =
             |h: f64| brute_force::external_force(job.laws.typical, &heights, surface.asperity_separation(h));
@@ -217,7 +217,7 @@ fn several_radii_are_deepest(cases: &[(usize, &str)]) {
         let mut index = 0;
         Workspace::new(&job).replicas(&job, 0..2, |replica, _| {
             let (mut heights, mut radii) = (vec![0.0; count], Vec::new());
-            draw(&surface, job.seed, job.scheme, index, &mut heights, &mut radii);
+            job.draw(index).of(&surface, &mut heights, &mut radii);
             index += 1;
             let laws: Vec<_> = radii.iter().map(|radius| family.law(*radius)).collect();
             let force = |h: f64| {

@@ -4,7 +4,7 @@
 use crate::common::{bytes, case, job, reread};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity};
-use stiction::engine::{Ensemble, Job, Outcome, ReductionTree, Replica, Shard, run_from};
+use stiction::engine::{Bounds, Ensemble, Job, Outcome, ReductionTree, Replica, Shard, run_from};
 use stiction::surface::Surface;
 
 /// Batches of the run: no power of two, and the last one is not whole.
@@ -30,7 +30,8 @@ fn scene() -> Scene {
 
 fn computed(job: &Job<'_>, start: ReductionTree) -> ReductionTree {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    match run_from::<()>(job, &pool, &AtomicBool::new(false), start, None, |_, _| Ok(())) {
+    let bounds = Bounds { merged: start, rule: None };
+    match run_from::<()>(job, &pool, &AtomicBool::new(false), bounds, |_, _| Ok(())) {
         Ok(Outcome::Complete(reduction_tree)) => *reduction_tree,
         other => panic!("the run did not complete: {other:?}"),
     }

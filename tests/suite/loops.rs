@@ -10,11 +10,11 @@ use stiction::asperity::scale::Asperity;
 use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, Unloading};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{
-    Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run, run_from,
+    Bounds, Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run, run_from,
 };
 use stiction::integral::Expectations;
 use stiction::surface::{CountLaw, SamplingScheme, Surface};
-use stiction::validation::{JointTest, Verdict, basis_of_loop, z_scores};
+use stiction::validation::{Draws, JointTest, Verdict, basis_of_loop, z_scores};
 
 fn cycle(law: &str, asperity: &Asperity) -> Loop {
     cycle_of(law, asperity, UnloadedRadius::Kept)
@@ -201,7 +201,8 @@ fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, Unloading); N]) {
         let separations = separations(&surface, -1.0, 5.0, 31);
         let replicas = 160;
         let scheme = SamplingScheme::Independent;
-        let basis = basis_of_loop(cycle.approach(), &cycle, &surface, &separations, scheme, replicas);
+        let basis =
+            basis_of_loop(cycle.approach(), &cycle, &surface, &separations, Draws { scheme, replicas });
         let job = job(&cycle, &surface, &separations, replicas);
         let sampled = ensemble(&job, 2);
         let there = Expectations::new(cycle.approach(), &surface, &separations);
@@ -461,8 +462,8 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     let mut without_snaps = restored.clone();
     without_snaps.snaps.clear();
     assert!(without_snaps.restored(&job).is_none());
-    let outcome =
-        run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
+    let bounds = Bounds { merged: restored, rule: None };
+    let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), bounds, |_, _| Ok(())).unwrap();
     assert_eq!(whole, bits(&outcome.reduction_tree().ensemble(&job)));
 }
 

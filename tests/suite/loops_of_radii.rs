@@ -8,11 +8,11 @@ use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
     ContactHistory, Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius, Unloading,
 };
-use stiction::engine::{Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, draw, run};
+use stiction::engine::{Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run};
 use stiction::integral::{Expectations, RetractionModel};
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{Heights, RADIUS_RANGE, Radii, SamplingScheme, Surface};
-use stiction::validation::{JointTest, Verdict, basis_of_loop};
+use stiction::validation::{Draws, JointTest, Verdict, basis_of_loop};
 
 /// The loop and the laws of asperities that are typically one.
 struct Setting {
@@ -152,7 +152,7 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
         let job = setting.job(&surface, &separations, 1);
         let (replica, curves) = one(&job);
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        draw(&surface, job.seed, job.scheme, 0, &mut heights, &mut radii);
+        job.draw(0).of(&surface, &mut heights, &mut radii);
         let loops: Vec<Loop> = radii.iter().map(|radius| setting.alone(*radius)).collect();
         let d = |h: f64| surface.asperity_separation(h);
         let closest = d(separations[0]);
@@ -227,7 +227,8 @@ fn bits_do_not_depend_on_threads() {
 fn agrees(setting: &Setting, surface: &Surface, replicas: u64) {
     let separations = separations(surface, 0.5, 5.0, 19);
     let scheme = SamplingScheme::Independent;
-    let basis = basis_of_loop(setting.laws.view(), &setting.cycle, surface, &separations, scheme, replicas);
+    let basis =
+        basis_of_loop(setting.laws.view(), &setting.cycle, surface, &separations, Draws { scheme, replicas });
     let sampled = ensemble(&setting.job(surface, &separations, replicas), 2);
     let there = Expectations::new(setting.laws.view(), surface, &separations);
     let back = Expectations::retraction(&setting.cycle, surface, &separations);

@@ -5,13 +5,13 @@ use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
-use stiction::engine::{Ensemble, draw, run};
+use stiction::engine::{Draw, Ensemble, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
     CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
 };
-use stiction::validation::{Verdict, basis};
+use stiction::validation::{Draws, Verdict, basis};
 
 const HEIGHTS: &str = include_str!("../data/heights.csv");
 const POPULATIONS: &str = include_str!("../data/populations.csv");
@@ -166,7 +166,8 @@ fn ensembles_agree(of: fn(&str) -> bool) {
     for (name, surface) in surfaces(60).into_iter().filter(|(name, _)| of(name)) {
         let hybrid = law_for("hybrid", &surface, &separations);
         let replicas = if surface.whole { 2 } else { 160 };
-        let basis = basis(hybrid.view(), &surface, &separations, SamplingScheme::Independent, replicas);
+        let draws = Draws { scheme: SamplingScheme::Independent, replicas };
+        let basis = basis(hybrid.view(), &surface, &separations, draws);
         let job = job(hybrid.view(), &surface, &separations, replicas);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
@@ -226,7 +227,8 @@ fn other_radii_are_caught(wanted: &str) {
     let pairs = [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)];
     for (name, drawn, taken) in pairs.into_iter().filter(|pair| pair.0 == wanted) {
         let [law, other] = [drawn, taken].map(|surface| law_for("hybrid", surface, &separations));
-        let basis = basis(other.view(), taken, &separations, SamplingScheme::Independent, 160);
+        let draws = Draws { scheme: SamplingScheme::Independent, replicas: 160 };
+        let basis = basis(other.view(), taken, &separations, draws);
         let job = job(law.view(), drawn, &separations, 160);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
@@ -254,7 +256,7 @@ fn every_asperity_has_the_law_of_its_radius() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
     let (mut heights, mut radii) = (Vec::new(), Vec::new());
-    draw(&surface, job.seed, job.scheme, 0, &mut heights, &mut radii);
+    job.draw(0).of(&surface, &mut heights, &mut radii);
     let ensemble = outcome.reduction_tree().ensemble(&job);
     for (k, &h) in separations.iter().enumerate() {
         let d = surface.asperity_separation(h);
@@ -304,7 +306,7 @@ fn what_is_drawn_does_not_depend_on_the_rest() {
     let (_, plain) = case("II");
     let drawn = |surface: &Surface| {
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        draw(surface, 3, SamplingScheme::Independent, 4, &mut heights, &mut radii);
+        Draw { seed: 3, scheme: SamplingScheme::Independent, index: 4 }.of(surface, &mut heights, &mut radii);
         (heights, radii)
     };
     let (heights, none) = drawn(&plain);
@@ -327,7 +329,7 @@ fn poisson_counts_have_their_mean_and_variance() {
     let surface = Surface { asperity_count: 30, count_law: CountLaw::Poisson, ..plain };
     let count = |index: u64| {
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        draw(&surface, 1, SamplingScheme::Independent, index, &mut heights, &mut radii);
+        Draw { seed: 1, scheme: SamplingScheme::Independent, index }.of(&surface, &mut heights, &mut radii);
         heights.len() as f64
     };
     let counts: Vec<f64> = (0..4000).map(count).collect();
@@ -347,7 +349,7 @@ fn heights_are_drawn_from_their_law() {
         let heights = Heights { law: height_law(name, 1.2), ..plain.heights.clone() };
         let surface = Surface { asperity_count: 20_000, heights, ..plain.clone() };
         let (mut drawn, mut radii) = (Vec::new(), Vec::new());
-        draw(&surface, 2, SamplingScheme::Independent, 0, &mut drawn, &mut radii);
+        Draw { seed: 2, scheme: SamplingScheme::Independent, index: 0 }.of(&surface, &mut drawn, &mut radii);
         drawn.sort_by(f64::total_cmp);
         let n = drawn.len() as f64;
         let distance = drawn.iter().enumerate().fold(0.0_f64, |worst, (i, u)| {

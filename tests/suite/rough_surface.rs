@@ -5,7 +5,7 @@ use crate::common::{case, dry_laws, law};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{
-    Law, LawParameters, Loop, Path, Quantity, Responses, Scratch, SolverStats, Unloading, for_each_block,
+    Facing, Law, LawParameters, Loop, Path, Quantity, Responses, Scratch, SolverStats, Unloading,
 };
 use stiction::integral::{Expectations, Model};
 use stiction::math::extrema::Features;
@@ -123,14 +123,8 @@ fn every_law_is_integrated_over_all_its_pieces() {
                 }
             };
             let d = surface.asperity_separation(h);
-            for_each_block(
-                law.as_ref(),
-                &heights,
-                d,
-                &mut Scratch::default(),
-                &mut SolverStats::default(),
-                visit,
-            );
+            let facing = Facing { law: law.as_ref(), heights: &heights, separation: d };
+            facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), visit);
             let integral = Expectations::new(law.as_ref(), &surface, &[h]);
             let stats = integral.stats;
             let evaluations =
@@ -184,7 +178,8 @@ fn assert_nothing_is_lost(law: &dyn Law, surface: &Surface, h: f64, what: &str) 
         }
     };
     let d = surface.asperity_separation(h);
-    for_each_block(law, &heights, d, &mut Scratch::default(), &mut SolverStats::default(), visit);
+    let facing = Facing { law, heights: &heights, separation: d };
+    facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), visit);
     let all = [integral.expected[0][0], integral.expected[1][0], surface.asperity_count as f64];
     let largest: [f64; 3] = std::array::from_fn(|q| {
         integrands.iter().flat_map(|integrands| &integrands[q]).copied().fold(0.0, f64::max)

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
-use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, draw, run};
+use stiction::engine::{Draw, Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, run};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
@@ -15,7 +15,7 @@ use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
     HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
 };
-use stiction::validation::basis;
+use stiction::validation::{Draws, basis};
 
 /// A small patch of case II, on which a replica takes some hundred microseconds.
 struct Patch {
@@ -64,7 +64,7 @@ impl Patch {
     }
 
     fn controls(&self, scheme: SamplingScheme, replicas: u64) -> Vec<usize> {
-        let basis = basis(self.law.as_ref(), &self.surface, &self.separations, scheme, replicas);
+        let basis = basis(self.law.as_ref(), &self.surface, &self.separations, Draws { scheme, replicas });
         controls(&self.separations, &self.expectations, &basis.tested[1], replicas / scheme.group())
     }
 }
@@ -77,15 +77,8 @@ struct Skewed {
 impl Skewed {
     /// From a pool of so many replicas; with its own controls for ensembles of so many groups, or with those
     /// that are given.
-    fn new(
-        law: &str,
-        heights: HeightLaw,
-        asperities: usize,
-        scheme: SamplingScheme,
-        pool: u64,
-        controls: Controls,
-    ) -> Self {
-        let [skewed] = Self::each(law, heights, asperities, scheme, pool, [controls]);
+    fn new(law: &str, heights: HeightLaw, asperities: usize, pool: Draws, controls: Controls) -> Self {
+        let [skewed] = Self::each(law, heights, asperities, pool, [controls]);
         skewed
     }
 
@@ -94,18 +87,18 @@ impl Skewed {
         law: &str,
         heights: HeightLaw,
         asperities: usize,
-        scheme: SamplingScheme,
-        pool: u64,
+        pool: Draws,
         controls: [Controls; N],
     ) -> [Self; N] {
         let (law, surface, separations) = patch(heights, asperities, law);
-        let job = Job { scheme, ..crate::common::job(law.as_ref(), &surface, &separations, pool) };
+        let Draws { scheme, replicas } = pool;
+        let job = Job { scheme, ..crate::common::job(law.as_ref(), &surface, &separations, replicas) };
         let expectations = Expectations::new(law.as_ref(), &surface, &separations);
         let places = controls.map(|controls| match controls {
             Controls::At(places) => places.to_vec(),
             Controls::Chosen(groups) => {
                 let replicas = groups * scheme.group();
-                let basis = basis(law.as_ref(), &surface, &separations, scheme, replicas);
+                let basis = basis(law.as_ref(), &surface, &separations, Draws { scheme, replicas });
                 stiction::integral::controls(&separations, &expectations, &basis.tested[1], groups)
             }
         });
@@ -177,7 +170,7 @@ fn means_with_controls_are_unbiased(of: fn(SamplingScheme) -> bool) {
     for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
         let heights =
             if scheme == SamplingScheme::Independent { HeightLaw::Exponential } else { HeightLaw::Gaussian };
-        let patch = Skewed::new("isbl", heights, 50, scheme, 4000, Controls::At(&[1, 3]));
+        let patch = Skewed::new("isbl", heights, 50, Draws { scheme, replicas: 4000 }, Controls::At(&[1, 3]));
         let found = patch.ensembles(ENSEMBLES, 24, |parts, means| {
             let own: Vec<f64> =
                 (0..means.len()).map(|i| naive(parts, patch.pool.expected(), 2 + i)).collect();
@@ -212,7 +205,8 @@ fn intervals_hold_what_they_say_for_skewed_outcomes() {
         (HeightLaw::Gaussian, SamplingScheme::Stratified),
     ] {
         let groups = if scheme == SamplingScheme::Independent { 4000 } else { 1000 };
-        let patch = Skewed::new("isbl", heights, 100, scheme, groups, Controls::Chosen(64));
+        let patch =
+            Skewed::new("isbl", heights, 100, Draws { scheme, replicas: groups }, Controls::Chosen(64));
         assert!(patch.pool.controls > 0);
         let means = patch.ensembles(ENSEMBLES as u64, 64, |_, means| means.to_vec());
         for (i, scalar) in SCALARS.iter().enumerate() {
@@ -262,7 +256,8 @@ fn coverage_of_intervals() {
             let about = heights.about();
             let controls = GROUPS.map(|groups| Controls::Chosen(groups as u64));
             let scheme = SamplingScheme::Independent;
-            let patches = Skewed::each(law, heights.clone(), asperities, scheme, replicas, controls);
+            let patches =
+                Skewed::each(law, heights.clone(), asperities, Draws { scheme, replicas }, controls);
             let row = [0, 1, 2, 3, 4].map(|i| {
                 let (groups, patch): (usize, &Skewed) = (GROUPS[i], &patches[i]);
                 let truth = patch.pool.truth()[0];
@@ -341,7 +336,13 @@ fn controls_reduce_the_variance_of_stratified_replicas() {
 fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
     const ENSEMBLES: u64 = 4000;
     for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
-        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 500, scheme, 600, Controls::Chosen(80));
+        let patch = Skewed::new(
+            "isbl",
+            HeightLaw::Gaussian,
+            500,
+            Draws { scheme, replicas: 600 },
+            Controls::Chosen(80),
+        );
         let found = patch.ensembles(ENSEMBLES, 80, |_, means| means[0]);
         let variance = |of: fn(&ControlledMean) -> f64| {
             let mean = found.iter().map(of).sum::<f64>() / ENSEMBLES as f64;
@@ -503,7 +504,7 @@ fn every_surface_is_drawn_by_every_scheme() {
         let moments = |scheme: SamplingScheme, index: u64| {
             let (mut heights, mut radii) = (Vec::new(), Vec::new());
             let many = Surface { asperity_count: 40_000, ..surface.clone() };
-            draw(&many, 3, scheme, index, &mut heights, &mut radii);
+            Draw { seed: 3, scheme, index }.of(&many, &mut heights, &mut radii);
             let of = |values: &[f64], unit: f64| {
                 let squares: Vec<f64> = values.iter().map(|value| (value / unit).powi(2)).collect();
                 let n = squares.len() as f64;
@@ -529,7 +530,7 @@ fn every_surface_is_drawn_by_every_scheme() {
             }
             let group = scheme.group();
             let replicas = 60 * group;
-            let basis = basis(laws.view(), &surface, &separations, scheme, replicas);
+            let basis = basis(laws.view(), &surface, &separations, Draws { scheme, replicas });
             let expected = Expectations::new(laws.view(), &surface, &separations).expected;
             let job = Job { scheme, ..job(laws.view(), &surface, &separations, replicas) };
             let (mut scores, mut squares) = (vec![0.0; basis.probes.len()], 0.0);

@@ -3,7 +3,7 @@
 
 use crate::common::{brute_force, program::QUICK};
 use stiction::asperity::Laws;
-use stiction::engine::{Job, Protocol, Replica, Workspace, draw};
+use stiction::engine::{Job, Protocol, Replica, Workspace};
 use stiction::scene::Scene;
 
 /// The quick scene on so many separations over the same range.
@@ -31,7 +31,7 @@ fn replicas(job: &Job<'_>) -> Vec<Replica> {
 /// The external force of replica 0 anywhere, N, and the separations h, m, of its events.
 fn curve<'a>(job: &'a Job<'a>, index: u64) -> (impl Fn(f64) -> f64 + 'a, Vec<f64>) {
     let mut heights = Vec::new();
-    draw(job.surface, job.seed, job.scheme, index, &mut heights, &mut Vec::new());
+    job.draw(index).of(job.surface, &mut heights, &mut Vec::new());
     heights.sort_by(f64::total_cmp);
     let events = brute_force::events(job.laws.typical);
     let offset = job.surface.mean_plane_offset;

@@ -8,9 +8,7 @@ use std::f64::consts::PI;
 use stiction::asperity::branch::MOST_EVALUATIONS;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::pressure_factor;
-use stiction::asperity::{
-    BLOCK, Lanes, Law, LawParameters, Path, Responses, Scratch, SolverStats, for_each_block,
-};
+use stiction::asperity::{BLOCK, Facing, Lanes, Law, LawParameters, Path, Responses, Scratch, SolverStats};
 
 /// Errors that are allowed, in ε (1 + condition number).
 const ALLOWED: f64 = 10.0;
@@ -73,7 +71,8 @@ fn solve(law: &dyn Law, delta: f64) -> (bool, [f64; 3], SolverStats) {
         let values = [out.adhesion[0], out.contact[0] - out.adhesion[0], (out.area[0] / PI).sqrt()];
         found = Some((law.regimes()[regime].is_contact(), values));
     };
-    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut stats, visit);
+    let facing = Facing { law, heights: &[delta], separation: 0.0 };
+    facing.for_each_block(&mut Scratch::default(), &mut stats, visit);
     let (contact, values) = found.expect("a law without end");
     (contact, values, stats)
 }

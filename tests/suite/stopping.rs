@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use stiction::asperity::{Law, Path as History};
 use stiction::engine::{
-    Ensemble, Estimator, Job, Limit, Outcome, ReductionTree, Rule, Stopping, Target, run, run_from,
+    Bounds, Ensemble, Estimator, Job, Limit, Outcome, ReductionTree, Rule, Stopping, Target, run, run_from,
 };
 use stiction::surface::{HeightLaw, LogNormal, Surface};
 
@@ -275,7 +275,8 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
         states.push(merged.clone());
         Ok(())
     };
-    let whole = complete(&job, run_from(&job, &pool, &never, ReductionTree::of(&job), Some(rule), keep));
+    let bounds = |merged| Bounds { merged, rule: Some(rule) };
+    let whole = complete(&job, run_from(&job, &pool, &never, bounds(ReductionTree::of(&job)), keep));
     assert!(states.len() > 5 && states.len() < 1000, "{}", states.len());
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
@@ -285,7 +286,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
             batches.fetch_add(1, Ordering::Relaxed);
             Ok(())
         };
-        let taken_up = complete(&job, run_from(&job, &pool, &never, start, Some(rule), count));
+        let taken_up = complete(&job, run_from(&job, &pool, &never, bounds(start), count));
         assert!(taken_up == whole, "{place}");
         assert_eq!(batches.into_inner(), last - place);
     }

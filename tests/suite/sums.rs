@@ -6,10 +6,10 @@ use crate::common::program::{Folder, QUICK, assert_exit, text};
 use crate::common::unlocked;
 use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Path, Quantity, Scratch, SolverStats, for_each_block};
+use stiction::asperity::{Facing, Path, Quantity, Scratch, SolverStats};
 use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Job, Workspace, draw};
+use stiction::engine::{Curves, Job, Workspace};
 use stiction::integral::Expectations;
 use stiction::math::moments::{Comoments, Moments};
 use stiction::surface::{Heights, SamplingScheme, Surface};
@@ -35,12 +35,13 @@ fn curves(job: &Job<'_>, replica: u64) -> Curves {
 fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let d = job.surface.asperity_separation(separation);
     let mut heights = Vec::new();
-    draw(job.surface, job.seed, job.scheme, replica, &mut heights, &mut Vec::new());
+    job.draw(replica).of(job.surface, &mut heights, &mut Vec::new());
     let [mut adhesion_sum, mut contact_sum] = [Exact::default(), Exact::default()];
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     for heights in heights.chunks_mut(1 << 14) {
         heights.sort_unstable_by(f64::total_cmp);
-        for_each_block(job.laws.typical, heights, d, &mut scratch, &mut stats, |_, range, responses| {
+        let facing = Facing { law: job.laws.typical, heights, separation: d };
+        facing.for_each_block(&mut scratch, &mut stats, |_, range, responses| {
             for (adhesion, contact) in responses.adhesion.iter().zip(&responses.contact).take(range.len()) {
                 adhesion_sum.add(*adhesion);
                 contact_sum.add(*contact);

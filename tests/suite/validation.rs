@@ -15,7 +15,7 @@ use stiction::integral::Expectations;
 use stiction::surface::{
     CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface,
 };
-use stiction::validation::{Basis, JointTest, Verdict, basis};
+use stiction::validation::{Basis, Draws, JointTest, Verdict, basis};
 
 /// A law with the forces of one regime multiplied by a factor.
 struct Planted<'a> {
@@ -111,7 +111,8 @@ fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> 
 /// p-values of ensembles that agree: how many are below 0.1, 0.01 and 0.001.
 fn alarms(scene: &Scene<'_>, law: &dyn Law, seeds: Range<u64>) -> (usize, [u64; 3]) {
     let expected = Expectations::new(law, scene.surface, scene.separations);
-    let basis = basis(law, scene.surface, scene.separations, scene.scheme, scene.replicas);
+    let draws = Draws { scheme: scene.scheme, replicas: scene.replicas };
+    let basis = basis(law, scene.surface, scene.separations, draws);
     let mut counts = [0; 3];
     for seed in seeds {
         let p = joint_test(scene, law, &basis, &expected, seed).p_value;
@@ -150,7 +151,8 @@ fn assert_alarms((ensembles, counts): (u64, [u64; 3])) {
 
 /// The fewest replicas, doubled from one group on, for which there is a p-value.
 fn fewest(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> u64 {
-    let tested = |replicas: &u64| !basis(law, surface, separations, scheme, *replicas).probes.is_empty();
+    let basis = |replicas| basis(law, surface, separations, Draws { scheme, replicas });
+    let tested = |replicas: &u64| !basis(*replicas).probes.is_empty();
     (0..20).map(|i| scheme.group() << i).find(tested).expect("a few replicas more are tested")
 }
 
@@ -256,7 +258,7 @@ fn errors_are_caught(seeds: &[u64]) {
         let surface = Surface { asperity_count, ..whole.clone() };
         let separations = separations(&surface, from, to, count);
         let expected = Expectations::new(law.as_ref(), &surface, &separations);
-        let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 120);
+        let basis = basis(law.as_ref(), &surface, &separations, Draws { scheme: INDEPENDENT, replicas: 120 });
         let scene =
             Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 120 };
         for &seed in seeds {
@@ -281,7 +283,7 @@ fn an_error_is_caught_by_a_stratified_ensemble() {
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
     let expected = Expectations::new(law.as_ref(), &surface, &separations);
     let scheme = SamplingScheme::Stratified;
-    let basis = basis(law.as_ref(), &surface, &separations, scheme, 96);
+    let basis = basis(law.as_ref(), &surface, &separations, Draws { scheme, replicas: 96 });
     let scene = Scene { surface: &surface, separations: &separations, scheme, replicas: 96 };
     assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 7).verdict, Verdict::Agree);
     let planted = Planted { law: law.as_ref(), regime: 2, factor: 1.01 };
@@ -296,7 +298,7 @@ fn many_separations_are_thinned_out() {
     surface.asperity_count = 200;
     let separations = separations(&surface, 0.0, 4.0, 1201);
     let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
-    let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 48);
+    let basis = basis(law.as_ref(), &surface, &separations, Draws { scheme: INDEPENDENT, replicas: 48 });
     assert_eq!(basis.probes.len(), 32);
     for probe in &basis.probes {
         for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested)
@@ -461,7 +463,7 @@ fn functionals_are_those_of_the_law() {
             (plain.as_ref().into(), one.as_slice(), 1e-3)
         };
         let replicas = 64;
-        let basis = basis(law, &surface, &separations, scheme, replicas);
+        let basis = basis(law, &surface, &separations, Draws { scheme, replicas });
         let reference = Reference::new(std, forces, radii, &planes, scheme, fixed);
         let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
         let of_replica = surface.asperity_count as f64 * pairs;

@@ -49,7 +49,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let output = arguments.output.clone().unwrap_or_else(|| folder.path().join("laws.h5"));
     let session = Session::new(&options.execution, options.checkpoint)?;
     let lock = OutputLock::new(&output, &scene.inputs(&first))?;
-    let points = points(&sweep, scene.path(), &lock, options, &session, None);
+    let points = points(&sweep, scene.path(), &lock, options, &session);
     let points = if arguments.ensemble { points } else { Points { replicas: Some(0), ..points } };
     // A folder that goes keeps nothing.
     let kept = |error: Error| if arguments.output.is_some() { error } else { error.not_kept() };

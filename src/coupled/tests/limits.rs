@@ -222,6 +222,7 @@ fn the_first_order_in_the_compliance_is_its_closed_form() {
 
 /// G over hard-core places has its closed form on average, and so has the first order of the total force over these and
 /// Gaussian heights, −(⟨f⟩⟨f′⟩ Σ G_ij + ⟨f f′⟩ Σ G_ii): within 4 standard errors (of 6 means, by chance in 1 of 2000).
+// The second half takes the mean of G that the first has met.
 #[test]
 fn hard_core_places_have_the_first_order_of_their_closed_form() {
     let all = json(LIMITS);

@@ -15,8 +15,16 @@ pub(super) struct Queue {
     interference: Vec<f64>,
     /// The separation of each.
     separations: Vec<u32>,
-    buckets: Vec<(u32, u32, f64)>,
+    waiting: Vec<Waiting>,
     responses: Box<Responses>,
+}
+
+/// An asperity that waits for its place in the order.
+#[derive(Debug)]
+struct Waiting {
+    bucket: u32,
+    separation: u32,
+    interference: f64,
 }
 
 impl Queue {
@@ -45,7 +53,7 @@ impl Queue {
         for &(offset, segment) in &matrix.solved[regime] {
             // In the order of their place in the segment, which is that of their interference.
             let mut counts = [0; BUCKETS];
-            self.buckets.clear();
+            self.waiting.clear();
             for (k, d) in matrix.separations.iter().enumerate() {
                 let Some(period) = matrix.period(offset, k).filter(|period| occupied.contains(period)) else {
                     continue;
@@ -56,7 +64,8 @@ impl Queue {
                     let place = ((u - centre) * scale + 1.0) * (0.5 * BUCKETS as f64);
                     let bucket = (place as usize).min(BUCKETS - 1);
                     counts[bucket] += 1;
-                    self.buckets.push((bucket as u32, k as u32, u - d));
+                    let (bucket, separation) = (bucket as u32, k as u32);
+                    self.waiting.push(Waiting { bucket, separation, interference: u - d });
                 }
             }
             let begin = self.interference.len();
@@ -66,9 +75,9 @@ impl Queue {
             }
             self.interference.resize(next, 0.0);
             self.separations.resize(next, 0);
-            for &(bucket, k, delta) in &self.buckets {
-                let place = &mut counts[bucket as usize];
-                (self.interference[*place], self.separations[*place]) = (delta, k);
+            for one in &self.waiting {
+                let place = &mut counts[one.bucket as usize];
+                (self.interference[*place], self.separations[*place]) = (one.interference, one.separation);
                 *place += 1;
             }
         }

@@ -9,7 +9,7 @@
 use super::lanes::{Lanes, TERMS};
 use super::matrix::MomentMatrix;
 use super::offsets::Offset;
-use crate::asperity::{self, BLOCK, Law, Responses, Scratch, SolverStats, for_each_block};
+use crate::asperity::{self, BLOCK, Facing, Law, Responses, Scratch, SolverStats};
 use std::ops::Range;
 
 /// Interferences of one regime with weights, and what else is needed to solve them.
@@ -82,7 +82,8 @@ impl Weighted {
     /// P − F_s, N, of the collected heights, rising.
     pub fn solve_heights(&mut self, law: &dyn Law, d: f64, stats: &mut SolverStats) -> f64 {
         let mut force = 0.0;
-        for_each_block(law, &self.heights, d, &mut self.scratch, stats, |_, range, responses| {
+        let facing = Facing { law, heights: &self.heights, separation: d };
+        facing.for_each_block(&mut self.scratch, stats, |_, range, responses| {
             for i in 0..range.len() {
                 force += responses.contact[i] - responses.adhesion[i];
             }

@@ -79,29 +79,11 @@ impl<C: Curve> Search<'_, C> {
         for point in points.iter().copied().zip(curve) {
             self.found(point);
         }
-        let (levels, is_known) = levels(passings, points, self.rounding);
-        let continuous = Polynomial { points, values: std::array::from_fn(|i| curve[i] - levels[i]) };
-        let part = |h: f64| ((h - low) / width * DIVISION as f64).min(DIVISION as f64 - 1.0) as usize;
-        let mut lowest = [f64::INFINITY; DIVISION];
-        let mut look = |h: f64, value: f64| lowest[part(h)] = lowest[part(h)].min(value);
-        let inside = within(passings, low, high);
-        let mut level = levels[0];
-        for passing in inside.iter().filter(|passing| passing.place > low) {
-            let value = continuous.value(passing.place) + level;
-            level += passing.step;
-            look(passing.place, value.min(value + passing.step));
-        }
-        for (h, value) in points.iter().zip(&curve) {
-            look(*h, *value);
-        }
-        let nearby = within(passings, low - 0.25 * width, high + 0.25 * width).iter();
-        let nearby = nearby.map(|passing| self.curve.stray(passing.kink).points);
-        let roots = margin(nearby, 1.0) * (width / self.spacing).sqrt();
-        let margin = if is_known.iter().all(|is| *is) { roots + continuous.bend() } else { f64::INFINITY };
+        let (lowest, margin) = self.expected(points, &curve, passings);
         if !(lowest.iter().any(|lowest| lowest - margin < self.deepest - self.tolerance)) {
             return;
         }
-        let kinks = kinks(inside, self.rounding);
+        let kinks = kinks(within(passings, low, high), self.rounding);
         let edge = |i: usize| if i == DIVISION { high } else { low + width * (i as f64 / DIVISION as f64) };
         let is_divisible = (0..DIVISION).all(|i| edge(i) < edge(i + 1));
         if kinks.len() <= FEW || divisions == 0 || !is_divisible {
@@ -123,6 +105,37 @@ impl<C: Curve> Search<'_, C> {
                 self.divide(Interval { points, smooth }, &near, passings, divisions - 1);
             }
         }
+    }
+
+    /// The smallest values that are expected in the parts of an interval by the curve at its points, and the
+    /// error that they may have.
+    fn expected(
+        &self,
+        points: &[f64; POINTS],
+        curve: &[f64; POINTS],
+        passings: &[Passing],
+    ) -> ([f64; DIVISION], f64) {
+        let (low, high) = (points[0], points[POINTS - 1]);
+        let width = high - low;
+        let (levels, is_known) = levels(passings, points, self.rounding);
+        let continuous = Polynomial { points, values: std::array::from_fn(|i| curve[i] - levels[i]) };
+        let part = |h: f64| ((h - low) / width * DIVISION as f64).min(DIVISION as f64 - 1.0) as usize;
+        let mut lowest = [f64::INFINITY; DIVISION];
+        let mut look = |h: f64, value: f64| lowest[part(h)] = lowest[part(h)].min(value);
+        let inside = within(passings, low, high).iter();
+        let mut level = levels[0];
+        for passing in inside.filter(|passing| passing.place > low) {
+            let value = continuous.value(passing.place) + level;
+            level += passing.step;
+            look(passing.place, value.min(value + passing.step));
+        }
+        for (h, value) in points.iter().zip(curve) {
+            look(*h, *value);
+        }
+        let nearby = within(passings, low - 0.25 * width, high + 0.25 * width).iter();
+        let nearby = nearby.map(|passing| self.curve.stray(passing.kink).points);
+        let roots = margin(nearby, 1.0) * (width / self.spacing).sqrt();
+        (lowest, if is_known.iter().all(|is| *is) { roots + continuous.bend() } else { f64::INFINITY })
     }
 
     /// The asperities that have one of these passings; the terms of the others join the smooth part.
@@ -196,11 +209,6 @@ impl<C: Curve> Search<'_, C> {
             all.extend([values[i], between[i]]);
         }
         all.push(values[PARTS]);
-        let spread = |values: &[f64]| {
-            let ends =
-                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-            (ends.0, ends.1 - ends.0)
-        };
         if error > (UNRESOLVED * spread(&all).1).max(self.tolerance) && halvings > 0 {
             let middle = 0.5 * (gap.from + gap.to);
             let halves = [(gap.from, middle, &all[..SAMPLED]), (middle, gap.to, &all[PARTS..])];
@@ -234,6 +242,12 @@ impl<C: Curve> Search<'_, C> {
         self.found((place, value));
         value
     }
+}
+
+/// The lowest of values, and the spread of all.
+fn spread(values: &[f64]) -> (f64, f64) {
+    let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    (ends.0, ends.1 - ends.0)
 }
 
 /// Where passings begin and end but for rounding, h in m, those at one place once.

@@ -38,6 +38,18 @@ fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
     separations.windows(2).flat_map(places).collect()
 }
 
+/// How far samples are off the line through their neighbours.
+fn bends(places: &[f64], values: &[f64]) -> Vec<f64> {
+    let bend = |k: usize| {
+        if k == 0 || k + 1 == places.len() {
+            return 0.0;
+        }
+        let line = linear(&[places[k - 1], places[k + 1]], &[values[k - 1], values[k + 1]], places[k]);
+        (values[k] - line).abs()
+    };
+    (0..places.len()).map(bend).collect()
+}
+
 /// The expectation of the space behind a sample.
 pub(super) struct Guess {
     /// The smallest value.
@@ -57,6 +69,17 @@ struct Tread {
     to: f64,
     /// The smallest value that is expected.
     lowest: f64,
+}
+
+/// The staircase of a curve, and what is interpolated without it.
+struct Stairs {
+    passings: Vec<Passing>,
+    /// Passings of all shifts, each with the sign of its shift.
+    shifted: Vec<Passing>,
+    curve: Interpolated,
+    /// The first of the samples, and whether the level at each is known.
+    first: usize,
+    is_known: Vec<bool>,
 }
 
 impl Guess {
@@ -81,14 +104,7 @@ impl<C: Curve> Search<'_, C> {
             .iter()
             .map(|h| self.shifts.iter().map(|(shift, sign)| sign * linear(places, values, h + shift)).sum())
             .collect();
-        let bend = |k: usize| {
-            if k == 0 || k + 1 == places.len() {
-                return 0.0;
-            }
-            let line = linear(&[places[k - 1], places[k + 1]], &[values[k - 1], values[k + 1]], places[k]);
-            (values[k] - line).abs()
-        };
-        let bends: Vec<f64> = (0..places.len()).map(bend).collect();
+        let bends = bends(places, values);
         let bent = |low: f64, high: f64| {
             let first = places.partition_point(|h| *h <= low).saturating_sub(2);
             let end = (places.partition_point(|h| *h < high) + 2).min(bends.len());
@@ -118,10 +134,8 @@ impl<C: Curve> Search<'_, C> {
             .collect();
         let least = |from: usize, to: usize| rough[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
         let known = |slack: f64| if shifts.len() > 1 { slack } else { 0.0 };
-        let mut attained = f64::INFINITY;
-        for (first, end, slack) in &groups {
-            attained = attained.min(least(*first, *end) + known(*slack));
-        }
+        let bounds = groups.iter().map(|(first, end, slack)| least(*first, *end) + known(*slack));
+        let mut attained = bounds.fold(f64::INFINITY, f64::min);
         let mut slacks = vec![f64::NEG_INFINITY; spaces];
         for (first, end, of_group) in groups {
             if least(first, end) - of_group <= attained {
@@ -161,7 +175,28 @@ impl<C: Curve> Search<'_, C> {
     /// without it.
     pub(super) fn guess(&mut self, spaces: Range<usize>, guesses: &mut Vec<Guess>) {
         let edges = self.edges();
-        let around = self.around(edges[spaces.start], edges[spaces.end]);
+        let first = edges[spaces.start];
+        let stairs = self.stairs(first, edges[spaces.end]);
+        // What is sought is the continuous part and the level, which begins with the levels of the samples
+        // before.
+        let mut level: f64 = 0.0;
+        for (shift, sign) in self.shifts {
+            let before = stairs.passings.iter().take_while(|passing| passing.place <= first + shift);
+            level += sign * before.map(|passing| passing.step).sum::<f64>();
+        }
+        for space in spaces {
+            let ends = (edges[space], edges[space + 1]);
+            let mut treads = self.treads(&stairs, ends, &mut level);
+            let margin = self.margin(&stairs, ends);
+            let lowest = treads.iter().fold(f64::INFINITY, |lowest, tread| lowest.min(tread.lowest));
+            treads.retain(|tread| !(tread.lowest > lowest + 2.0 * margin));
+            guesses.push(Guess { lowest, margin, ends, treads });
+        }
+    }
+
+    /// The staircase between two edges, h in m, and what is interpolated without it.
+    fn stairs(&mut self, from: f64, to: f64) -> Stairs {
+        let around = self.around(from, to);
         let (low, high) = (self.separations[around.start], self.separations[around.end - 1]);
         let asperities = self.curve.kinked(low, high);
         let mut passings = Vec::new();
@@ -170,69 +205,61 @@ impl<C: Curve> Search<'_, C> {
         let (levels, is_known) = levels(&passings, &self.separations[around.clone()], self.rounding);
         let continuous: Vec<f64> =
             self.values[around.clone()].iter().zip(&levels).map(|(v, level)| v - level).collect();
-        let curve =
-            self.continuous(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
-        let shifted = self.shifted(&passings, edges[spaces.start], edges[spaces.end]);
-        // What is sought is the continuous part and the level, which begins with the levels of the samples
-        // before.
-        let mut level: f64 = 0.0;
-        for (shift, sign) in self.shifts {
-            let from = edges[spaces.start] + shift;
-            let before = passings.iter().take_while(|passing| passing.place <= from);
-            level += sign * before.map(|passing| passing.step).sum::<f64>();
-        }
+        let curve = self.continuous(around.clone(), &continuous, &asperities, from, to);
+        Stairs { shifted: self.shifted(&passings, from, to), passings, curve, first: around.start, is_known }
+    }
+
+    /// The treads of a space, from its level on, which goes on to the end of the space.
+    fn treads(&self, stairs: &Stairs, (from, to): (f64, f64), level: &mut f64) -> Vec<Tread> {
+        let curve = &stairs.curve;
         let value =
             |h: f64| -> f64 { self.shifts.iter().map(|(shift, sign)| sign * curve.value(h + shift)).sum() };
-        let (mut places, mut values) = (Vec::new(), Vec::new());
-        for space in spaces {
-            let (from, to) = (edges[space], edges[space + 1]);
-            let looks = |low: f64, high: f64| {
-                let parts = (LOOKS * (high - low) / (to - from)) as usize + 1;
-                (1..parts).map(move |i| low + (high - low) * i as f64 / parts as f64)
-            };
-            let passed = within(&shifted, from, to).iter().filter(|passing| passing.place > from);
-            places.clear();
-            places.extend(passed.clone().map(|passing| passing.place));
-            places.push(to);
-            values.clear();
-            values.resize(places.len(), 0.0);
-            for (shift, sign) in self.shifts {
-                curve.add_values(*shift, *sign, &places, &mut values);
-            }
-            let steps = passed.map(|passing| passing.step).chain([0.0]);
-            let mut treads = Vec::with_capacity(places.len());
-            let (mut begin, mut lowest) = (from, value(from) + level);
-            for ((place, value_there), step) in places.iter().copied().zip(&values).zip(steps) {
-                for h in looks(begin, place) {
-                    lowest = lowest.min(value(h) + level);
-                }
-                let end = value_there + level;
-                treads.push(Tread { from: begin, to: place, lowest: lowest.min(end) });
-                level += step;
-                (begin, lowest) = (place, end + step);
-            }
-            let (near, spaces) = (AROUND * (to - from), 2.0 * AROUND + 1.0);
-            let are_known = self.shifts.iter().all(|(shift, _)| curve.has_strays(from + shift, to + shift));
-            let stray = |sign: f64, passing: &Passing| {
-                let Stray { samples, table: [below, above], .. } = *self.curve.stray(passing.kink);
-                match are_known {
-                    true if sign > 0.0 => below,
-                    true => above,
-                    false => samples,
-                }
-            };
-            let nearby = self.shifts.iter().flat_map(|(shift, sign)| {
-                let passings = within(&passings, from - near + shift, to + near + shift).iter();
-                passings.map(|passing| stray(*sign, passing))
-            });
-            let roots = margin(nearby, 1.0 / spaces);
-            let used = self.around(from, to);
-            let known = is_known[used.start - around.start..used.end - around.start].iter().all(|is| *is);
-            let margin = if known { roots } else { f64::INFINITY };
-            let lowest = treads.iter().fold(f64::INFINITY, |lowest, tread| lowest.min(tread.lowest));
-            treads.retain(|tread| !(tread.lowest > lowest + 2.0 * margin));
-            guesses.push(Guess { lowest, margin, ends: (from, to), treads });
+        let looks = |low: f64, high: f64| {
+            let parts = (LOOKS * (high - low) / (to - from)) as usize + 1;
+            (1..parts).map(move |i| low + (high - low) * i as f64 / parts as f64)
+        };
+        let passed = within(&stairs.shifted, from, to).iter().filter(|passing| passing.place > from);
+        let places: Vec<f64> = passed.clone().map(|passing| passing.place).chain([to]).collect();
+        let mut values = vec![0.0; places.len()];
+        for (shift, sign) in self.shifts {
+            curve.add_values(*shift, *sign, &places, &mut values);
         }
+        let steps = passed.map(|passing| passing.step).chain([0.0]);
+        let mut treads = Vec::with_capacity(places.len());
+        let (mut begin, mut lowest) = (from, value(from) + *level);
+        for ((place, value_there), step) in places.iter().copied().zip(&values).zip(steps) {
+            for h in looks(begin, place) {
+                lowest = lowest.min(value(h) + *level);
+            }
+            let end = value_there + *level;
+            treads.push(Tread { from: begin, to: place, lowest: lowest.min(end) });
+            *level += step;
+            (begin, lowest) = (place, end + step);
+        }
+        treads
+    }
+
+    /// The error that the treads of a space may have.
+    fn margin(&self, stairs: &Stairs, (from, to): (f64, f64)) -> f64 {
+        let Stairs { passings, curve, first, is_known, .. } = stairs;
+        let (near, spaces) = (AROUND * (to - from), 2.0 * AROUND + 1.0);
+        let are_known = self.shifts.iter().all(|(shift, _)| curve.has_strays(from + shift, to + shift));
+        let stray = |sign: f64, passing: &Passing| {
+            let Stray { samples, table: [below, above], .. } = *self.curve.stray(passing.kink);
+            match are_known {
+                true if sign > 0.0 => below,
+                true => above,
+                false => samples,
+            }
+        };
+        let nearby = self.shifts.iter().flat_map(|(shift, sign)| {
+            let passings = within(passings, from - near + shift, to + near + shift).iter();
+            passings.map(|passing| stray(*sign, passing))
+        });
+        let roots = margin(nearby, 1.0 / spaces);
+        let used = self.around(from, to);
+        let known = is_known[used.start - first..used.end - first].iter().all(|is| *is);
+        if known { roots } else { f64::INFINITY }
     }
 
     /// The continuous part of the curve, interpolated between samples, whose values are `continuous`, where

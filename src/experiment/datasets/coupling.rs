@@ -191,6 +191,7 @@ fn classes_of_replica<const CLASSES: usize>(
 }
 
 /// Datasets that a coupled replica has beyond others.
+// One row a dataset: long, but flat.
 pub(super) fn of_replicas() -> Vec<Dataset> {
     let without = |scalar: crate::engine::Scalar| {
         let meaning = format!("{}, without coupling", scalar.meaning);

@@ -9,6 +9,7 @@ use crate::output::writer::Writer;
 
 const GROUP: &str = "/diagnostics";
 
+// One row a dataset: long, but flat.
 pub(super) fn datasets() -> Vec<Dataset> {
     let of_solver = |name: &str, meaning: &str, of: fn(&SolverStats) -> u64| {
         count(name, meaning, move |results| of(&results.ensemble.stats))

@@ -46,6 +46,7 @@ fn number(name: &str, units: &'static str, meaning: &str, of: fn(&Scene, &Menisc
     })
 }
 
+// One row a dataset: long, but flat.
 fn of_history(history: History) -> [Dataset; 4] {
     let own = |name: &str, units: &'static str, words: &str, of: fn(&Results, &Bridges<'_>) -> Vec<f64>| {
         let meaning = history.meaning(words);

@@ -258,6 +258,7 @@ pub fn name_of_key(key: &str) -> String {
 pub const RANGE_ENDS: [&str; 2] = ["from", "to"];
 
 /// Name, units and meaning of what every group has besides the scale of the separations.
+// A table of texts, whose columns are in the line above, as of the rows below.
 const BESIDE_SEPARATION: [(&str, &str, &str); 2] = [
     ("h_star", "1", "separation h over the standard deviation of the surface heights"),
     ("asperity_separation", "m", "separation d = h - y_s of flat and asperity mean plane"),

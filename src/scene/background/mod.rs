@@ -66,25 +66,32 @@ pub(crate) struct Setting<'a> {
 pub struct GivenForces(pub(crate) Vec<(&'static str, Arc<dyn GivenForce>)>);
 
 /// The tables of forces that a scene has, as they are written.
-pub(super) struct ForceSections<'a>(Vec<(&'static ForceTable, Section<'a>, Arc<dyn GivenForce>)>);
+pub(super) struct ForceSections<'a>(Vec<ForceSection<'a>>);
+
+/// The table of a force that a scene has, and the force that it gives.
+struct ForceSection<'a> {
+    table: &'static ForceTable,
+    section: Section<'a>,
+    given: Arc<dyn GivenForce>,
+}
 
 impl<'a> ForceSections<'a> {
     /// Reads the tables that are there.
     pub fn read(root: &Section<'a>) -> Result<Self, SceneError> {
         let tables = all(FORCES.iter().map(|table| {
             let section = root.section(table.name, false)?;
-            section.map(|section| (table.read)(&section).map(|given| (table, section, given))).transpose()
+            let read = |section| (table.read)(&section).map(|given| ForceSection { table, section, given });
+            section.map(read).transpose()
         }))?;
         Ok(Self(tables.into_iter().flatten().collect()))
     }
 
     /// The forces for asperities and a surface.
     pub fn suited(self, setting: &Setting<'_>) -> Result<GivenForces, SceneError> {
-        let checked = self
-            .0
-            .into_iter()
-            .map(|(table, section, given)| given.check(&section, setting).map(|()| (table.name, given)));
-        all(checked).map(GivenForces)
+        let checked = |ForceSection { table, section, given }: ForceSection<'_>| {
+            given.check(&section, setting).map(|()| (table.name, given))
+        };
+        all(self.0.into_iter().map(checked)).map(GivenForces)
     }
 }
 

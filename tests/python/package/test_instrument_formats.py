@@ -147,17 +147,18 @@ def test_a_file_that_is_none_is_named(tmp_path):
 def test_without_the_extra_the_message_names_it(tmp_path, monkeypatch):
     gwy(tmp_path / "scan.gwy")
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    with pytest.raises(stiction.SceneError, match=r"pip install stiction\[topography\]"):
+    with pytest.raises(stiction.SceneError, match=r"pip install stiction\[maps\]"):
         stiction.find_asperities(tmp_path / "scan.gwy")
 
 
 @pytest.mark.parametrize(
     ("map", "options", "message"),
     [
-        (np.zeros(5), {"pixel": 1e-8}, "2 dimensions"),
+        (np.zeros(5), {"pixel": 1e-8}, "^map: a line scan has a spectrum"),
+        (np.zeros((5, 5, 3)), {"pixel": 1e-8}, "2 dimensions"),
         (np.zeros((5, 5)), {}, "pixel: an array does not say"),
         (np.zeros((5, 5)), {"pixel": (1, 2, 3)}, "a width, or a width and a height"),
-        (np.zeros((5, 5)), {"pixel": 1e-8, "dataset": "z"}, "only HDF5 files have datasets"),
+        (np.zeros((5, 5)), {"pixel": 1e-8, "channel": "z"}, "only files and datasets have channels"),
         (np.zeros((5, 5)), {"pixel": 1e-8}, "^map: .* at least 8 of each"),
         (np.zeros((9, 9)), {"pixel": 1e-8}, "^map: .* flat"),
         (heights(), {"pixel": 1e-8, "level": "cubic"}, "level"),

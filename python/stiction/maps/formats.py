@@ -21,7 +21,16 @@ from ..errors import SceneError, StictionError
 from . import text
 from .lengths import metres
 
-__all__ = ["MOST_PIXELS", "Raw", "from_array", "from_data_array", "from_path", "from_pint", "from_topography", "named"]
+__all__ = [
+    "MOST_PIXELS",
+    "Raw",
+    "from_array",
+    "from_data_array",
+    "from_path",
+    "from_pint",
+    "from_topography",
+    "named",
+]
 
 # Most pixels of a map that is read.
 MOST_PIXELS = 1 << 26
@@ -118,7 +127,9 @@ def _unpacked(path: Path) -> Iterator[Path]:
             yield _copied(packed, folder / inside)
     elif beginning == b"PK\x03\x04" and path.suffix.lower() == ".zip":
         with files.Folder() as folder, zipfile.ZipFile(path) as archive:
-            names = [info for info in archive.infolist() if not info.is_dir() and "__MACOSX" not in info.filename]
+            names = [
+                info for info in archive.infolist() if not info.is_dir() and "__MACOSX" not in info.filename
+            ]
             if len(names) != 1:
                 listed = ", ".join(info.filename for info in names[:12])
                 raise SceneError(f"holds {len(names)} files, of which one has to be unpacked: {listed}")
@@ -140,7 +151,7 @@ class _Limited:
     def __init__(self, file: BinaryIO) -> None:
         self.file, self.left = file, _MOST_BYTES
 
-    def read(self, size: int) -> bytes:
+    def read(self, size: int = -1, /) -> bytes:
         block = self.file.read(size)
         self.left -= len(block)
         if self.left < 0:
@@ -219,9 +230,18 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         stored.check_dataset(path, name, file[name])
         _within(file[name].shape)
         group, _, leaf = name.rpartition("/")
-        others = [other for other in file[group or "/"] if other != leaf and not _is_coordinate(path, file[group or "/"], other)]
+        others = [
+            other
+            for other in file[group or "/"]
+            if other != leaf and not _is_coordinate(path, file[group or "/"], other)
+        ]
     with xarray.open_dataset(
-        path, group=group or "/", engine="h5netcdf", phony_dims="access", decode_times=False, drop_variables=others
+        path,
+        group=group or "/",
+        engine="h5netcdf",
+        phony_dims="access",
+        decode_times=False,
+        drop_variables=others,
     ) as opened:
         raw = from_data_array(name, opened[leaf].load(), None)
     raw.channel = name
@@ -249,7 +269,9 @@ def _is_map(item: Any) -> bool:
 
 def _is_coordinate(path: Path, group: h5py.Group, name: str) -> bool:
     """Whether a dataset may say where pixels are."""
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(group[name], h5py.Dataset):
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Dataset
+    ):
         return False
     item = group[name]
     if item.shape is None or len(item.shape) != 1 or item.dtype.kind not in "iuf":
@@ -262,7 +284,11 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
     with xarray.open_dataset(path, engine="scipy", decode_times=False) as opened:
         if "heights" in opened and "length" in opened.variables.get("x", xarray.Variable((), 0)).attrs:
             return _instrument(path, channel)
-        name = named(channel, [str(name) for name, one in opened.data_vars.items() if one.squeeze().ndim == 2], "variable")
+        name = named(
+            channel,
+            [str(name) for name, one in opened.data_vars.items() if one.squeeze().ndim == 2],
+            "variable",
+        )
         _within(opened[name].shape)
         raw = from_data_array(name, opened[name].load(), None)
     raw.channel = name
@@ -305,7 +331,7 @@ def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) 
         unit = attribute(coordinate.attrs, "units", "unit")
         step = _step(name, str(dim), coordinate.values.astype(float))
         if unit is None and (plain_unit is None or step == 1.0):
-            raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units"
+            raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units" if step != 1.0 else ""
             return raw
         scale = metres(unit or plain_unit or "")
         if scale is None:
@@ -345,7 +371,9 @@ def _tiff(path: Path, channel: str | None) -> Raw:
         page = file.pages[names.index(named(channel, names, "page"))]
         if len(page.shape) != 2:
             sizes = " x ".join(str(length) for length in page.shape)
-            raise SceneError(f"is a picture of {sizes} values, as colours are; heights are one number per pixel")
+            raise SceneError(
+                f"is a picture of {sizes} values, as colours are; heights are one number per pixel"
+            )
         _within(page.shape)
         raw = from_array("its page", page.asarray())
         missing = page.tags.get(_NODATA)
@@ -418,7 +446,11 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         reader = library.open_topography(str(path))
     except Exception as error:
         lines = [" ".join(line.split()) for line in str(error).splitlines() if line.strip()]
-        said = "none of its formats" if type(error).__name__ == "CannotDetectFileFormat" else " ".join(lines)[:200]
+        said = (
+            "none of its formats"
+            if type(error).__name__ == "CannotDetectFileFormat"
+            else " ".join(lines)[:200]
+        )
         raise SceneError(f"SurfaceTopography cannot read it: {said or repr(error)}") from error
     with reader:
         channels = list(reader.channels)
@@ -436,14 +468,22 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         topography = one.topography(physical_sizes=one.nb_grid_pts if unknown else None)
         raw = from_topography("its map", topography)
         raw.channel = one.channel_id
-        scale = metres(str(one.unit))
-        raw.unit = one.unit if one.is_height_channel else one.data_unit
+        # Of what is no height there may be two units.
+        lateral, of_data = one.unit if isinstance(one.unit, tuple) else (one.unit, one.data_unit)
+        scale = metres(str(lateral))
+        raw.unit = lateral if one.is_height_channel and of_data is None else of_data
         raw.pixel = None
         if scale is not None and not unknown:
             raw.pixel = (float(one.pixel_size[0]) * scale, float(one.pixel_size[1]) * scale)
-    if len(channels) > 1 and channel is None:
-        others = ", ".join(name for name in names if name != one.channel_id)
-        raw.warnings.append(f"the channel {one.channel_id} is read; there are {others}, too")
+    others = [
+        other.channel_id
+        for other in channels
+        if other.is_height_channel and other.channel_id != one.channel_id
+    ]
+    if others and channel is None:
+        raw.warnings.append(
+            f"of its heights the channel {one.channel_id} is read; there are {', '.join(others)}, too"
+        )
     return raw
 
 

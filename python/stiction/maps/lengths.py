@@ -158,7 +158,9 @@ def factor(value: Any) -> Factor:
         try:
             found = Factor(float(value))
         except (TypeError, ValueError):
-            raise SceneError(f'factor = {value!r}: a number is needed, or a text such as "0.5 nm/V"') from None
+            raise SceneError(
+                f'factor = {value!r}: a number is needed, or a text such as "0.5 nm/V"'
+            ) from None
     if not np.isfinite(found.scale) or found.scale == 0.0:
         raise SceneError(f"factor = {value!r}: a finite number other than 0 is needed")
     return found

@@ -22,6 +22,8 @@ _ALIKE = 1e-3
 # Radius of curvature, m, from pixel to pixel, above which a pixel is taken for the whole scan. That of surfaces of
 # instruments, polished wafers under optical profilers included, is a few millimetres at most.
 _FLATTEST = 1e-2
+# Shorter ones, m, are pixels and no scans.
+_SHORTEST_SCAN = 1e-7
 # Heights that files write where there is none.
 _SENTINELS = (-9999.0, -99999.0, -32768.0, -32767.0, 1e20, 1e30, 9.969209968386869e36, -3.4028234663852886e38,
               3.4028234663852886e38, 1.70141e38)  # fmt: skip
@@ -106,7 +108,7 @@ def read_map(
     if mask is not None:
         raw.heights = np.where(_mask(mask, raw.heights.shape), np.nan, raw.heights)
     size, scale = _in_metres(called, raw, pixel, (height_unit, factor))
-    heights = np.ascontiguousarray(raw.heights * scale, dtype=np.float64)
+    heights = np.multiply(raw.heights, scale, order="C")
     _check_heights(called, heights)
     warnings = [*raw.warnings, *_marked(raw.heights), *_whole_scan(heights, size, raw)]
     path = Path(source) if isinstance(source, str | Path) else None
@@ -178,7 +180,11 @@ def _in_metres(
             if raw.assumed is None
             else f"pixel: an array does not say {missing[0]}; give {advice[0]}"
         )
-    if pixel is not None and raw.pixel is not None and not np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0):
+    if (
+        pixel is not None
+        and raw.pixel is not None
+        and not np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0)
+    ):
         raw.warnings.append(_other_pixel(size, raw))
     return size, scale
 
@@ -201,7 +207,9 @@ def _scale(called: str, raw: Raw, height_unit: Any, factor: Any) -> float | None
     stated = None if raw.unit is None else lengths.metres(raw.unit)
     if by.is_length:
         if given is not None:
-            raise SceneError(f"factor = {factor!r} is a length, and height_unit = {height_unit!r}, too; give one")
+            raise SceneError(
+                f"factor = {factor!r} is a length, and height_unit = {height_unit!r}, too; give one"
+            )
         if stated is not None or (by.per and raw.unit and by.per.lower() != raw.unit.lower()):
             raise SceneError(f"factor = {factor!r}: {called} has its heights in {raw.unit}")
         return by.scale
@@ -217,7 +225,9 @@ def _scale(called: str, raw: Raw, height_unit: Any, factor: Any) -> float | None
         known = stated if raw.unit is not None else lengths.metres(raw.assumed or "")
         return None if known is None else by.scale * known
     if stated is not None and not np.isclose(given, stated, rtol=1e-9, atol=0.0):
-        raw.warnings.append(f"height_unit is {height_unit}, and the map says {raw.unit}: taken as height_unit says")
+        raw.warnings.append(
+            f"height_unit is {height_unit}, and the map says {raw.unit}: taken as height_unit says"
+        )
     return by.scale * given
 
 
@@ -245,29 +255,31 @@ def _check_heights(called: str, heights: NDArray[np.float64]) -> None:
 
 def _marked(heights: Any) -> list[str]:
     """That a number that files have where there is no height is among the heights, far from the others."""
-    known = heights[np.isfinite(heights)]
-    if not known.size:
-        return []
-    for sentinel in (known.min(), known.max()):
+    for sentinel in (float(np.nanmin(heights)), float(np.nanmax(heights))):
         if not np.any(np.isclose(sentinel, _SENTINELS, rtol=1e-6, atol=0.0)):
             continue
-        others = known[known != sentinel]
+        others = heights[np.isfinite(heights) & (heights != sentinel)]
         if others.size and np.ptp(others) < 0.1 * np.abs(others - sentinel).min():
-            count = known.size - others.size
-            return [f"{count} of the heights are {sentinel:g}, as missing ones are in files: leave them out by mask"]
+            count = int(np.count_nonzero(heights == sentinel))
+            return [
+                f"{count} of the heights are {sentinel:g}, as missing ones are in files: leave them out by mask"
+            ]
     return []
 
 
 def _whole_scan(heights: NDArray[np.float64], pixel: tuple[float, float], raw: Raw) -> list[str]:
     """That the surface is flatter than any, as with a pixel that is the whole scan."""
-    if raw.pixel is not None:
+    if raw.pixel is not None or max(pixel) < _SHORTEST_SCAN:
         return []
-    bends = [np.diff(heights, 2, axis=axis) / size**2 for axis, size in ((1, pixel[0]), (0, pixel[1]))]
-    known = np.concatenate([bend[np.isfinite(bend)] for bend in bends])
-    bend = float(np.sqrt(np.mean(known**2))) if known.size else 0.0
-    if not 0.0 < bend < 1.0 / _FLATTEST:
+    squares = [
+        np.square(np.diff(heights, 2, axis=axis) / size**2) for axis, size in ((1, pixel[0]), (0, pixel[1]))
+    ]
+    known = [float(np.nanmean(square)) for square in squares if np.isfinite(square).any()]
+    bend = float(np.sqrt(np.mean(known))) if known else 0.0
+    rounding = 1e-12 * float(np.nanmax(np.abs(heights))) / min(pixel) ** 2
+    if not rounding < bend < 1.0 / _FLATTEST:
         return []
-    rows, columns = heights.shape
+    columns = heights.shape[1]
     shown = quantities.si(pixel[0], "m")
     return [
         f"with a pixel of {shown} summits have radii of {quantities.si(1.0 / bend, 'm', 2)}, as on no rough surface: if "

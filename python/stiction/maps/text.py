@@ -26,6 +26,8 @@ _MISSING = frozenset({
     "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na", "#nv",
     "1.#qnan", "-1.#ind", "1.#ind", "<na>",
 })  # fmt: skip
+# Characters that no text has.
+_CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
 _COMMENTS = ("#", "%", "//")
 # An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!.
 _SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*")
@@ -40,7 +42,7 @@ _LABELS = {
     "width": "Width|Šířka|Breite|Anchura|Largeur|Larghezza|幅|폭|Largura|Ширина|X Amplitude|x-length",
     "height": "Height|Výška|Höhe|Altura|Hauteur|Altezza|高さ|높이|Высота|Y Amplitude|y-length",
     "unit": "Value units|Jednotky hodnot|Einheiten|Unités|unità valore|値の単位|값 단위|Unidades de valor"
-    "|Единицы измерения|z-unit",
+    "|Единицы измерения|z-unit|data unit",
     "lateral": "Lateral units",
 }
 # Keys that blanks may separate from their values, as in grids of ESRI.
@@ -48,7 +50,8 @@ _KEYS = {
     "columns": "ncols|Number of columns|x-pixels",
     "rows": "nrows|Number of rows|y-pixels",
     "missing": "no_?data(?:[_ ]?value)?|missing_value|_FillValue",
-    "cell": "cellsize",
+    "cell": "cellsize|pixel size",
+    "scale": r"height conversion factor \(-> *m\)",
 }
 _HEADER = {
     name: re.compile(rf"(?:{labels})\s*{colon}\s*(.+)", re.IGNORECASE)
@@ -121,21 +124,29 @@ def decoded(data: bytes) -> str | None:
     >>> decoded("1\\t2".encode("utf-16")), decoded("5 µm".encode("cp1252")), decoded(b"\\x00\\x01\\x02")
     ('1\\t2', '5 µm', None)
     """
-    coding = None
-    for mark, name in ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16")):
+    coding: str | None = None
+    for mark, name in (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    ):
         if data.startswith(mark):
             coding = name
     beginning = data[:4096]
     if coding is None and b"\0" in beginning:
         # Texts of UTF-16 without a mark have a NUL in every other byte.
         odd, even = beginning[1::2].count(0), beginning[0::2].count(0)
-        coding = "utf-16-le" if odd > 4 * even else "utf-16-be"
+        if max(odd, even) < 4 * min(odd, even) + len(beginning) // 4:
+            return None
+        coding = "utf-16-le" if odd > even else "utf-16-be"
+    if coding is None and len(data.translate(None, _CONTROLS)) < len(data):
+        return None
     for name in (coding,) if coding else ("utf-8", "cp1252", "latin-1"):
         try:
             text = data.decode(name)
         except UnicodeDecodeError:
             continue
-        return None if re.search(r"[\x00-\x08\x0e-\x19\x1b-\x1f]", text) else text.rstrip("\x1a")
+        return text.rstrip("\x1a")
     return None
 
 
@@ -178,7 +189,9 @@ class _Reader:
 
     def __init__(self, lines: list[str]) -> None:
         self.lines = lines
-        self.dialect = _dialect([line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)])
+        self.dialect = _dialect(
+            [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+        )
 
     def blocks(self) -> list[_Block]:
         """The maps of the text. Every line between numbers is a row, and every line as long as rows are."""
@@ -243,14 +256,16 @@ class _Reader:
         """The map of a block: a grid, or points on one."""
         numbers, header = list(block.lines), block.header
         names_of_columns = self._short_names(numbers)
+        columns = self.dialect.columns
+        if (len(numbers) == 1 or columns < 3) and "width" not in header:
+            raise SceneError(f"has {columns} numbers on each of {len(numbers)} lines: {LINE_SCAN}")
         self._check_lengths(numbers)
         values = self._numbers(numbers)
         warnings: list[str] = []
-        are_points = block.axes is not None or (values.shape[1] == 3 and "width" not in header)
-        if not are_points and (min(values.shape) == 1 or (values.shape[1] == 2 and "width" not in header)):
-            raise SceneError(
-                f"has {values.shape[1]} numbers on each of {values.shape[0]} lines: {LINE_SCAN}"
-            )
+        are_points = block.axes is not None or (columns == 3 and "width" not in header)
+        if "scale" in header:
+            values *= _number_of(header["scale"])
+            header["unit"] = "m"
         if not are_points:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
             warnings += said
@@ -268,7 +283,9 @@ class _Reader:
         cells = self.dialect.cells(self.lines[numbers[0]])
         counts = [_number_of(cell) for cell in cells]
         if len(numbers) > 1 and len(cells) == self.dialect.columns - 1 and _counting(np.array(counts)):
-            first = [_number_of(next(iter(self.dialect.cells(self.lines[number])), "")) for number in numbers[1:]]
+            first = [
+                _number_of(next(iter(self.dialect.cells(self.lines[number])), "")) for number in numbers[1:]
+            ]
             if _counting(np.array(first)):
                 del numbers[0]
                 return True
@@ -294,12 +311,12 @@ class _Reader:
         if any('"' in self.lines[number] for number in numbers):
             separator = "\t"
             rows = ("\t".join(self.dialect.cells(self.lines[number])) for number in numbers)
-        body = "\n".join(rows) + "\n"
-        decimal = "," if separator != "," and "," in body and "." not in body else "."
+        body = "\n".join(rows).encode()
+        decimal = "," if separator != "," and b"," in body and b"." not in body else "."
         blanks = self.dialect.separator is None and separator == " "
         try:
             table = pd.read_csv(
-                io.StringIO(body), sep=r"\s+" if blanks else separator, header=None, dtype=np.float64, decimal=decimal,
+                io.BytesIO(body), sep=r"\s+" if blanks else separator, header=None, dtype=np.float64, decimal=decimal,
                 na_values=[*_MISSING, *(word.upper() for word in _MISSING), *(word.title() for word in _MISSING), "NaN", "-NaN"],
                 keep_default_na=False, skip_blank_lines=False, skipinitialspace=True, quoting=csv.QUOTE_NONE,
                 usecols=range(self.dialect.columns), **_EXACT,
@@ -326,10 +343,14 @@ class _Reader:
                     continue
                 advice = "names of columns and other lines that are no rows begin with #"
                 if "," in cell and _NUMBER.fullmatch(cell):
-                    advice = "there are decimal points, too; decimal commas have to be in all numbers or in none"
+                    advice = (
+                        "there are decimal points, too; decimal commas have to be in all numbers or in none"
+                    )
                 elif number > numbers[0] or column > 0:
                     advice = "nan is a missing height; " + advice
-                raise SceneError(f"line {number + 1}, column {column + 1}: `{_shown(cell)}` is not a number; {advice}")
+                raise SceneError(
+                    f"line {number + 1}, column {column + 1}: `{_shown(cell)}` is not a number; {advice}"
+                )
 
 
 def _shown(cell: str) -> str:
@@ -423,7 +444,8 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
         if _names(part) or _names(part[:, 1:]):
             raise SceneError(
                 f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, as names or places do and heights do not; "
-                "take it out, " + ("or begin it with #" if part is values else "or write the map with numpy.save")
+                "take it out, "
+                + ("or begin it with #" if part is values else "or write the map with numpy.save")
             )
     return values, []
 
@@ -492,6 +514,8 @@ def _places(values: _Array, name: str) -> tuple[NDArray[np.intp], float]:
     index = (values - known[0]) / step
     rounded = np.rint(index)
     if np.abs(index - rounded).max() > max(_OFF, 1e-6 * rounded.max()) or rounded.max() >= 1 << 26:
-        raise SceneError(f"its points x, y, z are no grid: {name} has no even steps; only regular lists of points are read")
+        raise SceneError(
+            f"its points x, y, z are no grid: {name} has no even steps; only regular lists of points are read"
+        )
     step = float((known[-1] - known[0]) / rounded.max())
     return rounded.astype(np.intp), step

@@ -20,8 +20,8 @@ from stiction.maps import lengths
 from stiction.maps.reading import read_map
 
 # z(i, j) = 5 - ((i - 4)^2 + (j - 4)^2)/4 in nm on pixels of 10 nm: one summit, 1/R = 0.5 nm/(10 nm)^2.
-J, I = np.mgrid[0:9, 0:9]
-Z = 5.0 - ((I - 4) ** 2 + (J - 4) ** 2) / 4.0
+J, K = np.mgrid[0:9, 0:9]
+Z = 5.0 - ((K - 4) ** 2 + (J - 4) ** 2) / 4.0
 PIXEL, RADIUS = 1e-8, 2e-7
 GIVEN = {"pixel": "10 nm", "height_unit": "nm"}
 # A second map, of which no two rows and columns are alike and which is not square.
@@ -151,11 +151,16 @@ def test_the_value_of_no_data_is_missing(tmp_path, header, marked):
 
 def test_a_grid_of_esri_says_that_its_cellsize_has_no_unit(tmp_path):
     path = written(tmp_path, ESRI + rows(), "scan.asc")
-    with pytest.raises(SceneError, match=r"scan\.asc: does not say how large .* \(its cellsize 10\.0 has no unit\), nor in which unit"):
+    with pytest.raises(
+        SceneError,
+        match=r"scan\.asc: does not say how large .* \(its cellsize 10\.0 has no unit\), nor in which unit",
+    ):
         read_map(path)
 
 
-@pytest.mark.parametrize("mark", ["nan", "NaN", "", "#N/A", "N/A", "n/a", "NA", "--", "BAD", "null", "-nan", "1.#QNAN"])
+@pytest.mark.parametrize(
+    "mark", ["nan", "NaN", "", "#N/A", "N/A", "n/a", "NA", "--", "BAD", "null", "-nan", "1.#QNAN"]
+)
 @pytest.mark.parametrize("place", [(0, 0), (0, 5), (4, 0), (8, 8)])
 def test_a_missing_height_is_missing_wherever_it_is(tmp_path, mark, place):
     cells = [[f"{z:g}" for z in row] for row in Z]
@@ -184,7 +189,10 @@ def test_what_is_no_number_is_refused_with_line_and_column(tmp_path, mark, place
         (lambda lines: [*lines[:4], lines[4] + " 7", *lines[5:]], r"line 5: has 10 numbers"),
         (lambda lines: [*lines[:4], "half way", *lines[4:]], r"line 5: `half` is not a number"),
         (lambda lines: [*lines, "the end"], r"line 10: `the` is not a number"),
-        (lambda lines: ["a b c d e f g h i", *lines], r"line 1, column 1: `a` is not a number; names of columns"),
+        (
+            lambda lines: ["a b c d e f g h i", *lines],
+            r"line 1, column 1: `a` is not a number; names of columns",
+        ),
         (lambda lines: ["9,5", *lines], r"line 1: "),
     ],
 )
@@ -195,11 +203,11 @@ def test_no_line_of_numbers_vanishes(tmp_path, change, said):
 
 
 def test_decimal_commas_are_in_all_numbers_or_in_none(tmp_path):
-    mixed = rows().replace("-0.75", "-0,75", 1)
-    with pytest.raises(SceneError, match=r"line 1, column 3: `-0,75` is not a number; there are decimal points, too"):
-        read_map(written(tmp_path, mixed.replace("-0,75", "4", 1).replace("-0.75", "-0,75", 1)), **GIVEN) if False else read_map(
-            written(tmp_path, "1\t2\t-0,75\t4\n1.5\t2\t3\t4\n1\t2\t3\t5\n7\t5\t6\t7\n"), **GIVEN
-        )
+    path = written(tmp_path, "1\t2\t-0,75\t4\n1.5\t2\t3\t4\n1\t2\t3\t5\n7\t5\t6\t7\n")
+    with pytest.raises(
+        SceneError, match=r"line 1, column 3: `-0,75` is not a number; there are decimal points, too"
+    ):
+        read_map(path, **GIVEN)
 
 
 # Names of rows and columns.
@@ -236,7 +244,7 @@ def test_places_among_the_heights_are_refused(tmp_path):
             read_map(written(tmp_path, content), **GIVEN)
 
 
-@pytest.mark.parametrize("z", [0.5 * I + 0.25 * J, 1.0 * I, 1.0 * J, np.zeros((9, 9)), ROUGH])
+@pytest.mark.parametrize("z", [0.5 * K + 0.25 * J, 1.0 * K, 1.0 * J, np.zeros((9, 9)), ROUGH])
 def test_heights_are_no_names(tmp_path, z):
     """A plane has rows and columns that rise evenly: all of them."""
     read = read_map(written(tmp_path, rows(z)), **GIVEN)
@@ -259,7 +267,9 @@ def test_a_regular_list_of_points_is_a_map(tmp_path):
     shuffled = list(np.random.default_rng(1).permutation(points()))
     assert_summit(written(tmp_path, "\n".join(shuffled)), **GIVEN)
     assert_summit(written(tmp_path, "z y x\n" + "\n".join(points("zyx"))), **GIVEN)
-    assert_summit(written(tmp_path, "X (um), Y (um), Z (nm)\n" + "\n".join(points(scale=0.01)).replace(" ", ", ")))
+    assert_summit(
+        written(tmp_path, "X (um), Y (um), Z (nm)\n" + "\n".join(points(scale=0.01)).replace(" ", ", "))
+    )
     table = pd.DataFrame([line.split() for line in points()], columns=["x", "y", "height"])
     table.to_csv(tmp_path / "list.csv")
     assert_summit(tmp_path / "list.csv", **GIVEN)
@@ -320,7 +330,9 @@ def test_packed_files_are_unpacked(tmp_path):
     with zipfile.ZipFile(tmp_path / "two.zip", "w") as archive:
         archive.writestr("a.txt", text)
         archive.writestr("b.txt", text)
-    with pytest.raises(SceneError, match=r"two\.zip: holds 2 files, of which one has to be unpacked: a\.txt, b\.txt"):
+    with pytest.raises(
+        SceneError, match=r"two\.zip: holds 2 files, of which one has to be unpacked: a\.txt, b\.txt"
+    ):
         read_map(tmp_path / "two.zip")
     (tmp_path / "cut.txt.gz").write_bytes(gzip.compress(text)[:-20])
     with pytest.raises(SceneError, match=r"cut\.txt\.gz: is damaged"):
@@ -338,11 +350,11 @@ def test_archives_of_numpy_have_names(tmp_path):
     with pytest.raises(SceneError, match="name the channel, one of 0: other, 1: z"):
         read_map(tmp_path / "two.npz", **GIVEN)
     np.save(tmp_path / "objects.npy", np.array([{}, {}]), allow_pickle=True)
-    with pytest.raises(SceneError, match=r"objects\.npy: .*[Oo]bject arrays"):
+    with pytest.raises(SceneError, match=r"objects\.npy: .*[Oo]bject"):
         read_map(tmp_path / "objects.npy", **GIVEN)
 
 
-def nc(tmp_path, z=Z, attrs=None, coordinates=True, writer="netCDF4", dtype="f8"):
+def nc(tmp_path, z=Z, attrs=None, coordinates=True, writer="NETCDF4", dtype="f8"):
     """A map in a file of netCDF by the library of the Unidata, or in one of h5py."""
     path = tmp_path / "scan.nc"
     attrs = {"units": "nm", **(attrs or {})}
@@ -388,11 +400,13 @@ def test_scale_and_offset_of_cf_are_applied(tmp_path, writer):
     assert_summit(nc(tmp_path, np.rint(4 * (Z - 3)), attrs, writer=writer, dtype="i2"))
     packed = np.rint(4 * (Z - 3))
     packed[0, 0] = -32000
-    assert_summit(nc(tmp_path, packed, {**attrs, "_FillValue": np.int16(-32000)}, writer=writer, dtype="i2"), missing=1)
+    assert_summit(
+        nc(tmp_path, packed, {**attrs, "_FillValue": np.int16(-32000)}, writer=writer, dtype="i2"), missing=1
+    )
 
 
 UNITS_OF_WRITERS = ["nm", np.bytes_("nm"), np.array([b"nm"]), np.array("nm", dtype=h5py.string_dtype()),
-                    np.array(["nm"], dtype=h5py.string_dtype()), "nanometer", "Nanometers", "nm\0"]  # fmt: skip
+                    np.array(["nm"], dtype=h5py.string_dtype()), "nanometer", "Nanometers", np.array(b"nm", "S8")]  # fmt: skip
 
 
 @pytest.mark.parametrize("units", UNITS_OF_WRITERS, ids=repr)
@@ -416,7 +430,9 @@ def test_the_pixel_that_is_given_goes_before_that_of_the_file(tmp_path):
     path = nc(tmp_path)
     read = read_map(path, pixel="20 nm")
     assert read.pixel == (2e-8, 2e-8)
-    assert any("pixel is 20.00 nm x 20.00 nm, and the map says 10.00 nm x 10.00 nm" in said for said in read.warnings)
+    assert any(
+        "pixel is 20.00 nm x 20.00 nm, and the map says 10.00 nm x 10.00 nm" in said for said in read.warnings
+    )
     bare = nc(tmp_path, coordinates=False)
     assert_summit(bare, pixel="10 nm")
     with pytest.raises(SceneError, match="does not say how large its pixels are; give pixel="):
@@ -445,11 +461,15 @@ def test_datasets_that_are_elsewhere_or_too_large_are_refused(tmp_path):
     path = tmp_path / "scan.h5"
     with h5py.File(path, "w") as file:
         file["link"] = h5py.ExternalLink("other.h5", "z")
-        layout = h5py.VirtualLayout((9, 9))
+        layout = h5py.VirtualLayout((9, 9), "f8")
         layout[:] = h5py.VirtualSource("other.h5", "z", (9, 9))
         file.create_virtual_dataset("virtual", layout)
         file.create_dataset("huge", (1 << 20, 1 << 20), chunks=(64, 64), dtype="f8")
-    for channel, said in (("link", "no dataset link"), ("virtual", "other files"), ("huge", "more values than|pixels")):
+    for channel, said in (
+        ("link", "no dataset link"),
+        ("virtual", "other files"),
+        ("huge", "more values than|pixels"),
+    ):
         with pytest.raises(SceneError, match=said):
             read_map(path, channel=channel, **GIVEN)
 
@@ -504,7 +524,7 @@ def test_units_have_many_names(size, name):
 @pytest.mark.parametrize("name", ["V", "deg", "A", "Nm", "nM", "NM", "mol", "nm/s", "", "s"])
 def test_other_units_are_none_of_length(name):
     assert lengths.metres(name) is None
-    with pytest.raises(SceneError, match="height_unit = .*: a unit of length is needed"):
+    with pytest.raises(SceneError, match=r"height_unit = .*: a unit of length is needed"):
         read_map(Z, pixel=PIXEL, height_unit=name)
 
 
@@ -523,10 +543,12 @@ def test_a_pixel_is_given_in_any_shape(pixel):
 
 
 @pytest.mark.parametrize(
-    "pixel", [(1, 2, 3), [], 0.0, -1e-8, np.nan, "10", "10 kg", "x", 10 * UNITS.volt, object(), "10 nm;3 nm", 1e9], ids=repr
+    "pixel",
+    [(1, 2, 3), [], 0.0, -1e-8, np.nan, "10", "10 kg", "x", 10 * UNITS.volt, object(), "10 nm;3 nm", 1e9],
+    ids=repr,
 )
 def test_a_pixel_that_is_none_is_named(pixel):
-    with pytest.raises(SceneError, match="^pixel"):
+    with pytest.raises(SceneError, match=r"^pixel"):
         read_map(Z * 1e-9, pixel=pixel)
 
 
@@ -536,7 +558,9 @@ def test_heights_of_pint_are_scaled_once():
     assert_summit(Z / 1e3 * UNITS.micrometer, pixel=10 * NM, height_unit="nm")
     assert_summit(Z * NM, pixel=10 * NM, height_unit=UNITS.nanometer)
     assert_summit(Z, pixel=10 * NM, height_unit=1 * NM)
-    with pytest.raises(SceneError, match="map: its heights are in V, which is no unit of length; give factor"):
+    with pytest.raises(
+        SceneError, match="map: its heights are in V, which is no unit of length; give factor"
+    ):
         read_map(Z * UNITS.volt, pixel=PIXEL)
     assert_summit(Z / 2 * UNITS.volt, pixel=PIXEL, factor="2 nm/V")
 
@@ -565,7 +589,10 @@ def test_a_factor_makes_heights_of_volts(tmp_path):
     for options in ({"factor": "2 nm/V"}, {"factor": 2, "height_unit": "nm"}, {"factor": "2 nm"}):
         assert_summit(path, **options)
     for options in ({}, {"height_unit": "nm"}):
-        with pytest.raises(SceneError, match=r'its heights are in V, which is no unit of length; give factor, such as factor="0\.5 nm/V"'):
+        with pytest.raises(
+            SceneError,
+            match=r'its heights are in V, which is no unit of length; give factor, such as factor="0\.5 nm/V"',
+        ):
             read_map(path, **options)
     with pytest.raises(SceneError, match=r"factor = '2 nm/rad': .* has its heights in V"):
         read_map(path, factor="2 nm/rad")
@@ -579,7 +606,7 @@ def test_a_factor_makes_heights_of_volts(tmp_path):
 
 @pytest.mark.parametrize("factor", ["nm/V", "two", 0, np.nan, "0 nm/V", 3 * UNITS.kelvin, object()], ids=repr)
 def test_a_factor_that_is_none_is_named(factor):
-    with pytest.raises(SceneError, match="^factor"):
+    with pytest.raises(SceneError, match=r"^factor"):
         read_map(Z, pixel=PIXEL, factor=factor)
 
 
@@ -591,9 +618,9 @@ def test_a_mask_leaves_heights_out(tmp_path):
     np.savetxt(tmp_path / "mask.txt", mask.astype(int), fmt="%d")
     for given in (mask, mask.astype(int), mask.tolist(), tmp_path / "mask.npy", str(tmp_path / "mask.txt")):
         assert_summit(z, missing=1, mask=given, **GIVEN)
-    with pytest.raises(SceneError, match="^mask: has the shape 3 x 9, and the map 9 x 9"):
+    with pytest.raises(SceneError, match=r"^mask: has the shape 3 x 9, and the map 9 x 9"):
         read_map(Z, mask=mask[:3], **GIVEN)
-    with pytest.raises(SceneError, match="^map: all heights are missing"):
+    with pytest.raises(SceneError, match=r"^map: all heights are missing"):
         read_map(Z, mask=np.ones((9, 9)), **GIVEN)
 
 
@@ -607,7 +634,9 @@ def test_arrays_of_xarray_say_what_they_are():
     both = data.assign(phase=placed)
     assert_summit(both, channel="z")
     assert_summit(both, channel=0)
-    with pytest.raises(SceneError, match="map: has 2 variables that may be maps; name the channel, one of 0: z, 1: phase"):
+    with pytest.raises(
+        SceneError, match="map: has 2 variables that may be maps; name the channel, one of 0: z, 1: phase"
+    ):
         read_map(both)
     with pytest.raises(SceneError, match="map: has no variable of two dimensions"):
         read_map(xarray.Dataset())
@@ -625,7 +654,10 @@ def test_arrays_of_xarray_say_what_they_are():
     [
         (np.zeros(9), "^map: a line scan"),
         (np.zeros((1, 9)), "^map: a line scan"),
-        (np.zeros((9, 9, 3)), r"^map: an array of 2 dimensions \(y, x\) is needed, and this has 3: 9 x 9 x 3"),
+        (
+            np.zeros((9, 9, 3)),
+            r"^map: an array of 2 dimensions \(y, x\) is needed, and this has 3: 9 x 9 x 3",
+        ),
         (np.float64(3.0), "^map: a single number"),
         (np.where(Z == 5.0, np.inf, Z), "^map: 1 of its heights are infinite, the first in row 4, column 4"),
         (Z.astype(complex), "^map: real numbers"),
@@ -644,7 +676,9 @@ def test_all_that_a_file_does_not_say_is_asked_for_at_once(tmp_path):
         asked = r'does not say how large its pixels are, nor in which unit its heights are; give pixel="10 nm" and height_unit="nm"'
         with pytest.raises(SceneError, match=asked):
             stiction.find_asperities(path)
-        with pytest.raises(SceneError, match=r'does not say in which unit its heights are; give height_unit="nm"'):
+        with pytest.raises(
+            SceneError, match=r'does not say in which unit its heights are; give height_unit="nm"'
+        ):
             read_map(path, pixel=PIXEL)
         with pytest.raises(SceneError, match=r'does not say how large its pixels are; give pixel="10 nm"'):
             read_map(path, height_unit="nm")
@@ -658,7 +692,9 @@ def test_a_pixel_that_is_the_whole_scan_is_warned_of(tmp_path):
     assert read_map(path).warnings == read_map(path, pixel="10 nm").warnings == []
     for pixel in ("90 nm", ("90 nm", "90 nm")):
         said = read_map(path, pixel=pixel).warnings
-        assert said == ["pixel is 90.00 nm x 90.00 nm, which is the whole scan: one of its 9 x 9 pixels is 10.00 nm x 10.00 nm"]
+        assert said == [
+            "pixel is 90.00 nm x 90.00 nm, which is the whole scan: one of its 9 x 9 pixels is 10.00 nm x 10.00 nm"
+        ]
     with pytest.warns(UserWarning, match=r"scan\.txt: pixel is .* the whole scan"):
         stiction.find_asperities(path, pixel="90 nm")
 

@@ -36,11 +36,11 @@ def find_asperities(
     Parameters
     ----------
     map : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
-        Heights, as `maps.reading.read_map` takes them: files of texts, NumPy, HDF5, netCDF and TIFF, and with the extra
-        ``stiction[maps]`` those of some forty instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...). In an array the first
-        index is y and the second x, as in images; masked heights and NaN are missing. The coordinates `x` and `y` of a
-        `DataArray`, evenly spaced, give the pixel, and their attribute `units` its unit; SurfaceTopography's first index is x,
-        which is seen to.
+        Heights, as `maps.reading.read_map` takes them: files of texts, NumPy, HDF5, netCDF and, with the extra
+        ``stiction[maps]``, TIFF and some forty formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...).
+        In an array the first index is y and the second x, as in images; masked heights and NaN are missing. The
+        coordinates of a `DataArray`, evenly spaced, give the pixel, and their attribute `units` its unit.
+        SurfaceTopography's first index is x, which is seen to.
     output : path, optional
         Where the result goes; as of `run`.
     pixel : float, str, or pair of them, optional
@@ -50,7 +50,7 @@ def find_asperities(
     channel : str or int, optional
         Name, or number from 0, of the channel, dataset, variable or page, where a file has several.
     factor : float, str or pint.Quantity, optional
-        What the numbers are multiplied by: a number, or a length per count or other unit, such as ``"12 nm/V"``.
+        What the numbers are multiplied by: a number, or a length per count or other unit (``"12 nm/V"``).
     mask : array_like or path, optional
         Where it is not 0 (True) heights are left out, in the shape of the map.
     level : {"plane", "quadratic", "none"}

@@ -53,8 +53,8 @@ class Raw:
     """What a source says of a map.
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
-    is the unit of heights that come without one, `unsaid` what else there is of a pixel, and `fixed` that the unit
-    belongs to the numbers.
+    is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
+    unit belongs to the numbers.
     """
 
     heights: Any
@@ -230,21 +230,9 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         stored.check_dataset(path, name, file[name])
         _within(file[name].shape)
         group, _, leaf = name.rpartition("/")
-        others = [
-            other
-            for other in file[group or "/"]
-            if other != leaf and not _is_coordinate(path, file[group or "/"], other)
-        ]
-    with xarray.open_dataset(
-        path,
-        group=group or "/",
-        engine="h5netcdf",
-        phony_dims="access",
-        decode_times=False,
-        drop_variables=others,
-    ) as opened:
-        raw = from_data_array(name, opened[leaf].load(), None)
-    raw.channel = name
+        others = ", ".join(other.channel_id for other in of_heights if other.index != one.index)
+    if others and channel is None:
+        raw.warnings.append(f"of its heights the channel {one.channel_id} is read; there are {others}, too")
     return raw
 
 
@@ -455,12 +443,14 @@ def _instrument(path: Path, channel: str | None) -> Raw:
     with reader:
         channels = list(reader.channels)
         names = [one.channel_id for one in channels]
-        if channel is None:
-            one = reader.default_channel
-            if not one.is_height_channel:
-                one = next((other for other in channels if other.is_height_channel), one)
-        else:
+        of_heights = [
+            other for other in channels if other.is_height_channel and not isinstance(other.unit, tuple)
+        ]
+        if channel is not None:
             one = channels[names.index(named(channel, names, "channel"))]
+        else:
+            one = reader.default_channel
+            one = one if one in of_heights else (of_heights or [one])[0]
         if one.dim == 1:
             raise SceneError(f"its channel {one.name} is a line: {text.LINE_SCAN}")
         # A size is needed to ask for the heights of a file that does not say it.
@@ -468,10 +458,10 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         topography = one.topography(physical_sizes=one.nb_grid_pts if unknown else None)
         raw = from_topography("its map", topography)
         raw.channel = one.channel_id
-        # Of what is no height there may be two units.
+        # Channels whose data have another unit, or none, have two of them.
         lateral, of_data = one.unit if isinstance(one.unit, tuple) else (one.unit, one.data_unit)
+        raw.unit = lateral if one in of_heights else of_data
         scale = metres(str(lateral))
-        raw.unit = lateral if one.is_height_channel and of_data is None else of_data
         raw.pixel = None
         if scale is not None and not unknown:
             raw.pixel = (float(one.pixel_size[0]) * scale, float(one.pixel_size[1]) * scale)

@@ -19,8 +19,8 @@ __all__ = ["HeightMap", "read_map"]
 
 # Relative difference below which sizes are one.
 _ALIKE = 1e-3
-# Radius of curvature, m, from pixel to pixel, above which a pixel is taken for the whole scan. That of surfaces of
-# instruments, polished wafers under optical profilers included, is a few millimetres at most.
+# Radius of curvature, m, from pixel to pixel, above which a pixel is taken for the whole scan. Surfaces have a few
+# millimetres at most, polished glass under an optical profiler included.
 _FLATTEST = 1e-2
 # Shorter ones, m, are pixels and no scans.
 _SHORTEST_SCAN = 1e-7
@@ -68,19 +68,19 @@ def read_map(
     Parameters
     ----------
     source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
-        Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF, TIFF,
-        texts, and all formats of instruments that SurfaceTopography knows; they may be packed by gzip, or alone in a
-        zip file. NaN and masked heights are missing.
+        Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
+        TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by gzip, or
+        alone in a zip file. NaN and masked heights are missing.
     pixel : float, str, pint.Quantity, or one or two of them, optional
-        Width, or width and height, of a pixel: numbers in m, texts with a unit. Needed where `source` does not say
-        it.
+        Width, or width and height, of a pixel: numbers in m, texts with a unit. Needed where `source` does not
+        say it.
     height_unit : str, optional
         Unit of the heights, such as ``"nm"``; of arrays m by default, of files what they say.
     channel : str or int, optional
         Name, or number from 0, of the channel, dataset, variable or page, where there are several.
     factor : float, str or pint.Quantity, optional
-        What the numbers are multiplied by: a number, besides their unit or `height_unit`, or a length per count or
-        other unit, such as ``"0.5 nm"`` or ``"12 nm/V"``.
+        What the numbers are multiplied by: a number, and then their unit or `height_unit` holds; or a length per
+        count or other unit, such as ``"0.5 nm"`` or ``"12 nm/V"``.
     mask : array_like or path, optional
         Where it is not 0 (True) heights are left out as missing, in the shape of the map.
 
@@ -92,8 +92,8 @@ def read_map(
     Raises
     ------
     SceneError
-        The map cannot be read, an argument is wrong, or pixel and unit are not known; the message begins with the
-        path, or with the argument.
+        The map cannot be read, an argument is wrong, or pixel and unit are not known; the message begins with
+        the path, or with the argument.
 
     Examples
     --------
@@ -247,7 +247,8 @@ def _check_heights(called: str, heights: NDArray[np.float64]) -> None:
     if infinite:
         row, column = (int(one) for one in np.argwhere(np.isinf(heights))[0])
         raise SceneError(
-            f"{called}: {infinite} of its heights are infinite, the first in row {row}, column {column}; NaN is missing"
+            f"{called}: {infinite} of its heights are infinite, the first in row {row}, column {column}; "
+            "NaN is missing"
         )
     if np.isnan(heights).all():
         raise SceneError(f"{called}: all heights are missing")
@@ -262,7 +263,7 @@ def _marked(heights: Any) -> list[str]:
         if others.size and np.ptp(others) < 0.1 * np.abs(others - sentinel).min():
             count = int(np.count_nonzero(heights == sentinel))
             return [
-                f"{count} of the heights are {sentinel:g}, as missing ones are in files: leave them out by mask"
+                f"{count} of the heights are {sentinel:g}, as files mark missing ones: leave them out by mask"
             ]
     return []
 
@@ -282,6 +283,6 @@ def _whole_scan(heights: NDArray[np.float64], pixel: tuple[float, float], raw: R
     columns = heights.shape[1]
     shown = quantities.si(pixel[0], "m")
     return [
-        f"with a pixel of {shown} summits have radii of {quantities.si(1.0 / bend, 'm', 2)}, as on no rough surface: if "
-        f"{shown} is the whole scan, the pixel is {quantities.si(pixel[0] / columns, 'm')}"
+        f"with a pixel of {shown} summits have radii of {quantities.si(1.0 / bend, 'm', 2)}, as on no rough "
+        f"surface: if {shown} is the whole scan, the pixel is {quantities.si(pixel[0] / columns, 'm')}"
     ]

@@ -21,13 +21,17 @@ __all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "decoded", "read"]
 
 _Array = NDArray[np.float64]
 
-# What instruments, spreadsheets and programs write where there is no height; all else that is no number is refused.
+# What instruments, spreadsheets and programs write where there is no height. All else that is no number is
+# refused.
 _MISSING = frozenset({
-    "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na", "#nv",
-    "1.#qnan", "-1.#ind", "1.#ind", "<na>",
+    "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na",
+    "#nv", "1.#qnan", "-1.#ind", "1.#ind", "<na>",
 })  # fmt: skip
 # Characters that no text has.
 _CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
+_SPELLINGS = sorted(
+    {spelt(mark) for mark in _MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
+)
 _COMMENTS = ("#", "%", "//")
 # An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!.
 _SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*")
@@ -74,7 +78,7 @@ class NoNumbers(SceneError):
 
 @dataclass
 class TextMap:
-    """What a text says: heights in `unit` and the pixel in m, as far as they are there; `cell` has no unit."""
+    """What a text says: heights in `unit` and the pixel in m, as far as it says them; `cell` has no unit."""
 
     heights: _Array
     pixel: tuple[float, float] | None = None
@@ -316,8 +320,8 @@ class _Reader:
         blanks = self.dialect.separator is None and separator == " "
         try:
             table = pd.read_csv(
-                io.BytesIO(body), sep=r"\s+" if blanks else separator, header=None, dtype=np.float64, decimal=decimal,
-                na_values=[*_MISSING, *(word.upper() for word in _MISSING), *(word.title() for word in _MISSING), "NaN", "-NaN"],
+                io.BytesIO(body), sep=r"\s+" if blanks else separator, header=None, dtype=np.float64,
+                decimal=decimal, na_values=_SPELLINGS,
                 keep_default_na=False, skip_blank_lines=False, skipinitialspace=True, quoting=csv.QUOTE_NONE,
                 usecols=range(self.dialect.columns), **_EXACT,
             )  # fmt: skip
@@ -332,7 +336,8 @@ class _Reader:
         rows, columns = np.nonzero(np.isinf(values))
         if rows.size:
             raise SceneError(
-                f"line {numbers[rows[0]] + 1}, column {columns[0] + 1}: the height is infinite; nan is a missing one"
+                f"line {numbers[rows[0]] + 1}, column {columns[0] + 1}: the height is infinite; "
+                "nan is a missing one"
             )
 
     def _refuse(self, numbers: list[int], decimal: str) -> None:
@@ -443,7 +448,8 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
             return (values[1:] if part is values else values[:, 1:]), said
         if _names(part) or _names(part[:, 1:]):
             raise SceneError(
-                f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, as names or places do and heights do not; "
+                f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, "
+                "as names or places do and heights do not; "
                 "take it out, "
                 + ("or begin it with #" if part is values else "or write the map with numpy.save")
             )
@@ -485,8 +491,8 @@ def _points(values: _Array, header: dict[str, str], warnings: list[str]) -> Text
     shape = (int(y.max()) + 1, int(x.max()) + 1)
     if len(x) < shape[0] * shape[1] / 2 or min(shape) < 2:
         raise SceneError(
-            f"its {len(x)} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; only regular lists "
-            "of points are read"
+            f"its {len(x)} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; only regular lists"
+            " of points are read"
         )
     heights = np.full(shape, np.nan)
     taken = np.zeros(shape, dtype=bool)

@@ -1,4 +1,4 @@
-"""Height maps as other programs write them: one summit of a known radius, whatever file, array or unit it comes in."""
+"""Height maps as other programs write them: one summit of a known radius, whatever it comes in."""
 
 import gzip
 import io
@@ -728,7 +728,7 @@ def test_marks_of_missing_heights_that_nothing_declares_are_warned_of(mark):
     assert any(one.startswith("2 of the heights are") and "mask" in one for one in said)
     # Counts of an instrument reach their ends, too.
     counts = np.linspace(-32768, 32767, 81).reshape(9, 9)
-    assert not any("missing ones" in one for one in read_map(counts, **GIVEN).warnings)
+    assert not any("mark missing ones" in one for one in read_map(counts, **GIVEN).warnings)
 
 
 def test_names_and_sources(tmp_path):

@@ -230,9 +230,21 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         stored.check_dataset(path, name, file[name])
         _within(file[name].shape)
         group, _, leaf = name.rpartition("/")
-        others = ", ".join(other.channel_id for other in of_heights if other.index != one.index)
-    if others and channel is None:
-        raw.warnings.append(f"of its heights the channel {one.channel_id} is read; there are {others}, too")
+        others = [
+            other
+            for other in file[group or "/"]
+            if other != leaf and not _is_coordinate(path, file[group or "/"], other)
+        ]
+    with xarray.open_dataset(
+        path,
+        group=group or "/",
+        engine="h5netcdf",
+        phony_dims="access",
+        decode_times=False,
+        drop_variables=others,
+    ) as opened:
+        raw = from_data_array(name, opened[leaf].load(), None)
+    raw.channel = name
     return raw
 
 
@@ -433,47 +445,45 @@ def _instrument(path: Path, channel: str | None) -> Raw:
     try:
         reader = library.open_topography(str(path))
     except Exception as error:
-        lines = [" ".join(line.split()) for line in str(error).splitlines() if line.strip()]
-        said = (
-            "none of its formats"
-            if type(error).__name__ == "CannotDetectFileFormat"
-            else " ".join(lines)[:200]
-        )
-        raise SceneError(f"SurfaceTopography cannot read it: {said or repr(error)}") from error
+        unknown = type(error).__name__ == "CannotDetectFileFormat"
+        said = "none of its formats" if unknown else " ".join(str(error).split())[:200] or repr(error)
+        raise SceneError(f"SurfaceTopography cannot read it: {said}") from error
     with reader:
         channels = list(reader.channels)
+        # Channels whose data have no unit that is known have two of them, the other one of lengths.
+        heights = [one for one in channels if one.is_height_channel and not isinstance(one.unit, tuple)]
         names = [one.channel_id for one in channels]
-        of_heights = [
-            other for other in channels if other.is_height_channel and not isinstance(other.unit, tuple)
-        ]
         if channel is not None:
-            one = channels[names.index(named(channel, names, "channel"))]
-        else:
-            one = reader.default_channel
-            one = one if one in of_heights else (of_heights or [one])[0]
-        if one.dim == 1:
-            raise SceneError(f"its channel {one.name} is a line: {text.LINE_SCAN}")
-        # A size is needed to ask for the heights of a file that does not say it.
-        unknown = one.physical_sizes is None
-        topography = one.topography(physical_sizes=one.nb_grid_pts if unknown else None)
-        raw = from_topography("its map", topography)
-        raw.channel = one.channel_id
-        # Channels whose data have another unit, or none, have two of them.
-        lateral, of_data = one.unit if isinstance(one.unit, tuple) else (one.unit, one.data_unit)
-        raw.unit = lateral if one in of_heights else of_data
-        scale = metres(str(lateral))
-        raw.pixel = None
-        if scale is not None and not unknown:
-            raw.pixel = (float(one.pixel_size[0]) * scale, float(one.pixel_size[1]) * scale)
-    others = [
-        other.channel_id
-        for other in channels
-        if other.is_height_channel and other.channel_id != one.channel_id
-    ]
-    if others and channel is None:
-        raw.warnings.append(
-            f"of its heights the channel {one.channel_id} is read; there are {', '.join(others)}, too"
-        )
+            return _of_channel(channels[names.index(named(channel, names, "channel"))])
+        default = reader.default_channel.index
+        one = next((one for one in heights if one.index == default), (heights or channels)[0])
+        raw = _of_channel(one)
+        others = ", ".join(other.channel_id for other in heights if other.index != one.index)
+        if others:
+            raw.warnings.append(
+                f"of its heights the channel {one.channel_id} is read; there are {others}, too"
+            )
+        return raw
+
+
+def _of_channel(channel: Any) -> Raw:
+    """The map of a channel of SurfaceTopography."""
+    if channel.dim == 1:
+        raise SceneError(f"its channel {channel.name} is a line: {text.LINE_SCAN}")
+    # A size is needed to ask for the heights of a file that does not say it.
+    unknown = channel.physical_sizes is None
+    raw = from_topography(
+        "its map", channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
+    )
+    raw.channel, raw.pixel, raw.unsaid = channel.channel_id, None, ""
+    if isinstance(channel.unit, tuple):
+        lateral, raw.unit = channel.unit
+    else:
+        lateral = channel.unit
+        raw.unit = lateral if channel.is_height_channel else channel.data_unit
+    scale = metres(str(lateral))
+    if scale is not None and not unknown:
+        raw.pixel = (float(channel.pixel_size[0]) * scale, float(channel.pixel_size[1]) * scale)
     return raw
 
 

@@ -39,6 +39,8 @@ _MOST_BYTES = 1 << 32
 _TEXT_OF_INSTRUMENTS = re.compile(
     r"\A\s*aISO-|Wyko ASCII Data File|File Format\s*=\s*ASCII|^\s*Unit Data\s*=", re.MULTILINE
 )
+# Formats of SurfaceTopography that fit any bytes.
+_WITHOUT_MARK = {"hgt", "nms"}
 # Files that are texts, and nothing else.
 _TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
 # Characters in which the beginnings of files stand.
@@ -295,11 +297,11 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
     return raw
 
 
-def attribute(attrs: Any, *names: str) -> str | None:
-    """An attribute as a text, whatever wrote it: bytes, an array of one element, a NumPy string."""
-    for name in names:
-        if name in attrs:
-            value = np.ravel(np.asarray(attrs[name]))
+def _unit(attrs: Any) -> str | None:
+    """The unit among attributes, whatever wrote it: bytes, an array of one element, a NumPy string."""
+    for name, given in attrs.items():
+        if str(name).lower() in ("units", "unit"):
+            value = np.ravel(np.asarray(given))
             one = value[0] if value.size else ""
             said = one.decode("utf-8", "replace") if isinstance(one, bytes) else str(one)
             if said.strip("\0 "):
@@ -320,7 +322,7 @@ def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) 
         array = array.transpose("y", "x")
     magnitudes = array.data if quantities.is_pint(array.data) else None
     raw = from_pint(name, magnitudes) if magnitudes is not None else from_array(name, array.values)
-    raw.unit = raw.unit or attribute(array.attrs, "units", "unit")
+    raw.unit = raw.unit or _unit(array.attrs)
     if array.ndim != 2:
         return raw
     sizes = []
@@ -328,7 +330,7 @@ def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) 
         coordinate = array.coords.get(dim)
         if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
             return raw
-        unit = attribute(coordinate.attrs, "units", "unit")
+        unit = _unit(coordinate.attrs)
         step = _step(name, str(dim), coordinate.values.astype(float))
         if unit is None and (plain_unit is None or step == 1.0):
             raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units" if step != 1.0 else ""
@@ -448,6 +450,8 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         unknown = type(error).__name__ == "CannotDetectFileFormat"
         said = "none of its formats" if unknown else " ".join(str(error).split())[:200] or repr(error)
         raise SceneError(f"SurfaceTopography cannot read it: {said}") from error
+    if reader.format() in _WITHOUT_MARK and path.suffix.lower() != f".{reader.format()}":
+        raise SceneError("SurfaceTopography cannot read it: none of its formats")
     with reader:
         channels = list(reader.channels)
         # Channels whose data have no unit that is known have two of them, the other one of lengths.

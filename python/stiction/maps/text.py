@@ -36,6 +36,8 @@ _COMMENTS = ("#", "%", "//")
 # An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!.
 _SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*")
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+# What decimal commas show somewhere, and commas of thousands nowhere.
+_DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
 # Lines, cells of a line and characters that a dialect is found by.
 _SAMPLE, _CELLS, _SHOWN = 200, 40, 200
 LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
@@ -63,6 +65,7 @@ _HEADER = {
     for name, labels in known.items()
 }
 _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
+_MOST_AXES = 6
 _AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRI_MISSING = -9999.0
@@ -193,6 +196,7 @@ class _Reader:
 
     def __init__(self, lines: list[str]) -> None:
         self.lines = lines
+        self.warnings: list[str] = []
         self.dialect = _dialect(
             [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
         )
@@ -250,7 +254,7 @@ class _Reader:
             return False
         # The column of names of rows of pandas has none itself.
         unnamed = self.dialect.columns - len(axes)
-        if unnamed not in (0, 1):
+        if unnamed not in (0, 1) or len(axes) > _MOST_AXES:
             return False
         block.header |= {"lateral": units[axes.index("x")], "unit": units[axes.index("z")]}
         block.axes = [*([None] * unnamed), *axes]
@@ -265,7 +269,7 @@ class _Reader:
             raise SceneError(f"has {columns} numbers on each of {len(numbers)} lines: {LINE_SCAN}")
         self._check_lengths(numbers)
         values = self._numbers(numbers)
-        warnings: list[str] = []
+        warnings = self.warnings
         are_points = block.axes is not None or (columns == 3 and "width" not in header)
         if "scale" in header:
             values *= _number_of(header["scale"])
@@ -275,7 +279,7 @@ class _Reader:
             warnings += said
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
-            values[values == missing] = np.nan
+            values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
         if not are_points:
             return _grid(values, header, warnings)
         if block.axes is not None:
@@ -317,6 +321,10 @@ class _Reader:
             rows = ("\t".join(self.dialect.cells(self.lines[number])) for number in numbers)
         body = "\n".join(rows).encode()
         decimal = "," if separator != "," and b"," in body and b"." not in body else "."
+        if decimal == "," and not _DECIMALS.search(body):
+            self.warnings.append(
+                "its commas are read as decimal ones: if they part thousands, leave them out"
+            )
         blanks = self.dialect.separator is None and separator == " "
         try:
             table = pd.read_csv(
@@ -437,7 +445,6 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
         return values, []
     said = []
     if not named and _counting(values[0, 1:]) and _counting(values[1:, 0]):
-        # Above the names of rows there is nothing, or a name that is no number.
         values, named = values[1:], True
         said = [f"line {line} has the names of columns: left out"]
     if named:

@@ -48,6 +48,13 @@ def assert_summit(source, missing=0, **options):
     assert found.height == pytest.approx([1e-9 * (5.0 - known.mean())], rel=1e-9)
 
 
+def assert_read(source, **options):
+    """The heights and pixels that the summit needs, without the program."""
+    read = read_map(source, **options)
+    np.testing.assert_allclose(read.heights, 1e-9 * Z, rtol=1e-12, atol=1e-24)
+    assert read.pixel == pytest.approx((PIXEL, PIXEL), rel=1e-12)
+
+
 def written(tmp_path, content, name="scan.txt"):
     path = tmp_path / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -142,6 +149,7 @@ ESRI = "ncols 9\nnrows 9\nxllcorner 0.0\nyllcorner 0.0\ncellsize 10.0\n"
         (ESRI.replace(".", ",") + "NODATA_value -99999,0\n", "-99999"),
         (ESRI, "-9999"),
         ("# missing_value = 1e20\n", "1e20"),
+        (ESRI + "NODATA_value -3.4028234663852886e+38\n", "-3.4028235e+38"),
     ],
 )
 def test_the_value_of_no_data_is_missing(tmp_path, header, marked):
@@ -208,6 +216,15 @@ def test_decimal_commas_are_in_all_numbers_or_in_none(tmp_path):
         SceneError, match=r"line 1, column 3: `-0,75` is not a number; there are decimal points, too"
     ):
         read_map(path, **GIVEN)
+
+
+def test_commas_that_may_part_thousands_are_said(tmp_path):
+    for body, said in (("1,234 2,500 3,125 4,000\n", 1), ("0,234 2,500 3,125 4,000\n", 0), ("1,2 2,500 3,125 4,000\n", 0)):
+        read = read_map(written(tmp_path, 3 * body), **GIVEN)
+        assert read.heights[0, 1] == 2.5e-9
+        assert len(read.warnings) == said and all("if they part thousands" in one for one in read.warnings)
+    with pytest.raises(SceneError, match=r"line 1, column 1: `1,234\.5` is not a number"):
+        read_map(written(tmp_path, "1,234.5\t2\t3\t4\n" * 4), **GIVEN)
 
 
 # Names of rows and columns.
@@ -411,7 +428,7 @@ UNITS_OF_WRITERS = ["nm", np.bytes_("nm"), np.array([b"nm"]), np.array("nm", dty
 
 @pytest.mark.parametrize("units", UNITS_OF_WRITERS, ids=repr)
 def test_units_are_read_whatever_wrote_them(tmp_path, units):
-    assert_summit(nc(tmp_path, attrs={"units": units}, writer="h5py"))
+    assert_read(nc(tmp_path, attrs={"units": units}, writer="h5py"))
 
 
 def test_xarrays_own_file_has_pixel_and_unit(tmp_path):
@@ -517,8 +534,8 @@ NAMES = {
 @pytest.mark.parametrize(("size", "name"), [(size, name) for size, names in NAMES.items() for name in names])
 def test_units_have_many_names(size, name):
     assert lengths.metres(name) == size
-    assert_summit(Z * 1e-9 / size, height_unit=name, pixel=f"{1e-8 / size:.10g} {name.strip(' []()')}")
-    assert_summit(xarray.DataArray(Z * 1e-9 / size, dims=("y", "x"), attrs={"units": name}), pixel=PIXEL)
+    assert_read(Z * 1e-9 / size, height_unit=name, pixel=f"{1e-8 / size:.10g} {name.strip(' []()')}")
+    assert_read(xarray.DataArray(Z * 1e-9 / size, dims=("y", "x"), attrs={"units": name}), pixel=PIXEL)
 
 
 @pytest.mark.parametrize("name", ["V", "deg", "A", "Nm", "nM", "NM", "mol", "nm/s", "", "s"])
@@ -538,7 +555,7 @@ PIXELS = [
 
 @pytest.mark.parametrize("pixel", PIXELS, ids=repr)
 def test_a_pixel_is_given_in_any_shape(pixel):
-    assert_summit(Z * 1e-9, pixel=pixel)
+    assert_read(Z * 1e-9, pixel=pixel)
     assert read_map(Z * 1e-9, pixel=(1e-8, 2e-8)).pixel == (1e-8, 2e-8)
 
 
@@ -553,16 +570,16 @@ def test_a_pixel_that_is_none_is_named(pixel):
 
 
 def test_heights_of_pint_are_scaled_once():
-    assert_summit(Z * NM, pixel=10 * NM)
-    assert_summit(Z * NM, pixel=10 * NM, height_unit="nm")
-    assert_summit(Z / 1e3 * UNITS.micrometer, pixel=10 * NM, height_unit="nm")
-    assert_summit(Z * NM, pixel=10 * NM, height_unit=UNITS.nanometer)
-    assert_summit(Z, pixel=10 * NM, height_unit=1 * NM)
+    assert_read(Z * NM, pixel=10 * NM)
+    assert_summit(Z * NM, pixel=np.array([10, 10]) * NM, height_unit="nm")
+    assert_read(Z / 1e3 * UNITS.micrometer, pixel=10 * NM, height_unit="nm")
+    assert_read(Z * NM, pixel=10 * NM, height_unit=UNITS.nanometer)
+    assert_read(Z, pixel=10 * NM, height_unit=1 * NM)
     with pytest.raises(
         SceneError, match="map: its heights are in V, which is no unit of length; give factor"
     ):
         read_map(Z * UNITS.volt, pixel=PIXEL)
-    assert_summit(Z / 2 * UNITS.volt, pixel=PIXEL, factor="2 nm/V")
+    assert_read(Z / 2 * UNITS.volt, pixel=PIXEL, factor="2 nm/V")
 
 
 @pytest.mark.parametrize(
@@ -581,7 +598,7 @@ def test_heights_of_pint_are_scaled_once():
     ids=repr,
 )
 def test_a_factor_makes_heights_of_counts(options):
-    assert_summit(2 * Z, pixel=PIXEL, **options)
+    assert_read(2 * Z, pixel=PIXEL, **options)
 
 
 def test_a_factor_makes_heights_of_volts(tmp_path):
@@ -749,6 +766,7 @@ def test_names_and_sources(tmp_path):
         ("scan.tif", b"II*\0" + bytes(5), "is damaged"),
         ("scan.npz", b"PK\x03\x04", "is damaged"),
         ("scan.zip", b"PK\x03\x04", "is damaged"),
+        ("scan.xlsx", b"PK\x03\x04" + bytes(4), "SurfaceTopography cannot read it: none of its formats"),
         ("scan.nid", bytes(range(256)), "SurfaceTopography cannot read it: none of its formats"),
     ],
 )

@@ -98,8 +98,10 @@ def find_asperities(
         warnings.warn(f"{read.name}: {said}", stacklevel=2)
     sizes = ",".join(f"{size!r} m" for size in read.pixel)
     with files.Folder() as folder, Place(output) as place:
-        file = folder / f"{Path(read.name).stem}.npy"
-        np.save(file, read.heights)
+        # The program knows an array of NumPy by its first bytes, and writes down the name.
+        file = folder / Path(read.name).name
+        with file.open("wb") as opened:
+            np.save(opened, read.heights)
         try:
             given = program.options(pixel=sizes, height_unit="m", **options)
             program.call(["asperities", str(file), "--output", str(place.path), *given])

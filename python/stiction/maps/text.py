@@ -222,7 +222,8 @@ class _Reader:
                 header |= _said(plain)
                 continue
             block.lines.append(number)
-        if not blocks[0].lines:
+        blocks = [block for block in blocks if block.lines]
+        if not blocks:
             raise NoNumbers("holds no row of numbers; a text has a row of the map on each line")
         return blocks
 
@@ -283,6 +284,8 @@ class _Reader:
         if not are_points:
             return _grid(values, header, warnings)
         if block.axes is not None:
+            if block.axes[0] is None and not _counting(values[:, 0]):
+                raise SceneError(f"its header names {columns - 1} columns, and there are {columns}")
             values = values[:, [block.axes.index(axis) for axis in ("x", "y", "z")]]
         return _points(values, header, warnings)
 
@@ -452,7 +455,8 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
     for part, where in ((values, f"line {line}"), (values.T, "column 1")):
         if _counting(part[0]) and _names(part):
             said = [f"{where} counts from {part[0, 0]:g} to {part[0, -1]:g}, as names do: left out"]
-            return (values[1:] if part is values else values[:, 1:]), said
+            rest, more = _without_labels(values[1:] if part is values else values[:, 1:], line + 1, False)
+            return rest, said + more
         if _names(part) or _names(part[:, 1:]):
             raise SceneError(
                 f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, "

@@ -198,6 +198,8 @@ def test_a_channel_is_chosen_by_name_or_number(tmp_path):
 class Voltages(SurfaceTopography.IO.ReaderBase):
     """A reader of channels in nm, in V and in no unit that is known, as files of Bruker and Agilent have them."""
 
+    _format = "spm"
+
     @property
     def channels(self):
         def channel(index, name, unit, data_unit):

@@ -256,6 +256,7 @@ def test_places_among_the_heights_are_refused(tmp_path):
         (f"{places}\n{rows(separator=',')}", "line 1 goes evenly from 10 to 80"),
         (down, "column 1 goes evenly from 70 to 0"),
         (f",{places}\n{down}", "line 1 goes evenly"),
+        (f"{','.join(str(i) for i in range(10))}\n{down}", "column 1 goes evenly"),
     ):
         with pytest.raises(SceneError, match=where):
             read_map(written(tmp_path, content), **GIVEN)
@@ -304,6 +305,7 @@ def test_points_that_are_not_there_are_missing(tmp_path):
         ([*points(), points()[7]], "1 of its points x, y, z have the place of another one"),
         ([*points(), "3.3 44 1"], "are no grid"),
         ([f"{x} 0 1" for x in range(9)], "line scan"),
+        (["x y z", *(f"{line} 7" for line in points())], "its header names 3 columns, and there are 4"),
         ([f"{x} {y} 0" for x, y in np.random.default_rng(2).random((40, 2))], "are no grid"),
     ],
 )
@@ -320,10 +322,12 @@ def test_a_line_scan_is_for_the_spectrum(tmp_path, content):
 
 def test_several_maps_of_a_text_have_names(tmp_path):
     of = "# Channel: {}\n# Width: 90 nm\n# Height: 90 nm\n# Value units: nm\n{}\n"
+    assert_summit(written(tmp_path, of.format("Z", rows()) + "# Channel: none\n"))
     path = written(tmp_path, of.format("Z", rows()) + of.format("Phase", rows(ROUGH[:9, :9])))
     with pytest.raises(SceneError, match="has 2 maps; name the channel, one of 0: Z, 1: Phase"):
         read_map(path)
     assert_summit(path, channel="Z")
+    assert stiction.find_asperities(path, channel="Z").attrs["map"] == "scan.txt"
     np.testing.assert_allclose(read_map(path, channel=1).heights, 1e-9 * ROUGH[:9, :9])
     assert read_map(path, channel="Phase").source == f"{path}, channel Phase"
     with pytest.raises(SceneError, match="has no channel X; it has 0: Z, 1: Phase"):

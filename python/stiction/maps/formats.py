@@ -245,7 +245,7 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         decode_times=False,
         drop_variables=others,
     ) as opened:
-        raw = from_data_array(name, opened[leaf].load(), None)
+        raw = from_data_array(name, _placed(opened, leaf), None)
     raw.channel = name
     return raw
 
@@ -292,9 +292,23 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
             "variable",
         )
         _within(opened[name].shape)
-        raw = from_data_array(name, opened[name].load(), None)
+        raw = from_data_array(name, _placed(opened, name), None)
     raw.channel = name
     return raw
+
+
+def _placed(opened: xarray.Dataset, name: str) -> xarray.DataArray:
+    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides."""
+    array = opened[name].load().squeeze()
+    x, y = (opened.variables.get(axis) for axis in "xy")
+    if x is None or y is None or array.ndim != 2 or any(dim in array.coords for dim in array.dims):
+        return array
+    if x.dims != y.dims and (*x.dims, *y.dims) == array.dims:
+        array = array.transpose()
+    if (*y.shape, *x.shape) != array.shape:
+        return array
+    places = {axis: (axis, one.values, one.attrs) for axis, one in (("y", y), ("x", x))}
+    return xarray.DataArray(array.values, dims=("y", "x"), coords=places, attrs=array.attrs)
 
 
 def _unit(attrs: Any) -> str | None:

@@ -112,6 +112,8 @@ def pixel_size(value: Any) -> tuple[float, float]:
     >>> pixel_size("10 nm"), pixel_size("10 nm,12 nm"), pixel_size([1e-8, 2e-8])
     ((1e-08, 1e-08), (1e-08, 1.2e-08), (1e-08, 2e-08))
     """
+    if isinstance(value, np.ndarray) and value.dtype.kind in "OSU":
+        value = value.ravel().tolist()
     if isinstance(value, str):
         sizes = [length("pixel", one) for one in value.split(",")]
     elif isinstance(value, list | tuple):

@@ -233,7 +233,9 @@ def _scale(called: str, raw: Raw, height_unit: Any, factor: Any) -> float | None
 
 def _unit(height_unit: Any) -> float:
     """A unit of heights in m: its name, a length such as ``"0.5 nm"``, or a unit of pint."""
-    unit = str(height_unit).strip()
+    if isinstance(height_unit, np.ndarray | list | tuple) and np.size(height_unit) == 1:
+        height_unit = np.ravel(np.asarray(height_unit))[0]
+    unit = height_unit.decode() if isinstance(height_unit, bytes) else str(height_unit).strip()
     known = lengths.metres(unit)
     if known is not None:
         return known

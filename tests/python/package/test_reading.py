@@ -447,6 +447,23 @@ def test_xarrays_own_file_has_pixel_and_unit(tmp_path):
     assert_summit(tmp_path / "e.nc")
 
 
+@pytest.mark.parametrize("transposed", [False, True])
+def test_x_and_y_of_a_file_need_not_be_coordinates(tmp_path, transposed):
+    with netCDF4.Dataset(tmp_path / "scan.nc", "w") as file:
+        for name, dim in (("y", "ny"), ("x", "nx")):
+            file.createDimension(dim, 9)
+            file.createVariable(name, "f8", (dim,))[:] = (10.0 if name == "y" else 20.0) * np.arange(9)
+            file[name].units = "nm"
+        file.createVariable("z", "f8", ("nx", "ny") if transposed else ("ny", "nx"))[:] = Z
+        file["z"].units = "nm"
+    assert read_map(tmp_path / "scan.nc").pixel == pytest.approx((2e-8, 1e-8))
+    with h5py.File(tmp_path / "scan.h5", "w") as file:
+        file["x"], file["y"], file["z"] = 0.01 * np.arange(9), 0.01 * np.arange(9), Z
+        for name, unit in (("x", "um"), ("y", "um"), ("z", "nm")):
+            file[name].attrs["Units"] = unit
+    assert_summit(tmp_path / "scan.h5")
+
+
 def test_the_pixel_that_is_given_goes_before_that_of_the_file(tmp_path):
     path = nc(tmp_path)
     read = read_map(path, pixel="20 nm")
@@ -553,7 +570,7 @@ NM = UNITS.nanometer
 PIXELS = [
     1e-8, (1e-8, 1e-8), [1e-8], np.array([1e-8, 1e-8]), np.float64(1e-8), np.array(1e-8), "10 nm", "10 nm,10 nm",
     "10nm, 0.01 um", ["10 nm", "0.01 \u03bcm"], "1e1 nm", 10 * NM, np.array([10, 10]) * NM, np.array([10.0]) * NM,
-    [10 * NM, 0.01 * UNITS.um], (10 * NM, "10 nm"), xarray.DataArray(1e-8),
+    np.array(["10 nm", "10 nm"]), np.array([10 * NM, "10 nm"], dtype=object), [10 * NM, 0.01 * UNITS.um], (10 * NM, "10 nm"), xarray.DataArray(1e-8),
 ]  # fmt: skip
 
 
@@ -578,7 +595,8 @@ def test_heights_of_pint_are_scaled_once():
     assert_summit(Z * NM, pixel=np.array([10, 10]) * NM, height_unit="nm")
     assert_read(Z / 1e3 * UNITS.micrometer, pixel=10 * NM, height_unit="nm")
     assert_read(Z * NM, pixel=10 * NM, height_unit=UNITS.nanometer)
-    assert_read(Z, pixel=10 * NM, height_unit=1 * NM)
+    for unit in (1 * NM, np.array([1.0]) * NM, np.array(["nm"]), np.array("nm"), [NM], b"nm"):
+        assert_read(Z, pixel=10 * NM, height_unit=unit)
     with pytest.raises(
         SceneError, match="map: its heights are in V, which is no unit of length; give factor"
     ):

@@ -251,7 +251,7 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
 
 
 def _dataset(file: h5py.File, channel: str | None) -> str:
-    """The path of a dataset in a file: of the root's those of two dimensions, or of all groups'."""
+    """The path of a dataset in a file: one of two dimensions in the root, or in any group."""
     found: list[str] = []
     file.visititems(lambda name, item: found.append(name) if _is_map(item) else None)
     if channel is None or channel.isdecimal():

@@ -42,7 +42,7 @@ _DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
 _SAMPLE, _CELLS, _SHOWN = 200, 40, 200
 LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
 
-# Labels of headers. Those of Gwyddion are translated by it.
+# Labels of headers. Gwyddion translates its own.
 _LABELS = {
     "channel": "Channel|Kanál|Kanal|Canal|Canale|チャネル|채널|Канал",
     "width": "Width|Šířka|Breite|Anchura|Largeur|Larghezza|幅|폭|Largura|Ширина|X Amplitude|x-length",

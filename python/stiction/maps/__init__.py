@@ -6,6 +6,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from .. import files, program, quantities
@@ -108,5 +109,8 @@ def find_asperities(
         except StictionError as error:
             called = str(map) if isinstance(map, str | Path) else "map"
             raise type(error)(str(error).replace(str(file), called), error.exit_code) from None
+        with h5py.File(place.path, "r+") as written:
+            written.attrs["map_source"] = read.source
+            written.attrs["height_unit"] = "" if height_unit is None else str(height_unit)
         result: Asperities = place.result()
         return result

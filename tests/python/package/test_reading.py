@@ -775,6 +775,9 @@ def test_names_and_sources(tmp_path):
     read = read_map(tmp_path / "scan.npy", **GIVEN)
     assert (read.name, read.source) == ("scan.npy", str(tmp_path / "scan.npy"))
     assert read_map(Z, **GIVEN).source == "array"
+    found = stiction.find_asperities(nc(tmp_path))
+    written_down = [found.attrs[name] for name in ("map", "map_source", "height_unit")]
+    assert written_down == ["scan.nc", f"{tmp_path / 'scan.nc'}, channel z", ""]
 
 
 @pytest.mark.parametrize(

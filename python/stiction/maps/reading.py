@@ -253,7 +253,7 @@ def _check_heights(called: str, heights: NDArray[np.float64]) -> None:
             "NaN is missing"
         )
     if np.isnan(heights).all():
-        raise SceneError(f"{called}: all heights are missing")
+        raise SceneError(f"{called}: 0 of {heights.size} heights are known")
 
 
 def _marked(heights: Any) -> list[str]:

@@ -407,7 +407,7 @@ def _has_numbers(dialect: _Dialect, line: str) -> bool:
         # Blanks separate 1,5 2,5, and never follow a comma.
         return False
     cells = [cell for cell in dialect.cells(line)[:_CELLS] if cell]
-    numbers = sum(_NUMBER.fullmatch(cell) is not None for cell in cells)
+    numbers = sum(_is_value(cell) for cell in cells)
     return 2 * numbers > len(cells)
 
 

@@ -659,7 +659,7 @@ def test_a_mask_leaves_heights_out(tmp_path):
         assert_summit(z, missing=1, mask=given, **GIVEN)
     with pytest.raises(SceneError, match=r"^mask: has the shape 3 x 9, and the map 9 x 9"):
         read_map(Z, mask=mask[:3], **GIVEN)
-    with pytest.raises(SceneError, match=r"^map: all heights are missing"):
+    with pytest.raises(SceneError, match=r"^map: 0 of 81 heights are known"):
         read_map(Z, mask=np.ones((9, 9)), **GIVEN)
 
 
@@ -701,7 +701,7 @@ def test_arrays_of_xarray_say_what_they_are():
         (np.where(Z == 5.0, np.inf, Z), "^map: 1 of its heights are infinite, the first in row 4, column 4"),
         (Z.astype(complex), "^map: real numbers"),
         ([["a", "b"]], "^map: an array of real numbers"),
-        (Z * np.nan, "^map: all heights are missing"),
+        (Z * np.nan, "^map: 0 of 81 heights are known"),
     ],
 )
 def test_arrays_that_are_no_maps_are_refused(source, said):
@@ -734,8 +734,12 @@ def test_a_pixel_that_is_the_whole_scan_is_warned_of(tmp_path):
         assert said == [
             "pixel is 90.00 nm x 90.00 nm, which is the whole scan: one of its 9 x 9 pixels is 10.00 nm x 10.00 nm"
         ]
-    with pytest.warns(UserWarning, match=r"scan\.txt: pixel is .* the whole scan"):
-        stiction.find_asperities(path, pixel="90 nm")
+    # What finds the asperities hands it on, as a warning or in the file.
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = stiction.find_asperities(path, pixel="90 nm")
+    handed_on = [*(str(one.message) for one in caught), str(found.attrs["warnings"])]
+    assert any("which is the whole scan" in one for one in handed_on)
 
 
 def rough(pixels, slope, pixel):
@@ -785,6 +789,7 @@ def test_names_and_sources(tmp_path):
     [
         ("scan.txt", b"", "is empty"),
         ("scan.txt", b"only words\n", "holds no row of numbers"),
+        ("scan.txt", b"nan nan nan nan\n" * 4, "0 of 16 heights are known"),
         ("scan.npy", b"\x93NUMPY\x01\x00", "is damaged"),
         ("scan.h5", b"\x89HDF\r\n\x1a\n" + bytes(100), "is damaged"),
         ("scan.nc", b"CDF\x01" + bytes(5), "is damaged"),

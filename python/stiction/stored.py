@@ -12,7 +12,7 @@ import h5py
 from . import program
 from .errors import FileError, StictionError
 
-__all__ = ["check", "reading", "try_first"]
+__all__ = ["check", "check_dataset", "reading", "try_first"]
 
 # Groups and datasets together; results have up to two hundred.
 _MOST_OBJECTS = 1000
@@ -86,7 +86,7 @@ def check(path: Path) -> None:
                     raise FileError(f"{path}: has a link {where} to elsewhere, which is not followed")
                 item = group[name]
                 if isinstance(item, h5py.Dataset):
-                    _check_dataset(path, where, item)
+                    check_dataset(path, where, item)
                 elif isinstance(item, h5py.Group):
                     if _address(item) in known:
                         raise FileError(f"{path}: has the group {where} twice")
@@ -100,7 +100,14 @@ def _address(group: h5py.Group) -> int:
     return int(h5py.h5o.get_info(group.id).addr)
 
 
-def _check_dataset(path: Path, where: str, dataset: h5py.Dataset) -> None:
+def check_dataset(path: Path, where: str, dataset: h5py.Dataset) -> None:
+    """Refuses a dataset whose values are elsewhere, or more than the file holds.
+
+    Raises
+    ------
+    FileError
+        The message says what is wrong.
+    """
     if dataset.shape is None:
         raise FileError(f"{path}: has a dataset {where} without values")
     if dataset.dtype.kind not in "iuf" and h5py.check_string_dtype(dataset.dtype) is None:

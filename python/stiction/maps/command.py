@@ -23,7 +23,7 @@ __all__ = ["main"]
 _OPTIONS = (
     "pixel",
     "height_unit",
-    "dataset",
+    "channel",
     "factor",
     "level_rows",
     "level",
@@ -46,7 +46,7 @@ _HELP = [
      'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default what the '
      "file says"),
     (("--height-unit",), "UNIT", "unit of the heights, such as nm; by default what the file says"),
-    (("--dataset",), "NAME", "which dataset of an HDF5 file, or channel of an instrument's, is the map"),
+    (("--channel",), "NAME", "name, or number from 0, of the channel or dataset, where a file has several"),
     (("--factor",), "X", 'what numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
     (("--mask",), "FILE", "a map in which all but 0 marks heights that are left out"),
     (("--level-rows",), "HOW",
@@ -73,8 +73,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for.",
         epilog=_EPILOG,
     )
-    of_map = "the height map: a text with a row of the map on each line, NPY, HDF5; with `pip install "
-    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` files of instruments")
+    of_map = "the height map: a text, NPY, HDF5, netCDF; with `pip install "
+    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments")
     for names, value, words in _HELP:
         parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
@@ -108,7 +108,7 @@ def _asperities(given: argparse.Namespace) -> None:
     )  # fmt: skip
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
     height_map = read_map(
-        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.dataset,
+        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.channel,
         factor=given.factor, mask=given.mask,
     )  # fmt: skip
     surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)

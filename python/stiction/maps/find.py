@@ -98,7 +98,7 @@ def find_asperities(
     *,
     pixel: Any = None,
     height_unit: str | None = None,
-    dataset: str | None = None,
+    channel: str | int | None = None,
     factor: Any = None,
     mask: Any = None,
     level_rows: str | None = None,
@@ -114,20 +114,20 @@ def find_asperities(
 
     Parameters
     ----------
-    map : path, array_like, xarray.DataArray or SurfaceTopography topography
-        Heights. In an array the first index is y and the second x, as in images; masked heights and NaN are
-        missing. The coordinates `x` and `y` of a `DataArray`, evenly spaced, give the pixel, and their
-        attribute `units` its unit; SurfaceTopography's first index is x, which is seen to. With the extra
-        ``stiction[maps]`` SurfaceTopography reads some forty formats of instruments (``.gwy``, ``.spm``,
-        ``.ibw``, ``.nid``, ...).
+    map : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+        Heights: files of texts, NumPy, HDF5, netCDF and, with the extra ``stiction[maps]``, TIFF and some forty
+        formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...). In an array the first index is y and
+        the second x, as in images; masked heights and NaN are missing. The coordinates `x` and `y` of a
+        `DataArray`, evenly spaced, give the pixel, and their attribute `units` its unit. SurfaceTopography's first
+        index is x, which is seen to.
     output : path, optional
         Where the result goes; as of `run`.
     pixel : float, str, or pair of them, optional
         Width, or width and height, of a pixel: numbers in m, or texts with a unit. Needed for arrays.
     height_unit : str, optional
         Unit of the heights; of arrays m by default, of files what they say.
-    dataset : str, optional
-        Which dataset of an HDF5 file, or channel of an instrument's, is the map.
+    channel : str or int, optional
+        Name, or number from 0, of the channel, dataset, variable or page, where a file has several.
     factor : float, str, optional
         What the numbers are multiplied by: a number, or a text with a length per count or other unit of the
         instrument, such as ``"12 nm/V"``.
@@ -182,7 +182,7 @@ def find_asperities(
     inputs = [map] if isinstance(map, str | Path) else []
     check_outputs(output, figure, force=force, inputs=inputs)
     height_map = read_map(
-        map, pixel=pixel, height_unit=height_unit, channel=dataset, factor=factor, mask=mask
+        map, pixel=pixel, height_unit=height_unit, channel=channel, factor=factor, mask=mask
     )
     called = str(map) if isinstance(map, str | Path) else "map"
     surface = found_on(height_map, steps, called, keep=figure is not None)

@@ -1,321 +1,293 @@
-"""Reading height maps: files of NumPy, HDF5 and texts, files of instruments, arrays."""
+"""Height maps of files and arrays, in metres."""
 
 from __future__ import annotations
 
-import io
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
+from . import formats, lengths, text
+from .formats import Raw
 
 __all__ = ["HeightMap", "read_map"]
 
-# Files that are read here; all others are for SurfaceTopography.
-_OWN = {".npy", ".txt", ".csv", ".tsv", ".asc", ".dat", ".h5", ".hdf5"}
-# The share of their size by which pixels may differ, as coordinates are rounded.
-_UNEVEN = 1e-3
+# Relative difference below which sizes are one.
+_ALIKE = 1e-3
+# Radius of curvature, m, from pixel to pixel, above which a pixel is taken for the whole scan. Surfaces have a few
+# millimetres at most, polished glass under an optical profiler included.
+_FLATTEST = 1e-2
+# Shorter ones, m, are pixels and no scans.
+_SHORTEST_SCAN = 1e-7
+# Heights that files write where there is none.
+_SENTINELS = (-9999.0, -99999.0, -32768.0, -32767.0, 1e20, 1e30, 9.969209968386869e36, -3.4028234663852886e38,
+              3.4028234663852886e38, 1.70141e38)  # fmt: skip
 
 
 @dataclass
 class HeightMap:
-    """Heights of a surface over a grid.
+    """A map of heights, and where it comes from.
 
     Attributes
     ----------
-    heights : array (ny, nx)
-        Heights, m; NaN where one is missing.
-    pixel : pair of float
+    heights : numpy.ndarray
+        Heights over y and x, m; NaN where they are missing.
+    pixel : tuple of float
         Width and height of a pixel, m.
     name : str
-        What messages and files call the map.
+        What it is called: the name of the file, without its folder.
     source : str
-        The kind of the file, and the channel of it.
+        The path, and the channel, dataset or variable of a file that has names for them.
     warnings : list of str
-        What the reader is not sure of.
+        What should be looked at, a sentence each.
+    channel : str
+        The channel, dataset or variable; empty where there are no names for them.
     """
 
-    heights: Any
+    heights: NDArray[np.float64]
     pixel: tuple[float, float]
     name: str
     source: str
     warnings: list[str] = field(default_factory=list)
-
-
-@dataclass
-class _Raw:
-    heights: Any
-    source: str
-    pixel: Any = None
-    unit: str | None = None
+    channel: str = ""
 
 
 def read_map(
-    source: Any, *, pixel: Any = None, height_unit: str | None = None, channel: str | None = None,
-    factor: Any = None, mask: Any = None,
-) -> HeightMap:  # fmt: skip
-    """Reads a map from a file or an array.
+    source: Any,
+    *,
+    pixel: Any = None,
+    height_unit: Any = None,
+    channel: str | int | None = None,
+    factor: Any = None,
+    mask: Any = None,
+) -> HeightMap:
+    """Reads a height map.
+
+    Parameters
+    ----------
+    source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+        Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
+        TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by gzip, or
+        alone in a zip file. NaN and masked heights are missing.
+    pixel : float, str, pint.Quantity, or one or two of them, optional
+        Width, or width and height, of a pixel: numbers in m, texts with a unit. Needed where `source` does not
+        say it.
+    height_unit : str, optional
+        Unit of the heights, such as ``"nm"``; of arrays m by default, of files what they say.
+    channel : str or int, optional
+        Name, or number from 0, of the channel, dataset, variable or page, where there are several.
+    factor : float, str or pint.Quantity, optional
+        What the numbers are multiplied by: a number, and then their unit or `height_unit` holds; or a length per
+        count or other unit, such as ``"0.5 nm"`` or ``"12 nm/V"``.
+    mask : array_like or path, optional
+        Where it is not 0 (True) heights are left out as missing, in the shape of the map.
+
+    Returns
+    -------
+    HeightMap
+        Heights and pixel in m.
 
     Raises
     ------
     SceneError
-        It is no map, or its pixel or unit is not known.
+        The map cannot be read, an argument is wrong, or pixel and unit are not known; the message begins with
+        the path, or with the argument.
+
+    Examples
+    --------
+    >>> from stiction.maps.reading import read_map
+    >>> map = read_map("configs/maps/polished.txt")
+    >>> map.heights.shape, map.pixel, map.name
+    ((192, 192), (3e-08, 3e-08), 'polished.txt')
     """
-    if isinstance(source, str | Path):
-        path = Path(source)
-        raw, name = _of_file(path, channel), path.name
-    else:
-        raw, name = _of_object(source), "array"
-        if channel is not None:
-            raise SceneError(f"dataset = {channel!r}: only HDF5 files have datasets")
-    called = str(source) if isinstance(source, str | Path) else "map"
-    warnings: list[str] = []
-    size = _pixel(called, pixel, raw, warnings)
-    unit = _unit(called, height_unit, raw, warnings)
-    heights = raw.heights * (unit * (1.0 if factor is None else float(factor)))
+    called, raw = _read(source, None if channel is None else str(channel))
+    if np.ndim(raw.heights) != 2 or min(raw.heights.shape) < 2:
+        raise SceneError(f"{called}: {_not_two(raw.heights.shape)}")
     if mask is not None:
-        heights[np.asarray(mask, dtype=bool)] = np.nan
-    return HeightMap(heights, size, name, raw.source, warnings)
+        raw.heights = np.where(_mask(mask, raw.heights.shape), np.nan, raw.heights)
+    size, scale = _in_metres(called, raw, pixel, (height_unit, factor))
+    heights = np.multiply(raw.heights, scale, order="C")
+    _check_heights(called, heights)
+    warnings = [*raw.warnings, *_marked(raw.heights), *_whole_scan(heights, size, raw)]
+    path = Path(source) if isinstance(source, str | Path) else None
+    of_channel = f", channel {raw.channel}" if raw.channel else ""
+    name = path.name if path else raw.channel or "array"
+    return HeightMap(heights, size, name, f"{path}{of_channel}" if path else name, warnings, raw.channel or "")
 
 
-def _length(name: str, value: Any) -> float:
-    try:
-        length, unit = quantities.parsed(
-            name, value if isinstance(value, str) else quantities.as_text(value, "m")
-        )
-    except (TypeError, ValueError):
-        unit = ""
-    if unit != "m":
-        raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "9.8 nm"')
-    return float(length)
+def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
+    """What messages call a source, and what it says."""
+    if isinstance(source, str | Path):
+        return str(source), formats.from_path(Path(source), channel)
+    if isinstance(source, xarray.Dataset):
+        maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
+        name = formats.named(channel, maps, "variable", "map: ")
+        raw = formats.from_data_array("map", source[name], "m")
+        raw.channel = name
+    elif channel is not None:
+        raise SceneError(f"channel = {channel!r}: only files and datasets have channels")
+    elif hasattr(source, "physical_sizes") and callable(getattr(source, "heights", None)):
+        return "map", formats.from_topography("map", source)
+    elif isinstance(source, xarray.DataArray):
+        raw = formats.from_data_array("map", source, "m")
+        raw.channel = "" if source.name is None else str(source.name)
+    elif quantities.is_pint(source):
+        raw = formats.from_pint("map", source)
+    else:
+        raw = formats.from_array("map", source)
+    raw.assumed = "m"
+    return "map", raw
 
 
-def _pixel(called: str, given: Any, raw: _Raw, warnings: list[str]) -> tuple[float, float]:
-    if isinstance(given, str) and "," in given:
-        given = given.split(",")
-    if given is None and raw.pixel is None and called == "map":
-        raise SceneError('pixel: an array does not say how large its pixels are; give pixel="10 nm"')
-    if given is None and raw.pixel is None:
+def _not_two(shape: tuple[int, ...]) -> str:
+    if sum(length > 1 for length in shape) < 2:
+        return text.LINE_SCAN if shape else "a single number is no map"
+    sizes = " x ".join(str(length) for length in shape)
+    return f"an array of 2 dimensions (y, x) is needed, and this has {len(shape)}: {sizes}"
+
+
+def _mask(mask: Any, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Where heights are left out."""
+    if isinstance(mask, str | Path):
+        values = formats.from_path(Path(mask), None).heights
+    else:
+        values = formats.from_array("mask", mask).heights
+    if values.shape != shape:
+        given, needed = (" x ".join(str(length) for length in one) for one in (values.shape, shape))
+        raise SceneError(f"mask: has the shape {given}, and the map {needed}")
+    return np.asarray(np.isnan(values) | (values != 0.0))
+
+
+def _in_metres(
+    called: str, raw: Raw, pixel: Any, heights: tuple[Any, Any]
+) -> tuple[tuple[float, float], float]:
+    """The pixel in m, and what the heights are to be multiplied by; what is missing is said at once."""
+    missing: list[str] = []
+    advice: list[str] = []
+    size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
+    if size is None:
+        missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
+        advice.append('pixel="10 nm"')
+    scale = _scale(called, raw, *heights)
+    if scale is None:
+        missing.append("in which unit its heights are")
+        advice.append('height_unit="nm"')
+    if size is None or scale is None:
         raise SceneError(
-            f'{called}: does not say how large it is; give pixel with the size of a pixel, such as "9.8 nm"'
+            f"{called}: does not say {', nor '.join(missing)}; give {' and '.join(advice)}"
+            if raw.assumed is None
+            else f"pixel: an array does not say {missing[0]}; give {advice[0]}"
         )
-    stated = None if raw.pixel is None else [_length("pixel", one) for one in raw.pixel]
+    if (
+        pixel is not None
+        and raw.pixel is not None
+        and not np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0)
+    ):
+        raw.warnings.append(_other_pixel(size, raw))
+    return size, scale
+
+
+def _other_pixel(given: tuple[float, float], raw: Raw) -> str:
+    """That a pixel is given other than the source says, above all where it is the whole scan."""
+    assert raw.pixel is not None
+    rows, columns = raw.heights.shape
+    shown = [" x ".join(quantities.si(one, "m") for one in size) for size in (given, raw.pixel)]
+    scan = (raw.pixel[0] * columns, raw.pixel[1] * rows)
+    if any(abs(one / whole - 1.0) < 1e-2 for one, whole in zip(given, scan, strict=True)):
+        return f"pixel is {shown[0]}, which is the whole scan: one of its {columns} x {rows} pixels is {shown[1]}"
+    return f"pixel is {shown[0]}, and the map says {shown[1]}: taken as pixel says"
+
+
+def _scale(called: str, raw: Raw, height_unit: Any, factor: Any) -> float | None:
+    """What the heights are to be multiplied by for m; None if nothing says it."""
+    given = None if height_unit is None else _unit(height_unit)
+    by = lengths.Factor(1.0) if factor is None else lengths.factor(factor)
+    stated = None if raw.unit is None else lengths.metres(raw.unit)
+    if by.is_length:
+        if given is not None:
+            raise SceneError(
+                f"factor = {factor!r} is a length, and height_unit = {height_unit!r}, too; give one"
+            )
+        if stated is not None or (by.per and raw.unit and by.per.lower() != raw.unit.lower()):
+            raise SceneError(f"factor = {factor!r}: {called} has its heights in {raw.unit}")
+        return by.scale
+    if raw.fixed and given is not None and not np.isclose(given, stated or np.nan, rtol=1e-12, atol=0.0):
+        # The numbers of a pint quantity were converted to m by their own unit.
+        return by.scale * (stated or 1.0)
+    if raw.unit is not None and stated is None and factor is None:
+        raise SceneError(
+            f"{called}: its heights are in {raw.unit}, which is no unit of length; give factor, such as "
+            f'factor="0.5 nm/{raw.unit}", or factor=1 and height_unit="nm"'
+        )
     if given is None:
-        assert stated is not None
-        return stated[0], stated[1]
-    pair = list(given) if isinstance(given, list | tuple | np.ndarray) else [given]
-    if len(pair) not in (1, 2):
-        raise SceneError(f"pixel = {given!r}: a width, or a width and a height, is needed")
-    sizes = [_length("pixel", one) for one in pair]
-    if not all(1e-13 <= size <= 1e3 for size in sizes):
-        raise SceneError("pixel: a pixel is between 1e-13 and 1e3 m")
-    size = (sizes[0], sizes[-1])
-    if stated is not None and not np.allclose(size, stated, rtol=1e-6, atol=0.0):
-        shown = [" x ".join(quantities.si(one, "m") for one in pair) for pair in (size, stated)]
-        warnings.append(f"pixel says {shown[0]}, and the file {shown[1]}: taken as pixel says")
-    return size
-
-
-def _unit(called: str, given: str | None, raw: _Raw, warnings: list[str]) -> float:
-    def length(unit: str) -> float:
-        try:
-            value, si = quantities.parsed("height_unit", f"1 {unit}")
-        except ValueError:
-            value, si = 0.0, ""
-        if si != "m":
-            raise SceneError(f"height_unit = {unit!r}: known: m, mm, um, nm, pm, fm, angstrom")
-        return value
-
-    if given is not None:
-        own = length(given)
-        if raw.unit is not None:
-            try:
-                is_alike = abs(own / length(raw.unit) - 1.0) < 1e-6
-            except SceneError:
-                is_alike = False
-            if not is_alike:
-                shown = quantities.si(own, "m")
-                warnings.append(
-                    f"height_unit says {shown}, and the file {raw.unit}: taken as height_unit says"
-                )
-        return own
-    if raw.unit is None:
-        raise SceneError(
-            f"{called}: does not say in which unit its heights are; give height_unit, such as nm"
+        known = stated if raw.unit is not None else lengths.metres(raw.assumed or "")
+        return None if known is None else by.scale * known
+    if stated is not None and not np.isclose(given, stated, rtol=1e-9, atol=0.0):
+        raw.warnings.append(
+            f"height_unit is {height_unit}, and the map says {raw.unit}: taken as height_unit says"
         )
-    try:
-        return length(raw.unit)
-    except SceneError:
+    return by.scale * given
+
+
+def _unit(height_unit: Any) -> float:
+    """A unit of heights in m: its name, a length such as ``"0.5 nm"``, or a unit of pint."""
+    if isinstance(height_unit, np.ndarray | list | tuple) and np.size(height_unit) == 1:
+        height_unit = np.ravel(np.asarray(height_unit))[0]
+    unit = height_unit.decode() if isinstance(height_unit, bytes) else str(height_unit).strip()
+    known = lengths.metres(unit)
+    if known is not None:
+        return known
+    if unit[:1].isdigit() or quantities.is_pint(height_unit):
+        return lengths.length("height_unit", height_unit)
+    raise SceneError(f"height_unit = {height_unit!r}: a unit of length is needed, such as nm, um or angstrom")
+
+
+def _check_heights(called: str, heights: NDArray[np.float64]) -> None:
+    infinite = int(np.count_nonzero(np.isinf(heights)))
+    if infinite:
+        row, column = (int(one) for one in np.argwhere(np.isinf(heights))[0])
         raise SceneError(
-            f"{called}: has heights in `{raw.unit}`, which is no unit of length; give height_unit, such as nm"
-        ) from None
-
-
-def _of_object(map: Any) -> _Raw:
-    """Heights over y and x, with the pixel and the unit as far as they are given."""
-    if hasattr(map, "physical_sizes") and callable(getattr(map, "heights", None)):
-        return _of_topography(map)
-    if isinstance(map, xarray.DataArray):
-        return _of_data_array(map)
-    if quantities.is_pint(map):
-        map = quantities.in_si("map", map, "m")
-    return _Raw(_checked(map), "array", unit="m")
-
-
-def _checked(map: Any) -> Any:
-    """Heights as an array of two dimensions, NaN where they are missing."""
-    try:
-        values = quantities.reals("map", map)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    if values.ndim != 2:
-        raise SceneError(f"map: an array of 2 dimensions (y, x) is needed, and this has {values.ndim}")
-    return np.ascontiguousarray(values)
-
-
-def _of_topography(topography: Any) -> _Raw:
-    if topography.dim != 2:
-        raise SceneError("map: a line scan has no asperities; a topography of 2 dimensions is needed")
-    unit = topography.unit
-    if unit is None:
-        raise SceneError(
-            'map: the topography has no unit; give it one, such as topography.scale_height_by_factor(1, "nm")'
+            f"{called}: {infinite} of its heights are infinite, the first in row {row}, column {column}; "
+            "NaN is missing"
         )
-    pixel = [f"{float(size)!r} {unit}" for size in topography.pixel_size]
-    return _Raw(_checked(topography.heights().T), "SurfaceTopography", pixel, str(unit))
+    if np.isnan(heights).all():
+        raise SceneError(f"{called}: 0 of {heights.size} heights are known")
 
 
-def _of_data_array(map: xarray.DataArray) -> _Raw:
-    if map.ndim == 2 and set(map.dims) == {"x", "y"}:
-        map = map.transpose("y", "x")
-    raw = _Raw(_checked(map.values), "DataArray", unit=map.attrs.get("units", "m"))
-    pixel = []
-    for name in reversed(map.dims):
-        if name not in map.coords or map.sizes[name] < 2:
-            return raw
-        steps = np.diff(map[name].values.astype(float))
-        if not np.allclose(steps, steps.mean(), rtol=_UNEVEN, atol=0.0):
-            raise SceneError(f"map: its coordinate {name} is not evenly spaced")
-        pixel.append(f"{abs(float(steps.mean()))!r} {map[name].attrs.get('units', 'm')}")
-    raw.pixel = pixel
-    return raw
-
-
-def _of_file(path: Path, channel: str | None) -> _Raw:
-    if not path.exists():
-        raise SceneError(f"{path}: no such file; it cannot be read")
-    if path.is_dir():
-        raise SceneError(f"{path}: is a folder")
-    if path.suffix.lower() not in _OWN:
-        if channel is not None:
-            raise SceneError(f"dataset = {channel!r}: only HDF5 files have datasets")
-        return _of_topography(_topography(path))
-    if h5py.is_hdf5(path):
-        return _of_hdf5(path, channel)
-    start = path.read_bytes()[:8]
-    if start.startswith(b"\x89HDF"):
-        raise SceneError(f"{path}: is an HDF5 file that is damaged or incomplete")
-    if channel is not None:
-        raise SceneError(f"{path}: is no HDF5 file, and has no dataset to choose")
-    if start.startswith(b"\x93NUMPY"):
-        try:
-            return _Raw(_checked(np.load(path)), "NPY")
-        except (ValueError, EOFError, OSError) as error:
-            raise SceneError(f"{path}: is an NPY file that is damaged: {error}") from None
-    return _of_text(path)
-
-
-def _of_hdf5(path: Path, channel: str | None) -> _Raw:
-    try:
-        with h5py.File(path, "r") as file:
-            maps = [name for name, one in file.items() if isinstance(one, h5py.Dataset) and one.ndim == 2]
-            if channel is None and len(maps) != 1:
-                there = (
-                    f"several datasets; name one of {', '.join(maps)}"
-                    if maps
-                    else "no dataset of two dimensions in its root"
-                )
-                raise SceneError(f"{path}: has {there}; give dataset")
-            name = maps[0] if channel is None else channel
-            dataset = file.get(name)
-            if not isinstance(dataset, h5py.Dataset):
-                raise SceneError(f"{path}: lacks the dataset {name}")
-            unit = dataset.attrs.get("units")
-            return _Raw(_checked(dataset[()]), f"HDF5, dataset {name}", unit=unit)
-    except OSError as error:
-        raise SceneError(f"{path}: is an HDF5 file that is damaged or incomplete: {error}") from None
-
-
-def _of_text(path: Path) -> _Raw:
-    text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    rows: list[Any] = []
-    header: list[str] = []
-    for number, line in enumerate(text.splitlines(), 1):
-        line = line.strip()
-        first = re.split(r"[\t;, ]", line.lstrip())[0] if line else ""
-        if (
-            not line
-            or line.startswith(("#", "%", "//"))
-            or (not rows and not re.fullmatch(r"[-+]?(\d.*|\.\d.*|nan|inf)", first))
-        ):
-            header.append(line.lstrip("#%/ "))
+def _marked(heights: Any) -> list[str]:
+    """That a number that files have where there is no height is among the heights, far from the others."""
+    for sentinel in (float(np.nanmin(heights)), float(np.nanmax(heights))):
+        if not np.any(np.isclose(sentinel, _SENTINELS, rtol=1e-6, atol=0.0)):
             continue
-        mark = next((mark for mark in "\t;," if mark in line), None)
-        fields = [one.strip() for one in line.split(mark)]
-        if len(fields) > 1 and not fields[-1]:
-            fields.pop()
-        rows.append(_numbers(path, number, fields))
-        if len(fields) != len(rows[0]):
-            raise SceneError(
-                f"{path}: line {number}: has {len(fields)} numbers, and the rows before it have {len(rows[0])}"
-            )
-    if not rows:
-        raise SceneError(f"{path}: {'holds no row of numbers' if text else 'is empty'}")
-    heights = np.array(rows)
-    keys = dict(re.findall(r"^(Width|Height|Value units):\s*(.*\S)", "\n".join(header), flags=re.MULTILINE))
-    pixel = None
-    if {"Width", "Height"} <= keys.keys():
-        pixel = [
-            _length("pixel", keys[key]) / count
-            for key, count in (("Width", heights.shape[1]), ("Height", heights.shape[0]))
-        ]
-    return _Raw(heights, "text", pixel, keys.get("Value units"))
+        others = heights[np.isfinite(heights) & (heights != sentinel)]
+        if others.size and np.ptp(others) < 0.1 * np.abs(others - sentinel).min():
+            count = int(np.count_nonzero(heights == sentinel))
+            return [
+                f"{count} of the heights are {sentinel:g}, as files mark missing ones: leave them out by mask"
+            ]
+    return []
 
 
-def _numbers(path: Path, number: int, fields: list[str]) -> Any:
-    for column, one in enumerate(fields, 1):
-        try:
-            float(one)
-        except ValueError:
-            advice = (
-                "decimal points are needed, not commas"
-                if "," in one
-                else "lines that are no rows begin with #"
-            )
-            raise SceneError(
-                f"{path}: line {number}: column {column}: `{one}` is not a number; {advice}"
-            ) from None
-    return np.loadtxt(io.StringIO(" ".join(fields)), ndmin=1)
-
-
-def _topography(path: Path) -> Any:
-    """A file of an instrument, as SurfaceTopography reads it."""
-    try:
-        import SurfaceTopography
-    except ImportError:
-        own = ", ".join(sorted(_OWN))
-        raise SceneError(
-            f"{path}: for files other than {own} SurfaceTopography is needed: `pip install stiction[maps]`"
-        ) from None
-    try:
-        return SurfaceTopography.read_topography(str(path))
-    except Exception as error:
-        raise SceneError(
-            f"{path}: SurfaceTopography cannot read it: {' '.join(str(error).split()) or error!r}"
-        ) from error
+def _whole_scan(heights: NDArray[np.float64], pixel: tuple[float, float], raw: Raw) -> list[str]:
+    """That the surface is flatter than any, as with a pixel that is the whole scan."""
+    if raw.pixel is not None or max(pixel) < _SHORTEST_SCAN:
+        return []
+    squares = [
+        np.square(np.diff(heights, 2, axis=axis) / size**2) for axis, size in ((1, pixel[0]), (0, pixel[1]))
+    ]
+    known = [float(np.nanmean(square)) for square in squares if np.isfinite(square).any()]
+    bend = float(np.sqrt(np.mean(known))) if known else 0.0
+    rounding = 1e-12 * float(np.nanmax(np.abs(heights))) / min(pixel) ** 2
+    if not rounding < bend < 1.0 / _FLATTEST:
+        return []
+    columns = heights.shape[1]
+    shown = quantities.si(pixel[0], "m")
+    return [
+        f"with a pixel of {shown} summits have radii of {quantities.si(1.0 / bend, 'm', 2)}, as on no rough "
+        f"surface: if {shown} is the whole scan, the pixel is {quantities.si(pixel[0] / columns, 'm')}"
+    ]

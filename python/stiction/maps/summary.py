@@ -62,7 +62,8 @@ def _pure(value: float) -> str:
 def _map(surface: Surface) -> Iterator[str]:
     grid, steps, of = surface.grid, surface.steps, surface.moments
     (rows, columns), (width, height) = grid.heights.shape, grid.pixel
-    yield from _row("map", f"{columns} x {rows} pixels of {_m(width)} x {_m(height)} ({surface.map.source})")
+    channel = f" ({surface.map.channel})" if surface.map.channel else ""
+    yield from _row("map", f"{columns} x {rows} pixels of {_m(width)} x {_m(height)}{channel}")
     if surface.missing:
         yield from _row(
             "missing", f"{surface.missing} heights, {100.0 * surface.missing / grid.heights.size:.2f} %"

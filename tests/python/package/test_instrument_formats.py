@@ -3,13 +3,20 @@ from their published layouts (the file format of Gwyddion; ISO 25178-71), so tha
 
 import struct
 import sys
+import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
 import SurfaceTopography
 import xarray
+from SurfaceTopography.IO.Reader import ChannelInfo
 
 import stiction
+from stiction.maps.reading import read_map
+
+REAL = Path(__file__).resolve().parents[2] / "data" / "maps"
 
 # Pixels that are not square, and not as many in x as in y.
 DX, DY, NX, NY = 20e-9, 25e-9, 60, 40
@@ -102,6 +109,127 @@ def test_a_file_of_an_instrument_is_read_with_x_along_its_rows(suffix, tmp_path)
     assert found.attrs["map"].startswith("scan")
 
 
+def bcr(path):
+    """The text of BCR-STM: heights in steps of 1 pm."""
+    header = {
+        "fileformat": "bcrstm", "xpixels": NX, "ypixels": NY, "xlength": NX * DX * 1e9, "ylength": NY * DY * 1e9,
+        "xunit": "nm", "yunit": "nm", "zunit": "nm", "bit2nm": 1e-3, "intelmode": 1,
+    }  # fmt: skip
+    lines = "".join(f"{name} = {value}\n" for name, value in header.items())
+    data = np.rint(heights() / 1e-12).astype("<i2").tobytes()
+    path.write_bytes(lines.encode().ljust(2048) + data)
+
+
+WRITTEN = {
+    **FORMATS,
+    "bcr": bcr,
+    "mat": lambda path: scipy.io.savemat(path, {"z": heights().T}),
+}
+# What the files do not say.
+UNSAID = {"pixel": (1.0, 1.0), "height_unit": "m"}
+
+
+def assert_as_surface_topography(path, theirs, swapped=False):
+    """Heights, missing ones and pixels of the package that knows the format."""
+    channel = theirs.default_channel
+    known = channel.physical_sizes is not None
+    topography = theirs.topography(**({} if known else {"physical_sizes": channel.nb_grid_pts}))
+    unit = {None: 1.0, "m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9}[topography.unit]
+    read = read_map(path, **({} if topography.unit else UNSAID))
+    expected = unit * np.ma.filled(topography.heights().astype(float), np.nan)
+    np.testing.assert_allclose(read.heights, expected if swapped else expected.T, rtol=1e-12, atol=1e-24)
+    if known and topography.unit:
+        assert read.pixel == pytest.approx([unit * size for size in topography.pixel_size], rel=1e-12)
+    assert read.source.startswith(str(path)) and read.name == path.name
+
+
+@pytest.mark.parametrize("path", sorted(REAL.glob("*.[!m]*")), ids=lambda path: path.name)
+def test_a_real_file_is_read_as_surface_topography_reads_it(path, tmp_path):
+    inside = path
+    if path.suffix == ".zip":
+        with zipfile.ZipFile(path) as archive:
+            inside = Path(archive.extract(archive.namelist()[0], tmp_path))
+    # Of arrays of NumPy the first index is y here, and x there.
+    assert_as_surface_topography(path, SurfaceTopography.open_topography(str(inside)), path.suffix == ".npy")
+
+
+@pytest.mark.parametrize("suffix", WRITTEN)
+def test_a_file_that_is_written_here_is_read_as_surface_topography_reads_it(suffix, tmp_path):
+    path = tmp_path / f"scan.{suffix}"
+    WRITTEN[suffix](path)
+    assert_as_surface_topography(path, SurfaceTopography.open_topography(str(path)))
+
+
+def test_sdf_with_decimal_commas_is_read_as_with_points(tmp_path):
+    sdf(tmp_path / "scan.sdf")
+    commas = tmp_path / "commas.sdf"
+    commas.write_text((tmp_path / "scan.sdf").read_text().replace(".", ",").replace("aISO-1,0", "aISO-1.0"))
+    np.testing.assert_array_equal(read_map(commas).heights, read_map(tmp_path / "scan.sdf").heights)
+    assert_as_put(stiction.find_asperities(commas, level="none"))
+
+
+def two_channels(path):
+    """A container of Gwyddion with a second channel, twice as large in both directions."""
+    gwy(path)
+    data = path.read_bytes()
+    first = data[data.index(b"/0/data\0o") :]
+    second = first.replace(b"/0/data", b"/1/data").replace(b"Height\0", b"Second\0")
+    for size in (NX * DX, NY * DY):
+        second = second.replace(struct.pack("<d", size), struct.pack("<d", 2.0 * size))
+    path.write_bytes(b"GWYPGwyContainer\0" + struct.pack("<I", len(first + second)) + first + second)
+
+
+def test_a_channel_is_chosen_by_name_or_number(tmp_path):
+    path = tmp_path / "scan.gwy"
+    two_channels(path)
+    first = read_map(path)
+    assert first.source == f"{path}, channel Height"
+    assert first.warnings == ["of its heights the channel Height is read; there are Second, too"]
+    for channel in ("Height", 0):
+        assert_as_put(stiction.find_asperities(path, channel=channel, level="none"))
+    for channel in ("Second", 1, "1"):
+        second = read_map(path, channel=channel)
+        assert second.source == f"{path}, channel Second" and second.warnings == []
+        assert second.pixel == pytest.approx((2.0 * DX, 2.0 * DY))
+    with pytest.raises(stiction.SceneError, match="has no channel Z; it has 0: Height, 1: Second"):
+        read_map(path, channel="Z")
+
+
+class Voltages(SurfaceTopography.IO.ReaderBase):
+    """A reader of channels in nm, in V and in no unit that is known, as files of Bruker and Agilent have them."""
+
+    _format = "spm"
+
+    @property
+    def channels(self):
+        def channel(index, name, unit, data_unit):
+            return ChannelInfo(
+                self, index, name=name, dim=2, nb_grid_pts=(NX, NY), physical_sizes=(NX * DX * 1e9, NY * DY * 1e9),
+                unit=unit, data_unit=data_unit,
+            )  # fmt: skip
+
+        return [channel(0, "Deflection", "nm", "V"), channel(1, "Phase", ("nm", None), None), channel(2, "Z", "nm", "nm")]
+
+    def topography(self, channel_index=None, **_):
+        data = heights().T / 1e-9
+        return SurfaceTopography.Topography(data, (NX * DX * 1e9, NY * DY * 1e9), unit=self.channels[channel_index].unit)
+
+
+def test_a_channel_that_is_no_height_needs_a_factor(tmp_path, monkeypatch):
+    monkeypatch.setattr(SurfaceTopography, "open_topography", lambda _: Voltages())
+    path = tmp_path / "scan.spm"
+    path.write_bytes(bytes(9))
+    assert read_map(path).source == f"{path}, channel Z" and read_map(path).warnings == []
+    with pytest.raises(stiction.SceneError, match=r'its heights are in V, which .* give factor, such as factor="0\.5 nm/V"'):
+        read_map(path, channel="Deflection")
+    with pytest.raises(stiction.SceneError, match=r'does not say in which unit its heights are; give height_unit="nm"'):
+        read_map(path, channel="Phase")
+    for options in ({"channel": 0, "factor": "2 nm/V"}, {"channel": 1, "factor": 2, "height_unit": "nm"}):
+        volts = read_map(path, **options)
+        np.testing.assert_allclose(volts.heights, 2.0 * heights(), rtol=1e-12)
+        assert volts.pixel == pytest.approx((DX, DY))
+
+
 def test_an_array_has_y_first(tmp_path):
     assert_as_put(stiction.find_asperities(heights(), pixel=(DX, DY), level="none"))
     assert_as_put(stiction.find_asperities(heights().tolist(), pixel=("20 nm", "25 nm"), level="none"))
@@ -154,10 +282,11 @@ def test_without_the_extra_the_message_names_it(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("map", "options", "message"),
     [
-        (np.zeros(5), {"pixel": 1e-8}, "2 dimensions"),
+        (np.zeros(5), {"pixel": 1e-8}, "^map: a line scan has a spectrum"),
+        (np.zeros((5, 5, 3)), {"pixel": 1e-8}, "2 dimensions"),
         (np.zeros((5, 5)), {}, "pixel: an array does not say"),
         (np.zeros((5, 5)), {"pixel": (1, 2, 3)}, "a width, or a width and a height"),
-        (np.zeros((5, 5)), {"pixel": 1e-8, "dataset": "z"}, "only HDF5 files have datasets"),
+        (np.zeros((5, 5)), {"pixel": 1e-8, "channel": "z"}, "only files and datasets have channels"),
         (np.zeros((5, 5)), {"pixel": 1e-8}, "^map: .* at least 8 of each"),
         (np.zeros((9, 9)), {"pixel": 1e-8}, "^map: .* flat"),
         (heights(), {"pixel": 1e-8, "level": "cubic"}, "level"),

@@ -151,7 +151,7 @@ def test_kinds_of_files_give_one_result(command):
     command("map.npy", *UNITS, "-o", "npy.h5")
     command(
         "map.h5",
-        "--dataset",
+        "--channel",
         "scan/forward",
         "--pixel",
         "0.03 um,30 nm",

@@ -1,0 +1,526 @@
+"""Files that hold height maps, each read by the library of its format."""
+
+from __future__ import annotations
+
+import gzip
+import re
+import shutil
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import h5py
+import numpy as np
+import xarray
+
+from .. import files, quantities, stored
+from ..errors import SceneError, StictionError
+from . import text
+from .lengths import metres
+
+__all__ = [
+    "MOST_PIXELS",
+    "Raw",
+    "from_array",
+    "from_data_array",
+    "from_path",
+    "from_pint",
+    "from_topography",
+    "named",
+]
+
+# Most pixels of a map that is read.
+MOST_PIXELS = 1 << 26
+# Bytes that a compressed file may unpack to.
+_MOST_BYTES = 1 << 32
+_TEXT_OF_INSTRUMENTS = re.compile(
+    r"\A\s*aISO-|Wyko ASCII Data File|File Format\s*=\s*ASCII|^\s*Unit Data\s*=", re.MULTILINE
+)
+# Formats of SurfaceTopography that fit any bytes.
+_WITHOUT_MARK = {"hgt", "nms"}
+# Files that are texts, and nothing else.
+_TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
+# Characters in which the beginnings of files stand.
+_BEGINNING = 1 << 12
+# Pixels of images, m: a resolution for printing makes larger ones.
+_LARGEST_OF_IMAGES = 1e-5
+_PARK, _NODATA = 50432, 42113
+
+
+@dataclass
+class Raw:
+    """What a source says of a map.
+
+    `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
+    is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
+    unit belongs to the numbers.
+    """
+
+    heights: Any
+    pixel: tuple[float, float] | None = None
+    unit: str | None = None
+    channel: str = ""
+    assumed: str | None = None
+    unsaid: str = ""
+    fixed: bool = False
+    warnings: list[str] = field(default_factory=list)
+
+
+def from_path(path: Path, channel: str | None) -> Raw:
+    """The map of a file, by its first bytes.
+
+    Raises
+    ------
+    SceneError
+        It cannot be read, or has several maps of which none is named; the message begins with the path.
+    """
+    if not path.is_file():
+        raise SceneError(f"{path}: no such file")
+    with _blamed(path), _unpacked(path) as plain:
+        with plain.open("rb") as file:
+            beginning = file.read(_BEGINNING)
+        return _reader(plain, beginning)(plain, channel)
+
+
+def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
+    """What reads a file, by its first bytes."""
+    suffix = path.suffix.lower()
+    if not beginning:
+        raise SceneError("is empty")
+    if beginning.startswith(b"\x93NUMPY"):
+        return _numpy_array
+    if suffix == ".npz":
+        return _numpy_archive
+    if beginning.startswith(b"\x89HDF\r\n\x1a\n") and suffix != ".datx":
+        return _hdf5
+    if beginning.startswith(b"CDF"):
+        return _netcdf3
+    if beginning[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+") and suffix in (".tif", ".tiff"):
+        return _tiff
+    return _text_or_instrument
+
+
+@contextmanager
+def _blamed(path: Path) -> Iterator[None]:
+    """Blames what goes wrong in a block on a file, in one line."""
+    try:
+        yield
+    except StictionError as error:
+        said = str(error)
+        raise SceneError(said if said.startswith(str(path)) else f"{path}: {said}") from None
+    except MemoryError:
+        raise SceneError(f"{path}: is too large for the memory of this computer") from None
+    except Exception as error:
+        said = " ".join(str(error).split())[:200] or type(error).__name__
+        raise SceneError(f"{path}: is damaged, or no map: {said}") from error
+
+
+@contextmanager
+def _unpacked(path: Path) -> Iterator[Path]:
+    """The file itself, or what a gzip or zip file has inside, in a folder of its own."""
+    with path.open("rb") as file:
+        beginning = file.read(4)
+    if beginning.startswith(b"\x1f\x8b"):
+        inside = path.stem if path.suffix.lower() == ".gz" else path.name
+        with files.Folder() as folder, gzip.open(path, "rb") as packed:
+            yield _copied(packed, folder / inside)
+    elif beginning == b"PK\x03\x04" and path.suffix.lower() == ".zip":
+        with files.Folder() as folder, zipfile.ZipFile(path) as archive:
+            names = [
+                info for info in archive.infolist() if not info.is_dir() and "__MACOSX" not in info.filename
+            ]
+            if len(names) != 1:
+                listed = ", ".join(info.filename for info in names[:12])
+                raise SceneError(f"holds {len(names)} files, of which one has to be unpacked: {listed}")
+            with archive.open(names[0]) as packed:
+                yield _copied(packed, folder / Path(names[0].filename).name)
+    else:
+        yield path
+
+
+def _copied(packed: Any, target: Path) -> Path:
+    with target.open("wb") as file:
+        shutil.copyfileobj(_Limited(packed), file)
+    return target
+
+
+class _Limited:
+    """A file that ends with an error where it is longer than what is unpacked."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.file, self.left = file, _MOST_BYTES
+
+    def read(self, size: int = -1, /) -> bytes:
+        block = self.file.read(size)
+        self.left -= len(block)
+        if self.left < 0:
+            raise SceneError(f"unpacks to more than {_MOST_BYTES >> 30} GB")
+        return block
+
+
+def _within(shape: tuple[int, ...]) -> None:
+    if np.prod([float(length) for length in shape]) > MOST_PIXELS:
+        sizes = " x ".join(str(length) for length in shape)
+        raise SceneError(f"has {sizes} pixels, and {MOST_PIXELS} can be read here; cut or coarsen it")
+
+
+def _numpy_array(path: Path, channel: str | None) -> Raw:
+    _no_channel(channel)
+    mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    _within(mapped.shape)
+    return from_array("its array", np.array(mapped))
+
+
+def _numpy_archive(path: Path, channel: str | None) -> Raw:
+    with np.load(path, allow_pickle=False) as archive:
+        name = named(channel, archive.files, "array")
+        raw = from_array(f"its array {name}", archive[name])
+    raw.channel = name
+    return raw
+
+
+def _no_channel(channel: str | None) -> None:
+    if channel is not None:
+        raise SceneError(f"channel = {channel!r}: this file has a single map, without a name")
+
+
+def named(channel: str | None, names: list[str], what: str, called: str = "") -> str:
+    """The channel of a name or number, or the only one; messages begin with `called`.
+
+    Raises
+    ------
+    SceneError
+        None is named, or there is none of the name; the message lists them.
+    """
+    listed = ", ".join(f"{number}: {name}" for number, name in enumerate(names[:40]))
+    if channel is None and len(names) == 1:
+        return names[0]
+    if channel is None:
+        raise SceneError(
+            f"{called}has {len(names)} {what}s that may be maps; name the channel, one of {listed}"
+            if names
+            else f"{called}has no {what} of two dimensions that holds numbers"
+        )
+    if channel in names:
+        return channel
+    if channel.isdecimal() and int(channel) < len(names):
+        return names[int(channel)]
+    raise SceneError(f"{called}has no {what} {channel}; it has {listed or 'none that may be a map'}")
+
+
+def from_array(name: str, values: Any) -> Raw:
+    """Numbers without a unit as a map.
+
+    Raises
+    ------
+    SceneError
+        They are no real numbers.
+    """
+    try:
+        return Raw(quantities.reals(name, values))
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+
+
+def _hdf5(path: Path, channel: str | None) -> Raw:
+    """A dataset of HDF5 or netCDF4, which xarray reads by the conventions of CF."""
+    with h5py.File(path, "r") as file:
+        name = _dataset(file, channel)
+        stored.check_dataset(path, name, file[name])
+        _within(file[name].shape)
+        group, _, leaf = name.rpartition("/")
+        others = [
+            other
+            for other in file[group or "/"]
+            if other != leaf and not _is_coordinate(path, file[group or "/"], other)
+        ]
+    with xarray.open_dataset(
+        path,
+        group=group or "/",
+        engine="h5netcdf",
+        phony_dims="access",
+        decode_times=False,
+        drop_variables=others,
+    ) as opened:
+        raw = from_data_array(name, _placed(opened, leaf), None)
+    raw.channel = name
+    return raw
+
+
+def _dataset(file: h5py.File, channel: str | None) -> str:
+    """The path of a dataset in a file: one of two dimensions in the root, or in any group."""
+    found: list[str] = []
+    file.visititems(lambda name, item: found.append(name) if _is_map(item) else None)
+    if channel is None or channel.isdecimal():
+        return named(channel, [name for name in found if "/" not in name] or found, "dataset")
+    name = channel.strip("/")
+    link = file.get(name, getlink=True) if name in file else None
+    if isinstance(link, h5py.HardLink) and isinstance(file[name], h5py.Dataset):
+        return name
+    return named(channel, found, "dataset")
+
+
+def _is_map(item: Any) -> bool:
+    if not isinstance(item, h5py.Dataset) or item.shape is None:
+        return False
+    return sum(length > 1 for length in item.shape) == 2 and item.dtype.kind in "iuf"
+
+
+def _is_coordinate(path: Path, group: h5py.Group, name: str) -> bool:
+    """Whether a dataset may say where pixels are."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Dataset
+    ):
+        return False
+    item = group[name]
+    if item.shape is None or len(item.shape) != 1 or item.dtype.kind not in "iuf":
+        return False
+    stored.check_dataset(path, name, item)
+    return True
+
+
+def _netcdf3(path: Path, channel: str | None) -> Raw:
+    with xarray.open_dataset(path, engine="scipy", decode_times=False) as opened:
+        if "heights" in opened and "length" in opened.variables.get("x", xarray.Variable((), 0)).attrs:
+            return _instrument(path, channel)
+        name = named(
+            channel,
+            [str(name) for name, one in opened.data_vars.items() if one.squeeze().ndim == 2],
+            "variable",
+        )
+        _within(opened[name].shape)
+        raw = from_data_array(name, _placed(opened, name), None)
+    raw.channel = name
+    return raw
+
+
+def _placed(opened: xarray.Dataset, name: str) -> xarray.DataArray:
+    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides."""
+    array = opened[name].load().squeeze()
+    x, y = (opened.variables.get(axis) for axis in "xy")
+    if x is None or y is None or array.ndim != 2 or any(dim in array.coords for dim in array.dims):
+        return array
+    if x.dims != y.dims and (*x.dims, *y.dims) == array.dims:
+        array = array.transpose()
+    if (*y.shape, *x.shape) != array.shape:
+        return array
+    places = {axis: (axis, one.values, one.attrs) for axis, one in (("y", y), ("x", x))}
+    return xarray.DataArray(array.values, dims=("y", "x"), coords=places, attrs=array.attrs)
+
+
+def _unit(attrs: Any) -> str | None:
+    """The unit among attributes, whatever wrote it: bytes, an array of one element, a NumPy string."""
+    for name, given in attrs.items():
+        if str(name).lower() in ("units", "unit"):
+            value = np.ravel(np.asarray(given))
+            one = value[0] if value.size else ""
+            said = one.decode("utf-8", "replace") if isinstance(one, bytes) else str(one)
+            if said.strip("\0 "):
+                return said.strip("\0 ")
+    return None
+
+
+def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) -> Raw:
+    """A map whose coordinates say where its pixels are; `plain_unit` is the unit of coordinates without one.
+
+    Raises
+    ------
+    SceneError
+        It has no two dimensions, or coordinates that are not even.
+    """
+    array = array.squeeze()
+    if array.ndim == 2 and set(array.dims) == {"x", "y"}:
+        array = array.transpose("y", "x")
+    magnitudes = array.data if quantities.is_pint(array.data) else None
+    raw = from_pint(name, magnitudes) if magnitudes is not None else from_array(name, array.values)
+    raw.unit = raw.unit or _unit(array.attrs)
+    if array.ndim != 2:
+        return raw
+    sizes = []
+    for dim in reversed(array.dims):
+        coordinate = array.coords.get(dim)
+        if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
+            return raw
+        unit = _unit(coordinate.attrs)
+        step = _step(name, str(dim), coordinate.values.astype(float))
+        if unit is None and (plain_unit is None or step == 1.0):
+            raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units" if step != 1.0 else ""
+            return raw
+        scale = metres(unit or plain_unit or "")
+        if scale is None:
+            raw.unsaid = f"its coordinate {dim} is in {unit}"
+            return raw
+        sizes.append(step * scale)
+    raw.pixel = (sizes[0], sizes[1])
+    return raw
+
+
+def _step(name: str, dim: str, places: Any) -> float:
+    """The distance of places that are even but for their rounding."""
+    steps = np.diff(places)
+    mean = float(np.mean(steps))
+    if not np.all(np.isfinite(steps)) or mean == 0.0 or not np.allclose(steps, mean, rtol=1e-3, atol=0.0):
+        raise SceneError(f"{name}: its coordinate {dim} is not evenly spaced")
+    return abs(mean)
+
+
+def from_pint(name: str, values: Any) -> Raw:
+    """A pint quantity as a map: a length in m, or what it is in its own unit."""
+    if values.is_compatible_with("meter"):
+        raw = from_array(name, values.to("meter").magnitude)
+        raw.unit, raw.fixed = "m", True
+    else:
+        raw = from_array(name, values.magnitude)
+        raw.unit = f"{values.units:~}" or None
+    return raw
+
+
+def _tiff(path: Path, channel: str | None) -> Raw:
+    tifffile = extra("tifffile")
+    with tifffile.TiffFile(path) as file:
+        if _PARK in file.pages[0].tags:
+            return _instrument(path, channel)
+        names = [f"page {number}" for number in range(len(file.pages))]
+        page = file.pages[names.index(named(channel, names, "page"))]
+        if len(page.shape) != 2:
+            sizes = " x ".join(str(length) for length in page.shape)
+            raise SceneError(
+                f"is a picture of {sizes} values, as colours are; heights are one number per pixel"
+            )
+        _within(page.shape)
+        raw = from_array("its page", page.asarray())
+        missing = page.tags.get(_NODATA)
+        if missing is not None:
+            raw.heights[raw.heights == float(str(missing.value).strip("\0 "))] = np.nan
+        raw.pixel = _pixel_of_page(page, (file.imagej_metadata or {}).get("unit"))
+    raw.channel = f"page {page.index}"
+    return raw
+
+
+def _pixel_of_page(page: Any, unit: str | None) -> tuple[float, float] | None:
+    """The pixel by the tags of resolution, in the unit of ImageJ, or in inches or centimetres."""
+    tags = page.tags
+    if "XResolution" not in tags or "YResolution" not in tags:
+        return None
+    scale = metres(str(unit).encode().decode("unicode_escape")) if unit else None
+    if scale is None:
+        scale = {2: 0.0254, 3: 0.01}.get(int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1)
+    sizes = []
+    for name in ("XResolution", "YResolution"):
+        numerator, denominator = tags[name].value
+        if scale is None or numerator == 0 or scale * denominator / numerator > _LARGEST_OF_IMAGES:
+            return None
+        sizes.append(scale * denominator / numerator)
+    return sizes[0], sizes[1]
+
+
+def extra(module: str) -> Any:
+    """A library of the extra for maps.
+
+    Raises
+    ------
+    SceneError
+        It is not installed.
+    """
+    try:
+        return __import__(module)
+    except ImportError:
+        raise SceneError(f"{module} is needed to read it: `pip install stiction[maps]`") from None
+
+
+def _text_or_instrument(path: Path, channel: str | None) -> Raw:
+    data = path.read_bytes() if path.stat().st_size <= _MOST_BYTES else b"\0"
+    content = text.decoded(data)
+    if content is None:
+        return _instrument(path, channel)
+    if _TEXT_OF_INSTRUMENTS.search(content[:_BEGINNING]):
+        if content.lstrip().startswith("aISO-") and "," in content:
+            content = content.replace(",", ".")
+        with files.Folder() as folder:
+            copy = folder / path.name
+            copy.write_text(content, encoding="utf-8")
+            return _instrument(copy, channel)
+    try:
+        found = text.read(content, channel)
+    except text.NoNumbers:
+        if path.suffix.lower() in _TEXTS:
+            raise
+        return _instrument(path, channel)
+    unsaid = f"its cellsize {found.cell} has no unit" if found.cell and found.pixel is None else ""
+    return Raw(
+        found.heights, found.pixel, found.unit, found.channel or "", unsaid=unsaid, warnings=found.warnings
+    )
+
+
+def _instrument(path: Path, channel: str | None) -> Raw:
+    """A file of an instrument, as SurfaceTopography reads it."""
+    library = extra("SurfaceTopography")
+    try:
+        reader = library.open_topography(str(path))
+    except Exception as error:
+        unknown = type(error).__name__ == "CannotDetectFileFormat"
+        said = "none of its formats" if unknown else " ".join(str(error).split())[:200] or repr(error)
+        raise SceneError(f"SurfaceTopography cannot read it: {said}") from error
+    if reader.format() in _WITHOUT_MARK and path.suffix.lower() != f".{reader.format()}":
+        raise SceneError("SurfaceTopography cannot read it: none of its formats")
+    with reader:
+        channels = list(reader.channels)
+        # Channels whose data have no unit that is known have two of them, the other one of lengths.
+        heights = [one for one in channels if one.is_height_channel and not isinstance(one.unit, tuple)]
+        names = [one.channel_id for one in channels]
+        if channel is not None:
+            return _of_channel(channels[names.index(named(channel, names, "channel"))])
+        default = reader.default_channel.index
+        one = next((one for one in heights if one.index == default), (heights or channels)[0])
+        raw = _of_channel(one)
+        others = ", ".join(other.channel_id for other in heights if other.index != one.index)
+        if others:
+            raw.warnings.append(
+                f"of its heights the channel {one.channel_id} is read; there are {others}, too"
+            )
+        return raw
+
+
+def _of_channel(channel: Any) -> Raw:
+    """The map of a channel of SurfaceTopography."""
+    if channel.dim == 1:
+        raise SceneError(f"its channel {channel.name} is a line: {text.LINE_SCAN}")
+    # A size is needed to ask for the heights of a file that does not say it.
+    unknown = channel.physical_sizes is None
+    raw = from_topography(
+        "its map", channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
+    )
+    raw.channel, raw.pixel, raw.unsaid = channel.channel_id, None, ""
+    if isinstance(channel.unit, tuple):
+        lateral, raw.unit = channel.unit
+    else:
+        lateral = channel.unit
+        raw.unit = lateral if channel.is_height_channel else channel.data_unit
+    scale = metres(str(lateral))
+    if scale is not None and not unknown:
+        raw.pixel = (float(channel.pixel_size[0]) * scale, float(channel.pixel_size[1]) * scale)
+    return raw
+
+
+def from_topography(name: str, topography: Any) -> Raw:
+    """A topography of SurfaceTopography, whose first index is x.
+
+    Raises
+    ------
+    SceneError
+        It is a line scan, or uneven.
+    """
+    if topography.dim != 2:
+        raise SceneError(f"{name}: {text.LINE_SCAN}")
+    raw = from_array(name, topography.heights().T)
+    raw.unit = topography.unit
+    scale = metres(str(raw.unit))
+    width, height = (float(size) for size in topography.pixel_size)
+    if scale is not None:
+        raw.pixel = (width * scale, height * scale)
+    elif raw.unit is None:
+        raw.unsaid = "the topography has no unit"
+    return raw

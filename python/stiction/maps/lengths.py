@@ -1,0 +1,175 @@
+"""Lengths as people write them: units with any code point, pixels, factors of heights."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import quantities
+from ..errors import SceneError
+
+__all__ = ["Factor", "factor", "length", "metres", "pixel_size", "power_of_ten"]
+
+_SYMBOLS = {"f": -15, "p": -12, "n": -9, "u": -6, "\u03bc": -6, "~": -6, "m": -3, "c": -2, "": 0, "k": 3}
+_WORDS = {"femto": -15, "pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "": 0, "kilo": 3}
+_ANGSTROM = {"\u00e5", "angstrom", "\u00e5ngstr\u00f6m"}
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?"
+# Sizes of pixels, m, that a map may have.
+_SMALLEST, _LARGEST = 1e-13, 1e3
+
+
+@dataclass
+class Factor:
+    """What the numbers of a map are multiplied by: `per` is the unit that they then no longer have."""
+
+    scale: float
+    is_length: bool = False
+    per: str | None = None
+
+
+def power_of_ten(unit: str) -> int | None:
+    """The power of ten of m that a unit of length is; None if it is none.
+
+    Examples
+    --------
+    >>> [power_of_ten(unit) for unit in ("nm", "\u00b5m", "\u03bcm", "[um]", "Micrometers", "\u212b", "V")]
+    [-9, -6, -6, -6, -6, -10, None]
+    """
+    # One code point for the micro sign and the Greek letter, and one for the angstrom sign and the letter.
+    plain = unicodedata.normalize("NFKC", unit).strip().strip("[]()").strip()
+    if plain[-1:] == "m" and plain[:-1] in _SYMBOLS:
+        return _SYMBOLS[plain[:-1]]
+    word = re.sub(r"[\s_]", "", plain).lower()
+    singular = word.removesuffix("s")
+    if singular in _ANGSTROM:
+        return -10
+    if singular == "micron":
+        return -6
+    for ending in ("meter", "metre"):
+        if singular.endswith(ending):
+            return _WORDS.get(singular.removesuffix(ending))
+    return None
+
+
+def metres(unit: str) -> float | None:
+    """A unit of length in m; None if it is none.
+
+    Examples
+    --------
+    >>> metres("nanometer"), metres("deg")
+    (1e-09, None)
+    """
+    power = power_of_ten(unit)
+    return None if power is None else float(f"1e{power}")
+
+
+def length(name: str, value: Any) -> float:
+    """A length in m from a number in m, a text with its unit, or a pint quantity.
+
+    Raises
+    ------
+    SceneError
+        It is no length; the message begins with `name`.
+
+    Examples
+    --------
+    >>> length("pixel", "9.8 nm"), length("pixel", 1e-8)
+    (9.8e-09, 1e-08)
+    """
+    if isinstance(value, str):
+        found = re.fullmatch(rf"{_NUMBER}\s*(\D.*)", value.strip())
+        power = None if found is None else power_of_ten(found[3])
+        if found is None or power is None:
+            raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "10 nm"')
+        return float(f"{found[1]}e{int(found[2] or 0) + power}")
+    try:
+        return float(np.asarray(quantities.in_si(name, value, "m"), dtype=float).item())
+    except (TypeError, ValueError) as error:
+        said = str(error) if str(error).startswith(name) else f"{name} = {value!r}: a length in m is needed"
+        raise SceneError(said) from None
+
+
+def pixel_size(value: Any) -> tuple[float, float]:
+    """Width and height of a pixel, m.
+
+    Parameters
+    ----------
+    value : float, str, pint.Quantity, or one or two of them as a list, tuple or array
+        A width, or a width and a height: numbers in m, or texts with a unit, as ``"10 nm"`` and
+        ``"10 nm, 12 nm"``.
+
+    Raises
+    ------
+    SceneError
+        It is neither one length nor two, or no size that pixels have.
+
+    Examples
+    --------
+    >>> pixel_size("10 nm"), pixel_size("10 nm,12 nm"), pixel_size([1e-8, 2e-8])
+    ((1e-08, 1e-08), (1e-08, 1.2e-08), (1e-08, 2e-08))
+    """
+    if isinstance(value, np.ndarray) and value.dtype.kind in "OSU":
+        value = value.ravel().tolist()
+    if isinstance(value, str):
+        sizes = [length("pixel", one) for one in value.split(",")]
+    elif isinstance(value, list | tuple):
+        sizes = [length("pixel", one) for one in value]
+    else:
+        try:
+            inside = np.ravel(np.asarray(quantities.in_si("pixel", value, "m"), dtype=float))
+        except (TypeError, ValueError) as error:
+            said = str(error)
+            raise SceneError(said if said.startswith("pixel") else f"pixel = {value!r}: no length") from None
+        sizes = [float(one) for one in inside]
+    if len(sizes) not in (1, 2):
+        raise SceneError(f"pixel = {value!r}: a width, or a width and a height, is needed")
+    for size in sizes:
+        if not _SMALLEST <= size <= _LARGEST:
+            raise SceneError(
+                f"pixel = {value!r}: a pixel is between {_SMALLEST:g} and {_LARGEST:g} m; numbers are in m, "
+                'a text has its unit, such as "10 nm"'
+            )
+    return sizes[0], sizes[-1]
+
+
+def factor(value: Any) -> Factor:
+    """What `factor` says: a number, a length such as ``"0.5 nm"``, or one per unit such as ``"0.5 nm/V"``.
+
+    Raises
+    ------
+    SceneError
+        It is none of these, or not finite, or 0.
+
+    Examples
+    --------
+    >>> factor("0.5 nm/V")
+    Factor(scale=5e-10, is_length=True, per='V')
+    """
+    if quantities.is_pint(value):
+        found = _of_pint(value)
+    elif isinstance(value, str):
+        number, slash, per = value.partition("/")
+        plain = re.fullmatch(_NUMBER, number.strip())
+        found = Factor(float(number)) if plain and not slash else Factor(length("factor", number), True)
+        found.per = per.strip() or None
+    else:
+        try:
+            found = Factor(float(value))
+        except (TypeError, ValueError):
+            raise SceneError(
+                f'factor = {value!r}: a number is needed, or a text such as "0.5 nm/V"'
+            ) from None
+    if not np.isfinite(found.scale) or found.scale == 0.0:
+        raise SceneError(f"factor = {value!r}: a finite number other than 0 is needed")
+    return found
+
+
+def _of_pint(value: Any) -> Factor:
+    for unit, is_length, per in (("", False, None), ("meter", True, None), ("meter/volt", True, "V")):
+        if value.is_compatible_with(unit or "dimensionless"):
+            return Factor(float(value.to(unit or "dimensionless").magnitude), is_length, per)
+    raise SceneError(f"factor = {value}: a length is needed, or a length per volt")

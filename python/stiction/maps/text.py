@@ -1,0 +1,538 @@
+"""Height maps in texts: their dialect and header are found here, and pandas reads the numbers."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from .lengths import metres, power_of_ten
+
+__all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "decoded", "read"]
+
+_Array = NDArray[np.float64]
+
+# What instruments, spreadsheets and programs write where there is no height. All else that is no number is
+# refused.
+_MISSING = frozenset({
+    "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na",
+    "#nv", "1.#qnan", "-1.#ind", "1.#ind", "<na>",
+})  # fmt: skip
+# Characters that no text has.
+_CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
+_SPELLINGS = sorted(
+    {spelt(mark) for mark in _MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
+)
+_COMMENTS = ("#", "%", "//")
+# An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!.
+_SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*")
+_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+# What decimal commas show somewhere, and commas of thousands nowhere.
+_DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
+# Lines, cells of a line and characters that a dialect is found by.
+_SAMPLE, _CELLS, _SHOWN = 200, 40, 200
+LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
+
+# Labels of headers. Gwyddion translates its own.
+_LABELS = {
+    "channel": "Channel|Kanál|Kanal|Canal|Canale|チャネル|채널|Канал",
+    "width": "Width|Šířka|Breite|Anchura|Largeur|Larghezza|幅|폭|Largura|Ширина|X Amplitude|x-length",
+    "height": "Height|Výška|Höhe|Altura|Hauteur|Altezza|高さ|높이|Высота|Y Amplitude|y-length",
+    "unit": "Value units|Jednotky hodnot|Einheiten|Unités|unità valore|値の単位|값 단위|Unidades de valor"
+    "|Единицы измерения|z-unit|data unit",
+    "lateral": "Lateral units",
+}
+# Keys that blanks may separate from their values, as in grids of ESRI.
+_KEYS = {
+    "columns": "ncols|Number of columns|x-pixels",
+    "rows": "nrows|Number of rows|y-pixels",
+    "missing": "no_?data(?:[_ ]?value)?|missing_value|_FillValue",
+    "cell": "cellsize|pixel size",
+    "scale": r"height conversion factor \(-> *m\)",
+}
+_HEADER = {
+    name: re.compile(rf"(?:{labels})\s*{colon}\s*(.+)", re.IGNORECASE)
+    for known, colon in ((_LABELS, "[:=：]"), (_KEYS, "[:=：\\s]"))
+    for name, labels in known.items()
+}
+_AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
+_MOST_AXES = 6
+_AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
+# What ESRI takes for NODATA_value where a grid does not say it.
+_ESRI_MISSING = -9999.0
+# Numbers to their last bit, which pandas gives from 3 on by itself.
+_EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
+# The share of a step by which places of points may be off their grid.
+_OFF = 0.02
+
+
+class NoNumbers(SceneError):
+    """A text has no row of numbers."""
+
+
+@dataclass
+class TextMap:
+    """What a text says: heights in `unit` and the pixel in m, as far as it says them; `cell` has no unit."""
+
+    heights: _Array
+    pixel: tuple[float, float] | None = None
+    unit: str | None = None
+    channel: str | None = None
+    warnings: list[str] = field(default_factory=list)
+    cell: str = ""
+
+
+@dataclass
+class _Block:
+    """The rows of one map, by the numbers of their lines, below what the header has said so far."""
+
+    header: dict[str, str]
+    axes: list[str | None] | None = None
+    lines: list[int] = field(default_factory=list)
+
+
+@dataclass
+class _Dialect:
+    """`separator` is None for blanks; `columns` is how many cells most lines have."""
+
+    separator: str | None
+    columns: int = 0
+    trailing: bool = False
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line, without quotes and blanks around them."""
+        if self.separator is None:
+            return [cell.strip('"') for cell in line.split()]
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
+        return cells[:-1] if self.trailing and cells and cells[-1] == "" else cells
+
+    def count(self, line: str) -> int:
+        if '"' in line:
+            return len(self.cells(line))
+        if self.separator is None:
+            return len(line.split())
+        return line.count(self.separator) + 1 - (self.trailing and line.rstrip(" ")[-1:] == self.separator)
+
+
+def decoded(data: bytes) -> str | None:
+    """The text of a file by its byte order mark, as UTF-16, UTF-8 or Windows-1252; None if it is no text.
+
+    Examples
+    --------
+    >>> decoded("1\\t2".encode("utf-16")), decoded("5 µm".encode("cp1252")), decoded(b"\\x00\\x01\\x02")
+    ('1\\t2', '5 µm', None)
+    """
+    coding: str | None = None
+    for mark, name in (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    ):
+        if data.startswith(mark):
+            coding = name
+    beginning = data[:4096]
+    if coding is None and b"\0" in beginning:
+        # Texts of UTF-16 without a mark have a NUL in every other byte.
+        odd, even = beginning[1::2].count(0), beginning[0::2].count(0)
+        if max(odd, even) < 4 * min(odd, even) + len(beginning) // 4:
+            return None
+        coding = "utf-16-le" if odd > even else "utf-16-be"
+    if coding is None and len(data.translate(None, _CONTROLS)) < len(data):
+        return None
+    for name in (coding,) if coding else ("utf-8", "cp1252", "latin-1"):
+        try:
+            text = data.decode(name)
+        except UnicodeDecodeError:
+            continue
+        return text.rstrip("\x1a")
+    return None
+
+
+def read(text: str, channel: str | None = None) -> TextMap:
+    """The map, or the one of the channel, that a text has.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    channel : str, optional
+        Name or number (from 0) of the map, of a text that has several.
+
+    Raises
+    ------
+    SceneError
+        It is no map; the message has line and column.
+    """
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").replace("−", "-").split("\n")
+    reader = _Reader(lines)
+    return reader.map(_chosen(reader.blocks(), channel))
+
+
+def _chosen(blocks: list[_Block], channel: str | None) -> _Block:
+    names = [block.header.get("channel", f"map {number}") for number, block in enumerate(blocks)]
+    listed = ", ".join(f"{number}: {name}" for number, name in enumerate(names))
+    if channel is None:
+        if len(blocks) > 1:
+            raise SceneError(f"has {len(blocks)} maps; name the channel, one of {listed}")
+        return blocks[0]
+    if channel in names:
+        return blocks[names.index(channel)]
+    if channel.isdecimal() and int(channel) < len(blocks):
+        return blocks[int(channel)]
+    raise SceneError(f"has no channel {channel}; it has {listed}")
+
+
+class _Reader:
+    """Lines of a text, and how their cells are separated."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.lines = lines
+        self.warnings: list[str] = []
+        self.dialect = _dialect(
+            [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+        )
+
+    def blocks(self) -> list[_Block]:
+        """The maps of the text. Every line between numbers is a row, and every line as long as rows are."""
+        header: dict[str, str] = {}
+        blocks = [_Block(header)]
+        for number, line in enumerate(self.lines):
+            plain = line.strip()
+            if not plain:
+                continue
+            block = blocks[-1]
+            if self._is_comment(plain):
+                said = _said(plain.lstrip("#%/ "))
+                self._is_axes(plain.lstrip("#%/ "), block)
+                if "channel" in said and block.lines:
+                    header = {}
+                    blocks.append(_Block(header))
+                header |= said
+                continue
+            if not block.lines and self._is_header(number, line, block):
+                header |= _said(plain)
+                continue
+            block.lines.append(number)
+        blocks = [block for block in blocks if block.lines]
+        if not blocks:
+            raise NoNumbers("holds no row of numbers; a text has a row of the map on each line")
+        return blocks
+
+    def _is_comment(self, line: str) -> bool:
+        if not line.startswith(_COMMENTS):
+            return False
+        cells = self.dialect.cells(line)
+        row = len(cells) == self.dialect.columns and _SHEET_ERROR.fullmatch(cells[0]) is not None
+        return not (row and all(_is_value(cell) for cell in cells[1:]))
+
+    def _is_header(self, number: int, line: str, block: _Block) -> bool:
+        """Whether a line before the rows belongs to the header; numbers are never taken for one."""
+        if self._is_axes(line, block):
+            return True
+        cells = self.dialect.cells(line)
+        if len(cells) == self.dialect.columns:
+            return False
+        if all(_is_value(cell) for cell in cells) and any(_NUMBER.fullmatch(cell) for cell in cells):
+            # Names of columns that count, above rows that begin with the name of a row, are looked at later.
+            return False
+        return True
+
+    def _is_axes(self, line: str, block: _Block) -> bool:
+        """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
+        found = _AXIS.findall(line)
+        axes = [_AXES.get(name.lower()) for name, _ in found]
+        units = [unit for _, unit in found]
+        if not {"x", "y", "z"} <= set(axes) or block.lines:
+            return False
+        # The column of names of rows of pandas has none itself.
+        unnamed = self.dialect.columns - len(axes)
+        if unnamed not in (0, 1) or len(axes) > _MOST_AXES:
+            return False
+        block.header |= {"lateral": units[axes.index("x")], "unit": units[axes.index("z")]}
+        block.axes = [*([None] * unnamed), *axes]
+        return True
+
+    def map(self, block: _Block) -> TextMap:
+        """The map of a block: a grid, or points on one."""
+        numbers, header = list(block.lines), block.header
+        names_of_columns = self._short_names(numbers)
+        columns = self.dialect.columns
+        if (len(numbers) == 1 or columns < 3) and "width" not in header:
+            raise SceneError(f"has {columns} numbers on each of {len(numbers)} lines: {LINE_SCAN}")
+        self._check_lengths(numbers)
+        values = self._numbers(numbers)
+        warnings = self.warnings
+        are_points = block.axes is not None or (columns == 3 and "width" not in header)
+        if "scale" in header:
+            values *= _number_of(header["scale"])
+            header["unit"] = "m"
+        if not are_points:
+            values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
+            warnings += said
+        if header.get("missing") or "cell" in header:
+            missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
+            values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
+        if not are_points:
+            return _grid(values, header, warnings)
+        if block.axes is not None:
+            if block.axes[0] is None and not _counting(values[:, 0]):
+                raise SceneError(f"its header names {columns - 1} columns, and there are {columns}")
+            values = values[:, [block.axes.index(axis) for axis in ("x", "y", "z")]]
+        return _points(values, header, warnings)
+
+    def _short_names(self, numbers: list[int]) -> bool:
+        """Takes away a first line that has a cell fewer than the rows and counts: the names of columns."""
+        cells = self.dialect.cells(self.lines[numbers[0]])
+        counts = [_number_of(cell) for cell in cells]
+        if len(numbers) > 1 and len(cells) == self.dialect.columns - 1 and _counting(np.array(counts)):
+            first = [
+                _number_of(next(iter(self.dialect.cells(self.lines[number])), "")) for number in numbers[1:]
+            ]
+            if _counting(np.array(first)):
+                del numbers[0]
+                return True
+        return False
+
+    def _check_lengths(self, numbers: list[int]) -> None:
+        for number in numbers:
+            count = self.dialect.count(self.lines[number])
+            if count == self.dialect.columns:
+                continue
+            cells = self.dialect.cells(self.lines[number])
+            words = [cell for cell in cells if not _is_value(cell)]
+            what = f"`{_shown(words[0])}` is not a number" if words else f"has {count} numbers"
+            raise SceneError(
+                f"line {number + 1}: {what}, and most lines have {self.dialect.columns} numbers; "
+                "lines that are no rows begin with #"
+            )
+
+    def _numbers(self, numbers: list[int]) -> _Array:
+        """The numbers of rows, by pandas; of what is none line and column are found."""
+        separator = self.dialect.separator or " "
+        rows: Iterator[str] = (self.lines[number] for number in numbers)
+        if any('"' in self.lines[number] for number in numbers):
+            separator = "\t"
+            rows = ("\t".join(self.dialect.cells(self.lines[number])) for number in numbers)
+        body = "\n".join(rows).encode()
+        decimal = "," if separator != "," and b"," in body and b"." not in body else "."
+        if decimal == "," and not _DECIMALS.search(body):
+            self.warnings.append(
+                "its commas are read as decimal ones: if they part thousands, leave them out"
+            )
+        blanks = self.dialect.separator is None and separator == " "
+        try:
+            table = pd.read_csv(
+                io.BytesIO(body), sep=r"\s+" if blanks else separator, header=None, dtype=np.float64,
+                decimal=decimal, na_values=_SPELLINGS,
+                keep_default_na=False, skip_blank_lines=False, skipinitialspace=True, quoting=csv.QUOTE_NONE,
+                usecols=range(self.dialect.columns), **_EXACT,
+            )  # fmt: skip
+            values: _Array = table.to_numpy()
+        except (ValueError, OverflowError):
+            self._refuse(numbers, decimal)
+            raise SceneError("holds what is not a number") from None
+        self._check_finite(values, numbers)
+        return values
+
+    def _check_finite(self, values: _Array, numbers: list[int]) -> None:
+        rows, columns = np.nonzero(np.isinf(values))
+        if rows.size:
+            raise SceneError(
+                f"line {numbers[rows[0]] + 1}, column {columns[0] + 1}: the height is infinite; "
+                "nan is a missing one"
+            )
+
+    def _refuse(self, numbers: list[int], decimal: str) -> None:
+        """Names the first cell that is not a number."""
+        for number in numbers:
+            for column, cell in enumerate(self.dialect.cells(self.lines[number])):
+                if _is_value(cell) and (decimal == "," or "," not in cell):
+                    continue
+                advice = "names of columns and other lines that are no rows begin with #"
+                if "," in cell and _NUMBER.fullmatch(cell):
+                    advice = (
+                        "there are decimal points, too; decimal commas have to be in all numbers or in none"
+                    )
+                elif number > numbers[0] or column > 0:
+                    advice = "nan is a missing height; " + advice
+                raise SceneError(
+                    f"line {number + 1}, column {column + 1}: `{_shown(cell)}` is not a number; {advice}"
+                )
+
+
+def _shown(cell: str) -> str:
+    return cell if len(cell) <= 40 else cell[:40] + "..."
+
+
+def _is_value(cell: str) -> bool:
+    return cell.lower() in _MISSING or _NUMBER.fullmatch(cell) is not None
+
+
+def _number_of(text: str) -> float:
+    """The number that a text begins with, be it with a decimal comma; NaN without one."""
+    found = re.match(r"\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)", text)
+    return float(found[1].replace(",", ".")) if found else np.nan
+
+
+def _dialect(lines: list[str]) -> _Dialect:
+    """How the cells of lines are separated, and how many most have, by the last lines: headers come first."""
+    best, most, rows = _Dialect(None), 0, []
+    for dialect in (_Dialect("\t"), _Dialect(";"), _Dialect(","), _Dialect(None)):
+        of_numbers = [line for line in lines[-_SAMPLE:] if _has_numbers(dialect, line)]
+        if len(of_numbers) > most:
+            best, most, rows = dialect, len(of_numbers), of_numbers
+    if best.separator is not None:
+        best.trailing = all(line.rstrip(" ").endswith(best.separator) for line in rows)
+    counts = Counter(best.count(line) for line in rows)
+    # Of two that are as frequent the longer one.
+    best.columns = max(counts, key=lambda count: (counts[count], count), default=0)
+    return best
+
+
+def _has_numbers(dialect: _Dialect, line: str) -> bool:
+    """Whether the separator is in a line, and more numbers than words are between it."""
+    separator = dialect.separator
+    if separator is not None and separator not in line:
+        return False
+    if separator == "," and len(line.split()) > 1 and not re.search(r",\s|\s,", line.strip()):
+        # Blanks separate 1,5 2,5, and never follow a comma.
+        return False
+    cells = [cell for cell in dialect.cells(line)[:_CELLS] if cell]
+    numbers = sum(_is_value(cell) for cell in cells)
+    return 2 * numbers > len(cells)
+
+
+def _said(line: str) -> dict[str, str]:
+    """What counts of a line of a header."""
+    found = {name: pattern.fullmatch(line) for name, pattern in _HEADER.items()}
+    return {name: value[1].strip() for name, value in found.items() if value is not None}
+
+
+def _counting(values: _Array) -> bool:
+    """Whether values count by one from 0 or 1."""
+    return values.size > 1 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
+
+
+def _even(values: _Array) -> bool:
+    """Whether values rise or fall evenly."""
+    steps = np.diff(values)
+    if values.size < 4 or not np.all(np.isfinite(steps)) or steps[0] == 0.0:
+        return False
+    return bool(np.all(np.abs(steps - steps[0]) <= 1e-6 * abs(steps[0])))
+
+
+def _names(values: _Array) -> bool:
+    """Whether the first row rises or falls evenly, as names and places do, and no other row does."""
+    if not _even(values[0]):
+        return False
+    step = values[0, 1] - values[0, 0]
+    others = np.abs(np.diff(values[1:], axis=1) - step) <= 1e-6 * abs(step)
+    return not bool(others.all(axis=1).any())
+
+
+def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, list[str]]:
+    """The heights without names of columns and rows that count, as pandas writes them, and what was left out.
+
+    Others that rise or fall evenly are refused: they may be places, and may be heights.
+    """
+    if min(values.shape) < 4:
+        return values, []
+    said = []
+    if not named and _counting(values[0, 1:]) and _counting(values[1:, 0]):
+        values, named = values[1:], True
+        said = [f"line {line} has the names of columns: left out"]
+    if named:
+        return values[:, 1:], [*said, f"column 1 has the names of rows, from {values[0, 0]:g} on: left out"]
+    for part, where in ((values, f"line {line}"), (values.T, "column 1")):
+        if _counting(part[0]) and _names(part):
+            said = [f"{where} counts from {part[0, 0]:g} to {part[0, -1]:g}, as names do: left out"]
+            rest, more = _without_labels(values[1:] if part is values else values[:, 1:], line + 1, False)
+            return rest, said + more
+        if _names(part) or _names(part[:, 1:]):
+            raise SceneError(
+                f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, "
+                "as names or places do and heights do not; "
+                "take it out, "
+                + ("or begin it with #" if part is values else "or write the map with numpy.save")
+            )
+    return values, []
+
+
+def _grid(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+    rows, columns = values.shape
+    for name, count in (("rows", rows), ("columns", columns)):
+        stated = _number_of(header.get(name, ""))
+        if not np.isnan(stated) and stated != count:
+            raise SceneError(f"its header says {stated:g} {name}, and there are {count}")
+    sizes = [_length_of(header.get(name, "")) for name in ("width", "height")]
+    cell = _length_of(header.get("cell", ""))
+    pixel = (cell, cell) if cell is not None else None
+    if sizes[0] is not None and sizes[1] is not None:
+        pixel = (sizes[0] / columns, sizes[1] / rows)
+    return TextMap(values, pixel, header.get("unit"), header.get("channel"), warnings, header.get("cell", ""))
+
+
+def _length_of(text: str) -> float | None:
+    """A length of a header in m, be it with a decimal comma; None without a unit, or if it is not above 0."""
+    found = re.fullmatch(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+))(?:[eE]([-+]?\d+))?\s*(\D+)", text)
+    power = None if found is None else power_of_ten(found[3])
+    if found is None or power is None:
+        return None
+    value = float(f"{found[1].replace(',', '.')}e{int(found[2] or 0) + power}")
+    return value if value > 0.0 else None
+
+
+def _points(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+    """Points x, y, z on a grid as a map: y from row to row, x along the rows, both rising."""
+    places, steps = [], []
+    for axis, name in enumerate("xy"):
+        index, step = _places(values[:, axis], name)
+        places.append(index)
+        steps.append(step)
+    x, y = places
+    shape = (int(y.max()) + 1, int(x.max()) + 1)
+    if len(x) < shape[0] * shape[1] / 2 or min(shape) < 2:
+        raise SceneError(
+            f"its {len(x)} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; only regular lists"
+            " of points are read"
+        )
+    heights = np.full(shape, np.nan)
+    taken = np.zeros(shape, dtype=bool)
+    taken[y, x] = True
+    if taken.sum() != len(x):
+        raise SceneError(f"{len(x) - int(taken.sum())} of its points x, y, z have the place of another one")
+    heights[y, x] = values[:, 2]
+    unit = metres(header.get("lateral", ""))
+    pixel = None if unit is None else (steps[0] * unit, steps[1] * unit)
+    if len(x) < taken.size:
+        warnings.append(f"{taken.size - len(x)} of {taken.size} places of the grid have no point: missing")
+    return TextMap(heights, pixel, header.get("unit") or None, header.get("channel"), warnings)
+
+
+def _places(values: _Array, name: str) -> tuple[NDArray[np.intp], float]:
+    """Which row or column of a grid each value is on, and their distance."""
+    if not np.all(np.isfinite(values)):
+        raise SceneError(f"a point x, y, z has no {name}")
+    known = np.unique(values)
+    steps = np.diff(known)
+    if steps.size == 0:
+        raise SceneError(f"all points x, y, z have one {name}: a line scan has a spectrum, but no asperities")
+    # Rounding makes several values of one: steps that are far smaller than the largest are none.
+    step = float(np.median(steps[steps > 0.2 * steps.max()]))
+    index = (values - known[0]) / step
+    rounded = np.rint(index)
+    if np.abs(index - rounded).max() > max(_OFF, 1e-6 * rounded.max()) or rounded.max() >= 1 << 26:
+        raise SceneError(
+            f"its points x, y, z are no grid: {name} has no even steps; only regular lists of points are read"
+        )
+    step = float((known[-1] - known[0]) / rounded.max())
+    return rounded.astype(np.intp), step

@@ -4,7 +4,6 @@
 their asperities from. NumPy and `scipy.ndimage` do the work.
 """
 
-from .ellipsoids import forces_of_spheres, hertz_radius
 from .find import find_asperities
 
-__all__ = ["find_asperities", "forces_of_spheres", "hertz_radius"]
+__all__ = ["find_asperities"]

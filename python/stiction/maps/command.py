@@ -12,10 +12,10 @@ from ..errors import StictionError
 from ..terminal import ended
 from .figure import draw
 from .file import write
-from .find import check_outputs, found_on, steps_of
 from .level import LEVELS, ROWS
 from .reading import read_map
 from .summary import summary
+from .surface import check_outputs, found_on, steps_of
 
 __all__ = ["main"]
 

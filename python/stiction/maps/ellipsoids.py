@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, special
+from scipy import special
 
 from .summits import Summits
 
@@ -31,6 +31,9 @@ def hertz_radius(sharp: float, blunt: float) -> float:
     >>> round(hertz_radius(2e6, 2e6) * 2e6, 14)
     1.0
     """
+    # The summary alone needs it, and it takes longer to import than all else here.
+    from scipy import optimize
+
     ratio = max(sharp / blunt, 1.0)
 
     def off(log_k: float) -> float:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from .. import files
-from .find import Surface
 from .level import Grid
 from .summits import Summits, summits
+from .surface import Surface
 
 __all__ = ["draw"]
 

@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 
 from .. import files
-from .find import Surface
 from .layout import FORMAT, VARIABLES, VERSION
+from .surface import Surface
 
 __all__ = ["write"]
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from .. import quantities
 from .ellipsoids import forces_of_spheres
-from .find import AtCutoff, Surface
 from .level import LEVELS, ROWS
+from .surface import AtCutoff, Surface
 
 __all__ = ["summary"]
 

@@ -428,7 +428,7 @@ def test_large_maps_take_seconds_and_a_dozen_of_their_size():
     """1024 x 1024 pixels: time of the processor, and memory that is allocated, over 8 bytes of a pixel."""
     script = """
 import time, tracemalloc, numpy as np
-from stiction.maps.find import Steps, found_on
+from stiction.maps.surface import Steps, found_on
 from stiction.maps.reading import HeightMap
 z = 1e-9 * np.random.default_rng(0).normal(size=(1024, 1024))
 of = HeightMap(z, (1e-8, 1e-8), "map", "array"), Steps(level_rows="median", smooth=8e-8, prominence=1e-11)

@@ -10,14 +10,14 @@ import pytest
 from conftest import ROOT
 
 from stiction import SceneError
-from stiction.maps import forces_of_spheres, hertz_radius
-from stiction.maps.find import Steps, found_on
+from stiction.maps.ellipsoids import forces_of_spheres, hertz_radius
 from stiction.maps.level import Grid, flaws, levelled, offset_lines, rows_levelled
 from stiction.maps.prominence import prominences
 from stiction.maps.reading import HeightMap
 from stiction.maps.smooth import cutoff_series, smoothed
 from stiction.maps.spectrum import Moments, equivalent, moments
 from stiction.maps.summits import apart, summits
+from stiction.maps.surface import Steps, found_on
 
 
 def grid(heights, pixel=(1e-9, 1e-9), resolution=None):

@@ -345,6 +345,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"large um\"", &["does not begin with a number"]),
     ("poisson_ratio = 0.27", "poisson_ratio = nan", &["`material.poisson_ratio = nan`", "finite"]),
     ("poisson_ratio = 0.27", "poisson_ratio = 0.7", &["at most 0.5"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = \"70 %\"", &["at most 0.5"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = \"27 % or so\"", &["is a string, a number is needed"]),
     ("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"-0.5 nm\"", &["must not be negative"]),
     (
         "surface_height_std = \"1.619 nm\"",

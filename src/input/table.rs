@@ -1,0 +1,327 @@
+//! Plain CSV tables: commas between columns, points in numbers, UTF-8, a name above each column with its unit if it
+//! has one, comments behind `#`. Other dialects are refused by name: the Python package reads them.
+
+use crate::scene::units::is_unit;
+use csv::{Reader, ReaderBuilder, StringRecord, StringRecordsIntoIter, Trim};
+
+/// What would do where a table is of another dialect.
+const PLAIN: &str = "save it as CSV with commas between columns and points in numbers";
+/// What spreadsheets and people write where nothing was measured, in lower case; their errors besides.
+const GAPS: [&str; 9] = ["", "na", "n/a", "nan", "null", "none", "-", "--", "---"];
+/// Errors of spreadsheets that do not end like the others.
+const ERRORS: [&str; 6] = ["#N/A", "#NA", "#NV", "#N/V", "#ND", "#N/D"];
+
+/// A table that is read row by row.
+#[derive(Debug)]
+pub struct Table<'a> {
+    /// What stands above the columns; none of a table without names.
+    pub heads: Vec<Head>,
+    reader: Reader<&'a [u8]>,
+    first: StringRecord,
+}
+
+/// What stands above a column.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Head {
+    /// All of it.
+    pub text: String,
+    /// It without the unit.
+    pub name: String,
+    /// The unit, in brackets, behind a space or behind an underline.
+    pub unit: Option<String>,
+}
+
+/// A row and its place.
+#[derive(Debug)]
+pub struct Row {
+    /// The line, from 1.
+    pub line: usize,
+    /// The texts in the columns.
+    pub fields: StringRecord,
+}
+
+/// The reason why a field is no number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoNumber {
+    /// Nothing, or what stands for nothing.
+    Gap,
+    /// It has a comma.
+    Comma,
+    /// Any other text.
+    Text,
+}
+
+impl NoNumber {
+    /// It in words, behind "is".
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Gap => "a gap: fill it, or take the line out",
+            Self::Comma => "a number with a comma: save the table as CSV with points in numbers",
+            Self::Text => "not a number",
+        }
+    }
+}
+
+/// The text of a table.
+///
+/// # Errors
+/// It is in UTF-16 or in no encoding that is known here.
+pub fn decoded(bytes: Vec<u8>) -> Result<String, String> {
+    let is_utf16 = |bytes: &[u8]| {
+        matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || bytes.iter().take(64).any(|&byte| byte == 0)
+    };
+    String::from_utf8(bytes).map_or_else(
+        |error| {
+            if is_utf16(error.as_bytes()) {
+                return Err("is a text in UTF-16; save it in UTF-8".to_owned());
+            }
+            let place = error.utf8_error().valid_up_to() + 1;
+            Err(format!("is not a text in UTF-8: byte {place} belongs to no character"))
+        },
+        |text| if is_utf16(text.as_bytes()) { Err("is a text in UTF-16; save it in UTF-8".to_owned()) } else { Ok(text) },
+    )
+}
+
+impl<'a> Table<'a> {
+    /// The table of a text whose first line has the names.
+    ///
+    /// # Errors
+    /// The problem, behind its line; nothing of the text is in it.
+    pub fn named(text: &'a str) -> Result<Self, String> {
+        let table = Self::new(text)?;
+        let heads: Vec<Head> = table.first.iter().map(Head::new).collect();
+        for (i, head) in heads.iter().enumerate().filter(|(_, head)| !head.name.is_empty()) {
+            if let Some(j) = heads[..i].iter().position(|other| other.is(&head.name)) {
+                return Err(format!("line {}: columns {} and {} have one name", line_of(&table.first), j + 1, i + 1));
+            }
+        }
+        Ok(Self { heads, ..table })
+    }
+
+    /// The table of a text of numbers alone.
+    ///
+    /// # Errors
+    /// As of [`Self::named`].
+    pub fn bare(text: &'a str) -> Result<Self, String> {
+        Self::new(text)
+    }
+
+    fn new(text: &'a str) -> Result<Self, String> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if let Some(line) = text.split('\n').position(|line| line.trim_end_matches('\r').contains('\r')) {
+            return Err(format!("line {}: it ends with CR alone; save it with LF or CRLF", line + 1));
+        }
+        if let Some(line) = text.lines().position(is_error_first) {
+            return Err(format!("line {}: column 1 has {}", line + 1, NoNumber::Gap.words()));
+        }
+        let mut builder = ReaderBuilder::new();
+        builder.has_headers(false).flexible(true).comment(Some(b'#')).trim(Trim::All);
+        let mut table = Self { heads: Vec::new(), reader: builder.from_reader(text.as_bytes()), first: StringRecord::new() };
+        while table.reader.read_record(&mut table.first).unwrap_or(false) && is_comment(&table.first) {}
+        if table.first.len() == 1 {
+            let separator = [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| table.first[0].contains(*c));
+            if let Some((_, separators)) = separator {
+                return Err(format!("line {}: columns are separated by {separators}; {PLAIN}", line_of(&table.first)));
+            }
+        }
+        Ok(table)
+    }
+
+    /// The place of the column with a name, in letters of any case, without its unit or with it.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        let exact = self.heads.iter().position(|head| head.text == name);
+        exact.or_else(|| self.heads.iter().position(|head| head.is(name)))
+    }
+
+    /// The rows, each with as many fields as the first line.
+    pub fn rows(self) -> Rows<'a> {
+        let columns = self.first.len();
+        let first = Some(self.first).filter(|first| self.heads.is_empty() && !first.is_empty());
+        Rows { columns, first, rest: self.reader.into_records() }
+    }
+}
+
+/// The rows of a table.
+pub struct Rows<'a> {
+    columns: usize,
+    first: Option<StringRecord>,
+    rest: StringRecordsIntoIter<&'a [u8]>,
+}
+
+impl Iterator for Rows<'_> {
+    type Item = Result<Row, String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let is_row = |record: &csv::Result<StringRecord>| {
+            !record.as_ref().is_ok_and(|record| is_comment(record) || is_blank(record))
+        };
+        let fields = match self.first.take() {
+            Some(first) => first,
+            None => match self.rest.by_ref().find(is_row)? {
+                Ok(fields) => fields,
+                Err(error) => return Some(Err(error.to_string())),
+            },
+        };
+        let (line, count) = (line_of(&fields), fields.len());
+        if fields.iter().any(|field| field.contains('\n')) {
+            return Some(Err(format!("line {line}: a quotation mark is not closed in it")));
+        }
+        if count != self.columns {
+            let comma = if count > self.columns { "; a number has a point, no comma" } else { "" };
+            return Some(Err(format!("line {line}: has {count} fields, and the first line {}{comma}", self.columns)));
+        }
+        Some(Ok(Row { line, fields }))
+    }
+}
+
+impl Head {
+    fn new(text: &str) -> Self {
+        let text = text.trim();
+        let split = |name: &str, unit: &str| Self {
+            text: text.to_owned(),
+            name: name.trim().to_owned(),
+            unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
+        };
+        let bracket = text.strip_suffix([')', ']']).and_then(|rest| rest.split_once(['(', '[']));
+        if let Some((name, unit)) = bracket {
+            return split(name, unit);
+        }
+        let places = text.char_indices().filter(|(_, c)| matches!(c, ' ' | '_'));
+        let mut parts = places.map(|(i, _)| (&text[..i], &text[i + 1..]));
+        match parts.find(|(name, unit)| !name.is_empty() && is_unit(unit)) {
+            Some((name, unit)) => split(name, unit),
+            None => split(text, ""),
+        }
+    }
+
+    /// Whether that is its name, in letters of any case.
+    fn is(&self, name: &str) -> bool {
+        self.name.to_lowercase() == name.trim().to_lowercase()
+    }
+}
+
+impl Row {
+    /// The number in a column.
+    ///
+    /// # Errors
+    /// [`NoNumber`].
+    pub fn number(&self, place: usize) -> Result<f64, NoNumber> {
+        let field = self.fields.get(place).unwrap_or_default();
+        if is_gap(field) {
+            return Err(NoNumber::Gap);
+        }
+        let is_number = |text: &str| text.parse::<f64>().is_ok();
+        match field.parse() {
+            Ok(number) => Ok(number),
+            Err(_) if field.contains(',') && is_number(&field.replacen(',', ".", 1)) => Err(NoNumber::Comma),
+            Err(_) => Err(NoNumber::Text),
+        }
+    }
+}
+
+fn line_of(record: &StringRecord) -> usize {
+    record.position().map_or(1, |position| usize::try_from(position.line()).unwrap_or(usize::MAX))
+}
+
+fn is_blank(record: &StringRecord) -> bool {
+    record.len() == 1 && record[0].is_empty()
+}
+
+/// Whether it is a comment behind spaces; the others are none of the reader's records.
+fn is_comment(record: &StringRecord) -> bool {
+    record.get(0).is_some_and(|first| first.starts_with('#') && !is_error(first))
+}
+
+/// Whether a line begins with the error of a spreadsheet, which is no comment.
+fn is_error_first(line: &str) -> bool {
+    line.trim_start().starts_with('#') && is_error(line.split(',').next().unwrap_or_default().trim())
+}
+
+/// Whether nothing was measured where this is written.
+fn is_gap(field: &str) -> bool {
+    GAPS.contains(&field.to_lowercase().as_str()) || is_error(field)
+}
+
+/// Whether a text is the error of a spreadsheet, such as `#REF!`, in any language.
+fn is_error(field: &str) -> bool {
+    let marked = field.strip_prefix('#').and_then(|rest| rest.strip_suffix(['!', '?']));
+    let is_word = |word: &str| {
+        !word.is_empty() && word.chars().all(|c| c.is_uppercase() || c.is_ascii_digit() || matches!(c, '/' | '_'))
+    };
+    ERRORS.contains(&field) || marked.is_some_and(is_word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers of the first column of a table with names, or what is wrong.
+    fn numbers(text: &str) -> Result<Vec<f64>, String> {
+        let row = |row: Result<Row, String>| {
+            let row = row?;
+            row.number(0).map_err(|no| format!("line {}: {}", row.line, no.words()))
+        };
+        Table::named(text)?.rows().map(row).collect()
+    }
+
+    #[test]
+    fn plain_tables_of_other_programs_are_read() {
+        let texts = [
+            "\u{feff}height,note\r\n1,a\r\n2.5,b\r\n",
+            "# measured\nheight,note\n  # again, \"so\n1,a\n# \"and\n2.5,b\n",
+            "\"height\",\"note\"\n\"1\",\"a, b\"\n\n\"2.5\",b",
+        ];
+        for text in texts {
+            assert_eq!(numbers(text), Ok(vec![1.0, 2.5]), "{text}");
+        }
+        let bare = Table::bare("\u{feff}1,2\n3,4\n").unwrap().rows().map(|row| row.unwrap().number(1));
+        assert_eq!(bare.collect::<Vec<_>>(), [Ok(2.0), Ok(4.0)]);
+    }
+
+    #[test]
+    fn units_are_read_as_people_write_them() {
+        for (text, name, unit) in [
+            ("force (uN)", "force", Some("uN")),
+            ("force [uN]", "force", Some("uN")),
+            ("force uN", "force", Some("uN")),
+            ("force_uN", "force", Some("uN")),
+            ("pull-off force in (µN)", "pull-off force in", Some("µN")),
+            ("work_of_adhesion mJ m^-2", "work_of_adhesion", Some("mJ m^-2")),
+            ("work_of_adhesion", "work_of_adhesion", None),
+            ("force (large)", "force", Some("large")),
+            ("nm", "nm", None),
+        ] {
+            let head = Head::new(text);
+            assert_eq!((head.name.as_str(), head.unit.as_deref()), (name, unit), "{text}");
+        }
+        let table = Table::named("Height (nm),radius\n").unwrap();
+        let places = ["height", "Height (nm)", "RADIUS", "nm"].map(|name| table.place(name));
+        assert_eq!(places, [Some(0), Some(0), Some(1), None]);
+    }
+
+    #[test]
+    fn other_dialects_and_gaps_are_refused_by_their_line() {
+        for (text, problem) in [
+            ("height;note\n1;2\n", "line 1: columns are separated by semicolons; save it as CSV"),
+            ("# a\nheight\tnote\n1\t2\n", "line 2: columns are separated by tabs"),
+            ("height\n1,5\n", "line 2: has 2 fields, and the first line 1; a number has a point"),
+            ("height\n1\n\"1,5\"\n", "line 3: a number with a comma"),
+            ("height,note\n1\n", "line 2: has 1 fields, and the first line 2"),
+            ("height\r1\r2\r", "line 1: it ends with CR alone"),
+            ("height,Height (nm)\n1,2\n", "line 1: columns 1 and 2 have one name"),
+            ("height,note\n#N/A,2\n", "line 2: column 1 has a gap"),
+            ("height,note\n  #BEZUG!,2\n", "line 2: column 1 has a gap"),
+            ("height,note\n\"1,2\n3,4\n", "line 2: a quotation mark is not closed in it"),
+            ("height,note\n5_2.6,2\n", "line 2: not a number"),
+        ] {
+            let found = numbers(text).unwrap_err();
+            assert!(found.starts_with(problem), "{text:?}: {found}");
+        }
+        for gap in ["", "NA", "n/a", "--", "NaN", "#REF!", "#NAME?", "#DIV/0!"] {
+            assert!(numbers(&format!("height,note\n\"{gap}\",2\n")).unwrap_err().contains("gap"), "{gap}");
+        }
+        assert!(decoded("a\n1\n".encode_utf16().flat_map(u16::to_le_bytes).collect()).unwrap_err().contains("UTF-16"));
+        assert!(decoded(b"\xfe\xff\0a".to_vec()).unwrap_err().contains("UTF-16"));
+        assert!(decoded(b"force (\xb5N)\n".to_vec()).unwrap_err().contains("byte 8"));
+    }
+}

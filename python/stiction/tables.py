@@ -100,6 +100,19 @@ class Column:
             raise FileError(f"{where}: {cell}, but {other}; write all numbers with points, or semicolons between columns")
         raise FileError(f"{where}: {cell} is not a number")
 
+    def value(self, row: int, unit: quantities.Unit, *, behind: int = 0) -> float:
+        """The number in a cell, behind some characters, in SI units.
+
+        Raises
+        ------
+        FileError
+            As `number`, and where it is too large.
+        """
+        try:
+            return unit.value(self.number(row, behind=behind))
+        except ValueError as error:
+            raise FileError(f"{self.where(row)}: {error}") from None
+
     def measured_in(self) -> quantities.Unit:
         """Its unit.
 
@@ -210,7 +223,7 @@ def read_table(path: Name) -> xarray.Dataset:
             variables[column.name or "row_name"] = xarray.Variable("row", list(column.cells))
             continue
         of = column.measured_in()
-        numbers = [of.value(column.number(row)) for row in range(len(column.cells))]
+        numbers = [column.value(row, of) for row in range(len(column.cells))]
         variables[column.name or "row_name"] = xarray.Variable("row", np.array(numbers), {"units": of.si})
     return xarray.Dataset(variables)
 

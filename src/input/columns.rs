@@ -159,7 +159,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.csv");
         let files = SceneFiles::scene(&folder.path().join("scene.toml"));
-        let column = |name: &str| Ok(files.column("a.csv", &Column::Named(name.to_owned()))?.numbers);
+        let column =
+            |name: &str| files.column("a.csv", &Column::Named(name.to_owned())).map(|values| values.numbers);
         std::fs::write(&file, "height,radius\n1,2\n3,4\n").unwrap();
         assert_eq!(column("height"), Ok(vec![1.0, 3.0]));
         std::fs::write(&file, "height,radius\n5,6\n7,8\n").unwrap();

@@ -1025,6 +1025,18 @@ fn is_scene(from: &str, to: &str) -> bool {
     Document::parse(&QUICK.replace(from, to), Arc::new(SceneFiles::scene(Path::new("scene.toml")))).is_ok()
 }
 
+/// Whole numbers may be written as large ones are, and shares in per cent.
+#[test]
+fn numbers_are_written_as_people_write_them() {
+    assert!(is_scene("replicas = 200", "replicas = 2e2") && is_scene("replicas = 200", "replicas = 200.0"));
+    assert!(!is_scene("replicas = 200", "replicas = 2.5e0") && !is_scene("replicas = 200", "replicas = 1e300"));
+    assert!(is_scene("poisson_ratio = 0.27", "poisson_ratio = \"27 %\""));
+    for area in ["5e-7 cm^2", "50 µm²", "50 μm**2", "50 um2", "5e9 \u{212b}^2"] {
+        let is_known = area.contains('m');
+        assert_eq!(is_scene("nominal_area = \"50 um^2\"", &format!("nominal_area = \"{area}\"")), is_known, "{area}");
+    }
+}
+
 /// Limits belong to what is allowed; the next number beyond does not.
 #[test]
 fn limits_are_within() {

@@ -15,7 +15,7 @@ from .. import quantities, tables
 from ..errors import FileError, SceneError
 from ..tables import Column, Table
 
-__all__ = ["ABOVE", "BELOW", "EXACT", "MISSING", "Group", "Measurements", "read"]
+__all__ = ["ABOVE", "BELOW", "EXACT", "MISSING", "Group", "Measurements", "first_conditions", "read"]
 
 Array = NDArray[np.float64]
 #: What a number says: the outcome itself, an upper or a lower limit of it, nothing.
@@ -134,7 +134,7 @@ def read(path: str | Path, *, outcomes: Mapping[str, str] | None = None, missing
     units = {name: _unit(column, outcomes) for name, column in roles.outcomes.items()}
     for name, column in roles.errors.items():
         if name not in units or not quantities.of_one_dimension([_unit(column, None).si, units[name].si]):
-            raise FileError(f"{column.title}: needs a column {name}, and both a unit of the same kind")
+            raise FileError(f"{column.title}: needs a column {name}, and both a unit of one kind")
     found = [_outcome(column, roles.errors.get(name), missing) for name, column in roles.outcomes.items()]
     for column, one in zip(roles.outcomes.values(), found, strict=True):
         if set(one.kinds) == {MISSING}:
@@ -147,6 +147,18 @@ def read(path: str | Path, *, outcomes: Mapping[str, str] | None = None, missing
     groups = tuple(_group(dict(conditions), rows, found, roles, table) for conditions, rows in places.items())
     gaps = sum(one.kinds.count(MISSING) for one in found)
     return Measurements(tuple(units), tuple(unit.si for unit in units.values()), groups, gaps)
+
+
+def first_conditions(path: str | Path) -> dict[str, Any]:
+    """The values that the first row of a table has for keys of the scene, as scenes write them.
+
+    Raises
+    ------
+    FileError
+        As `read`, for what is no table.
+    """
+    columns = tables.read(path).columns
+    return {column.name: _condition(column, 0) for column in columns if "." in column.name}
 
 
 def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
@@ -192,12 +204,14 @@ def _outcome(column: Column, errors: Column | None, missing: str) -> _Outcome:
     unit = column.measured_in()
     numbers, kinds = [], []
     for row, cell in enumerate(column.cells):
-        if missing == "drop" and column.is_gap(row):
+        if column.is_gap(row):
+            if missing == "refuse":
+                raise FileError(f"{column.where(row)}: {cell or 'nothing'}: a gap; fill it, or --missing drop takes it for not measured")
             numbers.append(math.nan)
             kinds.append(MISSING)
             continue
         kind = {"<": BELOW, ">": ABOVE}.get(cell[:1], EXACT)
-        numbers.append(_value(column, row, unit, behind=int(kind != EXACT)))
+        numbers.append(column.value(row, unit, behind=int(kind != EXACT)))
         kinds.append(kind)
     given = [number for number in numbers if not math.isnan(number)]
     if unit.si == "N" and given and max(given) < 0.0:
@@ -210,17 +224,10 @@ def _outcome(column: Column, errors: Column | None, missing: str) -> _Outcome:
             advice = "write `<` before the resolution where none was seen; forces are all positive or all negative"
             raise FileError(f"{column.where(row)}: {column.cells[row]}: a measured outcome has to be greater than 0; {advice}")
         if errors is not None:
-            deviations[row] = _value(errors, row, errors.measured_in())
+            deviations[row] = errors.value(row, errors.measured_in())
             if deviations[row] < 0.0:
                 raise FileError(f"{errors.where(row)}: a standard deviation of 0 or more is needed, also of a limit")
     return _Outcome(numbers, deviations, kinds)
-
-
-def _value(column: Column, row: int, unit: quantities.Unit, *, behind: int = 0) -> float:
-    try:
-        return unit.value(column.number(row, behind=behind))
-    except ValueError as error:
-        raise FileError(f"{column.where(row)}: {error}") from None
 
 
 def _condition(column: Column, row: int) -> Any:
@@ -230,7 +237,7 @@ def _condition(column: Column, row: int) -> Any:
     number = column.number(row)
     if column.unit and column.measured_in().si != "1":
         return f"{number} {column.unit}"
-    return column.measured_in().value(number)
+    return column.value(row, column.measured_in())
 
 
 def _group(conditions: dict[str, Any], rows: list[int], found: list[_Outcome], roles: _Roles, table: Table) -> Group:

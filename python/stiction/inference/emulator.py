@@ -130,15 +130,15 @@ def simulate(
     return Patches(values, np.stack(columns, axis=2))
 
 
-def outcomes_of(priors: Priors) -> dict[str, str]:
-    """The numbers that each patch of a scene has, and their units as files have them, by a run of two patches.
+def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]:
+    """The numbers that each patch of a scene has under some conditions, and their units as files have them, by a run of two patches.
 
     Raises
     ------
     SceneError
         The scene cannot be.
     """
-    known = _known(_swept(priors, _middle(priors), {}, replicas=2, seed=1, threads=None, progress=False))
+    known = _known(_swept(priors, _middle(priors), conditions, replicas=2, seed=1, threads=None, progress=False))
     return {name: str(of.attrs["units"]) for name, of in known.items()}
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 from threadpoolctl import threadpool_limits
 
-from .. import files, quantities, stored, tables
+from .. import files, quantities, stored
 from .. import priors as scenes
 from ..errors import FileError, SceneError
 from ..priors import Priors
@@ -208,11 +208,13 @@ def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refus
     SceneError, FileError
         As `infer`.
     """
-    if not isinstance(data, Measurements):
+    if isinstance(data, Measurements):
+        measured, priors = data, scenes.read(scene)
+    else:
         # What is no table is found before anything runs.
-        tables.read(data)
-    priors = scenes.read(scene)
-    measured = data if isinstance(data, Measurements) else measurements.read(data, outcomes=outcomes_of(priors), missing=missing)
+        conditions = measurements.first_conditions(data)
+        priors = scenes.read(scene)
+        measured = measurements.read(data, outcomes=outcomes_of(priors, conditions), missing=missing)
     try_out(priors, measured)
     return measured, priors
 

@@ -230,7 +230,8 @@ def read_table(path: Name) -> xarray.Dataset:
 
 def meant(name: str, known: Iterable[str]) -> str:
     """A question for the name that was probably meant, or nothing."""
-    near = difflib.get_close_matches(name, list(known), n=1)
+    names = list(known)
+    near = difflib.get_close_matches(name, names, n=1) or [one for one in names if name and name in one]
     return f"; did you mean {near[0]}?" if near else ""
 
 

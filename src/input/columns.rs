@@ -193,7 +193,10 @@ mod tests {
         let problem = numbers_of_column("x,height\n1,2\n3,n/a\n", Some("height"), 0).unwrap_err();
         assert_eq!(problem, "has no number in line 3, column 2, but a gap: fill it, or take the line out");
         let problem = numbers_of_column("x;height\n1;2\n", Some("height"), 0).unwrap_err();
-        assert!(problem.starts_with("is no plain CSV: line 1: columns are separated by semicolons"), "{problem}");
+        assert!(
+            problem.starts_with("is no plain CSV: line 1: columns are separated by semicolons"),
+            "{problem}"
+        );
         let secret = "root:x:0:0:secret\nhidden\n";
         for name in [Some("height"), None] {
             let problem = numbers_of_column(secret, name, 0).unwrap_err();

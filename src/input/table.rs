@@ -3,11 +3,14 @@
 
 use crate::scene::units::is_unit;
 use csv::{Reader, ReaderBuilder, StringRecord, StringRecordsIntoIter, Trim};
+use std::collections::HashMap;
 
 /// What would do where a table is of another dialect.
 const PLAIN: &str = "save it as CSV with commas between columns and points in numbers";
 /// What spreadsheets and people write where nothing was measured, in lower case; their errors besides.
 const GAPS: [&str; 9] = ["", "na", "n/a", "nan", "null", "none", "-", "--", "---"];
+/// Longest text above a column that a unit is looked for in, bytes.
+const LONGEST_HEAD: usize = 200;
 /// Errors of spreadsheets that do not end like the others.
 const ERRORS: [&str; 6] = ["#N/A", "#NA", "#NV", "#N/V", "#ND", "#N/D"];
 
@@ -16,6 +19,7 @@ const ERRORS: [&str; 6] = ["#N/A", "#NA", "#NV", "#N/V", "#ND", "#N/D"];
 pub struct Table<'a> {
     /// What stands above the columns; none of a table without names.
     pub heads: Vec<Head>,
+    text: &'a str,
     reader: Reader<&'a [u8]>,
     first: StringRecord,
 }
@@ -78,7 +82,13 @@ pub fn decoded(bytes: Vec<u8>) -> Result<String, String> {
             let place = error.utf8_error().valid_up_to() + 1;
             Err(format!("is not a text in UTF-8: byte {place} belongs to no character"))
         },
-        |text| if is_utf16(text.as_bytes()) { Err("is a text in UTF-16; save it in UTF-8".to_owned()) } else { Ok(text) },
+        |text| {
+            if is_utf16(text.as_bytes()) {
+                Err("is a text in UTF-16; save it in UTF-8".to_owned())
+            } else {
+                Ok(text)
+            }
+        },
     )
 }
 
@@ -90,9 +100,11 @@ impl<'a> Table<'a> {
     pub fn named(text: &'a str) -> Result<Self, String> {
         let table = Self::new(text)?;
         let heads: Vec<Head> = table.first.iter().map(Head::new).collect();
+        let mut names = HashMap::new();
         for (i, head) in heads.iter().enumerate().filter(|(_, head)| !head.name.is_empty()) {
-            if let Some(j) = heads[..i].iter().position(|other| other.is(&head.name)) {
-                return Err(format!("line {}: columns {} and {} have one name", line_of(&table.first), j + 1, i + 1));
+            if let Some(j) = names.insert(head.name.to_lowercase(), i) {
+                let line = line_of(table.text, &table.first).0;
+                return Err(format!("line {line}: columns {} and {} have one name", j + 1, i + 1));
             }
         }
         Ok(Self { heads, ..table })
@@ -116,12 +128,23 @@ impl<'a> Table<'a> {
         }
         let mut builder = ReaderBuilder::new();
         builder.has_headers(false).flexible(true).comment(Some(b'#')).trim(Trim::All);
-        let mut table = Self { heads: Vec::new(), reader: builder.from_reader(text.as_bytes()), first: StringRecord::new() };
-        while table.reader.read_record(&mut table.first).unwrap_or(false) && is_comment(&table.first) {}
+        let mut table = Self {
+            heads: Vec::new(),
+            text,
+            reader: builder.from_reader(text.as_bytes()),
+            first: StringRecord::new(),
+        };
+        while table.reader.read_record(&mut table.first).unwrap_or(false)
+            && is_no_row(line_of(text, &table.first).1)
+        {}
         if table.first.len() == 1 {
-            let separator = [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| table.first[0].contains(*c));
+            let separator =
+                [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| table.first[0].contains(*c));
             if let Some((_, separators)) = separator {
-                return Err(format!("line {}: columns are separated by {separators}; {PLAIN}", line_of(&table.first)));
+                return Err(format!(
+                    "line {}: columns are separated by {separators}; {PLAIN}",
+                    line_of(text, &table.first).0
+                ));
             }
         }
         Ok(table)
@@ -137,12 +160,13 @@ impl<'a> Table<'a> {
     pub fn rows(self) -> Rows<'a> {
         let columns = self.first.len();
         let first = Some(self.first).filter(|first| self.heads.is_empty() && !first.is_empty());
-        Rows { columns, first, rest: self.reader.into_records() }
+        Rows { text: self.text, columns, first, rest: self.reader.into_records() }
     }
 }
 
 /// The rows of a table.
 pub struct Rows<'a> {
+    text: &'a str,
     columns: usize,
     first: Option<StringRecord>,
     rest: StringRecordsIntoIter<&'a [u8]>,
@@ -152,8 +176,9 @@ impl Iterator for Rows<'_> {
     type Item = Result<Row, String>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        let text = self.text;
         let is_row = |record: &csv::Result<StringRecord>| {
-            !record.as_ref().is_ok_and(|record| is_comment(record) || is_blank(record))
+            !record.as_ref().is_ok_and(|record| is_no_row(line_of(text, record).1))
         };
         let fields = match self.first.take() {
             Some(first) => first,
@@ -162,13 +187,16 @@ impl Iterator for Rows<'_> {
                 Err(error) => return Some(Err(error.to_string())),
             },
         };
-        let (line, count) = (line_of(&fields), fields.len());
+        let (line, count) = (line_of(text, &fields).0, fields.len());
         if fields.iter().any(|field| field.contains('\n')) {
             return Some(Err(format!("line {line}: a quotation mark is not closed in it")));
         }
         if count != self.columns {
             let comma = if count > self.columns { "; a number has a point, no comma" } else { "" };
-            return Some(Err(format!("line {line}: has {count} fields, and the first line {}{comma}", self.columns)));
+            return Some(Err(format!(
+                "line {line}: has {count} fields, and the first line {}{comma}",
+                self.columns
+            )));
         }
         Some(Ok(Row { line, fields }))
     }
@@ -182,6 +210,9 @@ impl Head {
             name: name.trim().to_owned(),
             unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
         };
+        if text.len() > LONGEST_HEAD {
+            return split(text, "");
+        }
         let bracket = text.strip_suffix([')', ']']).and_then(|rest| rest.split_once(['(', '[']));
         if let Some((name, unit)) = bracket {
             return split(name, unit);
@@ -219,17 +250,25 @@ impl Row {
     }
 }
 
-fn line_of(record: &StringRecord) -> usize {
-    record.position().map_or(1, |position| usize::try_from(position.line()).unwrap_or(usize::MAX))
+/// The line of a record, from 1, and its text. The reader's own place is before the comments and empty lines that it
+/// has skipped.
+fn line_of<'t>(text: &'t str, record: &StringRecord) -> (usize, &'t str) {
+    let (line, byte) = record.position().map_or((1, 0), |place| (place.line(), place.byte()));
+    let rest = usize::try_from(byte).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
+    let lines = rest.split('\n').enumerate();
+    let (skipped, own) = lines.skip_while(|(_, line)| is_skipped(line)).next().unwrap_or((0, rest));
+    (usize::try_from(line).unwrap_or(usize::MAX).saturating_add(skipped), own)
 }
 
-fn is_blank(record: &StringRecord) -> bool {
-    record.len() == 1 && record[0].is_empty()
+/// Whether the reader skips a line itself.
+fn is_skipped(line: &str) -> bool {
+    line.starts_with('#') || line.trim_end_matches('\r').is_empty()
 }
 
-/// Whether it is a comment behind spaces; the others are none of the reader's records.
-fn is_comment(record: &StringRecord) -> bool {
-    record.get(0).is_some_and(|first| first.starts_with('#') && !is_error(first))
+/// Whether a line is blank or a comment behind spaces.
+fn is_no_row(line: &str) -> bool {
+    let line = line.trim();
+    line.is_empty() || line.starts_with('#')
 }
 
 /// Whether a line begins with the error of a spreadsheet, which is no comment.
@@ -246,7 +285,8 @@ fn is_gap(field: &str) -> bool {
 fn is_error(field: &str) -> bool {
     let marked = field.strip_prefix('#').and_then(|rest| rest.strip_suffix(['!', '?']));
     let is_word = |word: &str| {
-        !word.is_empty() && word.chars().all(|c| c.is_uppercase() || c.is_ascii_digit() || matches!(c, '/' | '_'))
+        !word.is_empty()
+            && word.chars().all(|c| c.is_uppercase() || c.is_ascii_digit() || matches!(c, '/' | '_'))
     };
     ERRORS.contains(&field) || marked.is_some_and(is_word)
 }
@@ -320,7 +360,11 @@ mod tests {
         for gap in ["", "NA", "n/a", "--", "NaN", "#REF!", "#NAME?", "#DIV/0!"] {
             assert!(numbers(&format!("height,note\n\"{gap}\",2\n")).unwrap_err().contains("gap"), "{gap}");
         }
-        assert!(decoded("a\n1\n".encode_utf16().flat_map(u16::to_le_bytes).collect()).unwrap_err().contains("UTF-16"));
+        assert!(
+            decoded("a\n1\n".encode_utf16().flat_map(u16::to_le_bytes).collect())
+                .unwrap_err()
+                .contains("UTF-16")
+        );
         assert!(decoded(b"\xfe\xff\0a".to_vec()).unwrap_err().contains("UTF-16"));
         assert!(decoded(b"force (\xb5N)\n".to_vec()).unwrap_err().contains("byte 8"));
     }

@@ -26,9 +26,11 @@ pub(super) fn of_file(
     });
     let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
     let ((entry, path), given, column) = (path, given, column(name, table)).together()?;
-    let Values { numbers: values, unit } = files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
+    let Values { numbers: values, unit } =
+        files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
     let own = unit.map(|unit| length(&unit)).transpose();
-    let own = own.map_err(|problem| entry.wrong(&format!("the unit above the column will not do: {problem}")))?;
+    let own =
+        own.map_err(|problem| entry.wrong(&format!("the unit above the column will not do: {problem}")))?;
     let factor = match (given, own) {
         (Some((unit, factor)), Some(own)) if factor != own => {
             return Err(unit.wrong("the unit above the column is another one; leave this one out"));

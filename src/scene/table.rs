@@ -30,8 +30,7 @@ const FILE_PATH: &str = "Relative to the scene. A plain CSV file, with commas be
     names above the columns and comments behind `#` if there are such; or an HDF5 file.";
 const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its number from 1.";
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
-const FILE_UNIT: &str =
-    "The values of the file are multiplied by it. The name above a column may have it: `height (nm)`, `height_nm`.";
+const FILE_UNIT: &str = "The values of the file are multiplied by it. The name above a column may have it: `height (nm)`, `height_nm`.";
 
 /// Every key of a scene by its dotted name, in the order of the reference. `[]` is an element of a list, `sweep.*` a key
 /// that is swept.

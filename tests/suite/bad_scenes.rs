@@ -1029,11 +1029,17 @@ fn is_scene(from: &str, to: &str) -> bool {
 #[test]
 fn numbers_are_written_as_people_write_them() {
     assert!(is_scene("replicas = 200", "replicas = 2e2") && is_scene("replicas = 200", "replicas = 200.0"));
-    assert!(!is_scene("replicas = 200", "replicas = 2.5e0") && !is_scene("replicas = 200", "replicas = 1e300"));
+    assert!(
+        !is_scene("replicas = 200", "replicas = 2.5e0") && !is_scene("replicas = 200", "replicas = 1e300")
+    );
     assert!(is_scene("poisson_ratio = 0.27", "poisson_ratio = \"27 %\""));
     for area in ["5e-7 cm^2", "50 µm²", "50 μm**2", "50 um2", "5e9 \u{212b}^2"] {
         let is_known = area.contains('m');
-        assert_eq!(is_scene("nominal_area = \"50 um^2\"", &format!("nominal_area = \"{area}\"")), is_known, "{area}");
+        assert_eq!(
+            is_scene("nominal_area = \"50 um^2\"", &format!("nominal_area = \"{area}\"")),
+            is_known,
+            "{area}"
+        );
     }
 }
 

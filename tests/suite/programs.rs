@@ -442,8 +442,14 @@ fn bad_rows_of_asperities_are_named() {
         (format!("{TIP}1e-6,1e9,0,0.2e-9,0\n"), "line 2: work_of_adhesion = `0` will not do"),
         (format!("{TIP}1e-6,1e9,0.05,nan,0\n"), "line 2: equilibrium_spacing = `nan` is a gap"),
         (format!("{TIP}1e-6,1e9,0.05,#N/A,0\n"), "line 2: equilibrium_spacing = `#N/A` is a gap: fill it"),
-        (format!("{TIP}\"1e-6\",1e9,0.05,\"0,2e-9\",0\n"), "line 2: equilibrium_spacing = `0,2e-9` is a number with a comma"),
-        (format!("{TIP}{good}\n").replace(',', ";"), "line 1: columns are separated by semicolons; save it as CSV"),
+        (
+            format!("{TIP}\"1e-6\",1e9,0.05,\"0,2e-9\",0\n"),
+            "line 2: equilibrium_spacing = `0,2e-9` is a number with a comma",
+        ),
+        (
+            format!("{TIP}{good}\n").replace(',', ";"),
+            "line 1: columns are separated by semicolons; save it as CSV",
+        ),
         (
             format!("{TIP}{good}\n").replace("radius", "radius (N)"),
             "line 1: radius (N): the unit of a length is needed: m, cm, mm, um, nm",

@@ -110,7 +110,10 @@ fn columns(table: &Table<'_>) -> Result<[Option<Column>; NEEDED.len() + OPTIONAL
             continue;
         }
         if let Some(meant) = nearest(&head.name, known().filter(|known| table.place(known).is_none())) {
-            return Err(format!("line 1: unknown column `{}`; did you mean `{meant}`?", shortened(&head.text)));
+            return Err(format!(
+                "line 1: unknown column `{}`; did you mean `{meant}`?",
+                shortened(&head.text)
+            ));
         }
     }
     let mut found = [None; NEEDED.len() + OPTIONAL.len()];

@@ -113,6 +113,7 @@ def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
 
 def test_names_are_guessed():
     assert tables.meant("pull_of_force", ["pull_off_force", "pull_off_separation"]) == "; did you mean pull_off_force?"
+    assert tables.meant("force", ["pull_off_separation", "pull_off_force"]) == "; did you mean pull_off_force?"
     assert tables.meant("colour", ["pull_off_force"]) == ""
 
 

@@ -32,7 +32,15 @@ __all__ = [
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Units that take a prefix; "m2" and its kin would have it squared.
 _PREFIXED = {"N", "m", "Pa", "J", "N/m", "J/m2", "s", "N m-1", "V"}
-_WRITTEN = {"1": "", "m2": "m²", "m-2": "m⁻²", "m-1": "m⁻¹", "J/m2": "J/m²", "N m-1": "N/m", "m3 mol-1": "m³/mol"}
+_WRITTEN = {
+    "1": "",
+    "m2": "m²",
+    "m-2": "m⁻²",
+    "m-1": "m⁻¹",
+    "J/m2": "J/m²",
+    "N m-1": "N/m",
+    "m3 mol-1": "m³/mol",
+}
 # Units as scenes have them, and as files have them.
 _OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2", "m^3/mol": "m3 mol-1"}
 
@@ -138,30 +146,45 @@ def with_error(value: Any, error: Any, unit: str) -> str:
 
 @dataclass(frozen=True)
 class _Dimension:
-    """A dimension: its SI unit as scenes write it and as pint does, and its units by the powers of ten of them."""
+    """A dimension: its SI unit as scenes and as pint write it, and the powers of ten of its units."""
 
     si: str
     of_pint: str
     units: dict[str, int]
 
 
-# The units of scenes: those of src/scene/units.rs, as tests/data/units.csv says. N/m is also an energy per area.
+# The units of scenes: those of src/scene/units.rs, as tests/data/units.csv says. N/m is also an energy per
+# area.
 _DIMENSIONS = (
     _Dimension("m", "meter", {"m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12}),
     _Dimension("m^2", "meter**2", {"m^2": 0, "cm^2": -4, "mm^2": -6, "um^2": -12, "nm^2": -18}),
     _Dimension("/m^2", "1/meter**2", {"/m^2": 0, "/cm^2": 4, "/mm^2": 6, "/um^2": 12, "/nm^2": 18}),
     _Dimension("Pa", "pascal", {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9, "TPa": 12}),
-    _Dimension("N/m", "newton/meter", {"N/m": 0, "mN/m": -3, "uN/m": -6, "kN/m": 3, "MN/m": 6, "N/mm": 3, "N/um": 6, "nN/nm": 0}),
+    _Dimension("N/m", "newton/meter", {
+        "N/m": 0, "mN/m": -3, "uN/m": -6, "kN/m": 3, "MN/m": 6, "N/mm": 3, "N/um": 6, "nN/nm": 0,
+    }),
     _Dimension("J/m^2", "joule/meter**2", {"J/m^2": 0, "mJ/m^2": -3, "uJ/m^2": -6}),
     _Dimension("N", "newton", {"N": 0, "mN": -3, "uN": -6, "nN": -9, "pN": -12, "kN": 3}),
-    _Dimension("J", "joule", {"J": 0, "mJ": -3, "uJ": -6, "nJ": -9, "pJ": -12, "fJ": -15, "aJ": -18, "zJ": -21}),
+    _Dimension("J", "joule", {
+        "J": 0, "mJ": -3, "uJ": -6, "nJ": -9, "pJ": -12, "fJ": -15, "aJ": -18, "zJ": -21,
+    }),
     _Dimension("V", "volt", {"V": 0, "kV": 3, "mV": -3, "uV": -6}),
     _Dimension("K", "kelvin", {"K": 0}),
     _Dimension("rad", "radian", {"rad": 0}),
     _Dimension("m^3/mol", "meter**3/mole", {"m^3/mol": 0, "cm^3/mol": -6, "mm^3/mol": -9}),
 )  # fmt: skip
 # Characters of other writers, behind Unicode's own forms of compatibility, and what they are here.
-_SPELLINGS = {"\u03bc": "u", "\u00c5": "angstrom", "\u2212": "-", "\u00b0C": "degC", "\u00b0": "deg", "\u22c5": " ", "\u00b7": " ", "**": "^", "*": " "}
+_SPELLINGS = {
+    "\u03bc": "u",
+    "\u00c5": "angstrom",
+    "\u2212": "-",
+    "\u00b0C": "degC",
+    "\u00b0": "deg",
+    "\u22c5": " ",
+    "\u00b7": " ",
+    "**": "^",
+    "*": " ",
+}
 _NUMBER = r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([-+]?[0-9]+))?"
 
 
@@ -214,7 +237,9 @@ _UNITS |= {name: Unit(of.si, power) for of in _DIMENSIONS for name, power in of.
 
 
 def unit(written: str) -> Unit:
-    """A unit as people write it: ``um^-2``, ``µm⁻²``, ``1/um2`` and ``um**-2`` are one, and so are ``mJ/m2`` and ``mJ m^-2``.
+    """A unit as people write it.
+
+    ``um^-2``, ``µm⁻²``, ``1/um2`` and ``um**-2`` are one, and so are ``mJ/m2`` and ``mJ m^-2``.
 
     Raises
     ------
@@ -241,7 +266,9 @@ def unit(written: str) -> Unit:
     name = " ".join(sides[0]) + "".join(f"/{below}" for below in sides[1])
     if name not in _UNITS or not (name or not plain):
         known = ", ".join(of.si for of in _DIMENSIONS)
-        raise ValueError(f"{written} is no unit of a scene; {known}, degC and deg are, the usual prefixes, and %")
+        raise ValueError(
+            f"{written} is no unit of a scene; {known}, degC and deg are, the usual prefixes, and %"
+        )
     return _UNITS[name]
 
 
@@ -277,15 +304,21 @@ def parsed(name: str, value: Any) -> tuple[float, str]:
 
     Examples
     --------
-    >>> parsed("radius", "20 nm"), parsed("density", "8.5 /um^2"), parsed("humidity", "45 %"), parsed("temperature", "20 degC")
-    ((2e-08, 'm'), (8500000000000.0, '/m^2'), (0.45, '1'), (293.15, 'K'))
+    >>> parsed("radius", "20 nm"), parsed("density", "8.5 /um^2")
+    ((2e-08, 'm'), (8500000000000.0, '/m^2'))
+    >>> parsed("humidity", "45 %"), parsed("temperature", "20 degC")
+    ((0.45, '1'), (293.15, 'K'))
     """
     text = (pint_text(value) if is_pint(value) else str(value)).strip().replace("\u2212", "-")
     found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", text)
     if found is None or isinstance(value, bool):
-        raise ValueError(f"{name} = {value!r}: a number is needed, with its unit if it has one, such as \"20 nm\"")
+        raise ValueError(
+            f'{name} = {value!r}: a number is needed, with its unit if it has one, such as "20 nm"'
+        )
     if re.match(r"\s*,\s*[0-9]", found[4] or ""):
-        raise ValueError(f"{name} = {value!r}: has a decimal comma; a point is needed, and nothing between thousands")
+        raise ValueError(
+            f"{name} = {value!r}: has a decimal comma; a point is needed, and nothing between thousands"
+        )
     try:
         of = unit(found[4] or "")
         return of.value(found[1]), of.si

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import itertools
 import os
 import re
 from collections.abc import Iterable, Iterator
@@ -77,7 +78,9 @@ class Column:
     def is_text(self) -> bool:
         """Whether something is in it, and no number anywhere."""
         given = [cell for row, cell in enumerate(self.cells) if not self.is_gap(row)]
-        return bool(given) and not any(re.fullmatch(_NUMBER.format("[.,]"), cell.lstrip("<> ")) for cell in given)
+        return bool(given) and not any(
+            re.fullmatch(_NUMBER.format("[.,]"), cell.lstrip("<> ")) for cell in given
+        )
 
     def number(self, row: int, *, behind: int = 0) -> str:
         """The number in a cell, behind some characters, as Python writes it.
@@ -97,7 +100,9 @@ class Column:
             return text.replace(",", ".").replace("−", "-")
         if re.fullmatch(_NUMBER.format("[.,]"), text):
             other = f"{comma} has a decimal comma" if comma else "commas are between the columns"
-            raise FileError(f"{where}: {cell}, but {other}; write all numbers with points, or semicolons between columns")
+            raise FileError(
+                f"{where}: {cell}, but {other}; write all numbers with points, or semicolons between columns"
+            )
         raise FileError(f"{where}: {cell} is not a number")
 
     def value(self, row: int, unit: quantities.Unit, *, behind: int = 0) -> float:
@@ -154,20 +159,23 @@ class Table:
 def read(path: Name) -> Table:
     """Reads a table in the dialect that is found.
 
-    Commas, semicolons or tabs are between columns; numbers have points, or commas where no commas are between columns. The text is in
-    UTF-8, UTF-16 or Windows-1252. Cells may be quoted, and lines that begin with # are comments, but for errors of spreadsheets. A
-    column's unit is in brackets or behind its name: ``force (uN)``, ``force [uN]``, ``force uN``, ``force_uN``.
+    Commas, semicolons or tabs are between columns; numbers have points, or commas where no commas are between
+    columns. The text is in UTF-8, UTF-16 or Windows-1252. Cells may be quoted, and lines that begin with # are
+    comments, but for errors of spreadsheets. A column's unit is in brackets or behind its name: ``force (uN)``,
+    ``force [uN]``, ``force uN``, ``force_uN``. Empty lines are left out, but among the rows of one column alone.
 
     Raises
     ------
     FileError
-        The file cannot be read, a row has another number of cells than the header, or two columns have one name.
+        The file cannot be read, a row has another number of cells than the header, or two columns have one
+        name.
     """
     text = _text(path)
-    records = list(_records(str(path), text))
-    if len(records) < 2:
+    records = itertools.dropwhile(lambda record: record[1] == [""], _records(str(path), text))
+    header, names = next(records, (1, []))
+    rows = [(line, row) for line, row in records if row != [""] or len(names) == 1]
+    if not rows:
         raise FileError(f"{path}: a header and a line for each row are needed")
-    (header, names), rows = records[0], records[1:]
     if all(re.fullmatch(_NUMBER.format("[.,]"), name) for name in names):
         raise FileError(f"{path}, line {header}: numbers, where the names of the columns belong")
     width = len(names)
@@ -177,7 +185,9 @@ def read(path: Name) -> Table:
             raise FileError(f"{path}, line {line}: {len(row)} cells, where the header has {width}{comma}")
     table = Table(str(path), header, tuple(line for line, _ in rows))
     columns = []
-    for place, (name, cells) in enumerate(zip(names, zip(*(row[:width] for _, row in rows), strict=True), strict=True), 1):
+    for place, (name, cells) in enumerate(
+        zip(names, zip(*(row[:width] for _, row in rows), strict=True), strict=True), 1
+    ):
         if name or any(cells):
             columns.append(Column(*_head(name), place, cells, table))
     _check_names(str(path), header, columns)
@@ -190,9 +200,9 @@ def read(path: Name) -> Table:
 def read_table(path: Name) -> xarray.Dataset:
     """Reads a table of another program, such as a spreadsheet: its numbers in SI units.
 
-    Commas, semicolons or tabs between columns, points or commas in numbers, quoted cells and the usual encodings are found; lines that
-    begin with # are comments. A column's unit is in brackets or behind its name, ``radius (nm)`` or ``radius_nm``; without one its numbers
-    are as they are.
+    Commas, semicolons or tabs between columns, points or commas in numbers, quoted cells and the usual encodings
+    are found; lines that begin with # are comments. A column's unit is in brackets or behind its name,
+    ``radius (nm)`` or ``radius_nm``; without one its numbers are as they are.
 
     Parameters
     ----------
@@ -202,12 +212,14 @@ def read_table(path: Name) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        A variable over ``row`` for each column, named by it in small letters, with the SI unit as attribute; of labels a variable of texts.
+        A variable over ``row`` for each column, named by it in small letters, with the SI unit as attribute; of
+        labels a variable of texts.
 
     Raises
     ------
     FileError
-        A cell is a gap or no number, a unit is none of scenes, two columns have one name; the message has line and column.
+        A cell is a gap or no number, a unit is none of scenes, two columns have one name; the message has line
+        and column.
 
     Examples
     --------
@@ -264,14 +276,18 @@ def _encodings(content: bytes) -> tuple[str, ...]:
     return "utf-8-sig", "cp1252"
 
 
+def _is_blank(line: str) -> bool:
+    return not line.strip(" ")
+
+
 def _is_comment(line: str) -> bool:
     start = line.lstrip()
-    return not start or (start.startswith("#") and re.match(rf"{_ERROR}\s*(?:[,;\t]|$)", start) is None)
+    return start.startswith("#") and re.match(rf"{_ERROR}\s*(?:[,;\t]|$)", start) is None
 
 
 def _separator(text: str) -> str:
     """What is between columns, by the line of the names; Excel may say it in a line of its own."""
-    first = next((line for line in text.split("\n") if not _is_comment(line)), "")
+    first = next((line for line in text.split("\n") if not _is_blank(line) and not _is_comment(line)), "")
     if (found := re.fullmatch(r"sep=(.)", first.strip("\ufeff "))) is not None:
         return found[1]
     bare = re.sub(r'"[^"]*"', "", first)
@@ -279,13 +295,14 @@ def _separator(text: str) -> str:
 
 
 def _records(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
-    """Lines, from 1, and cells of what is no comment."""
-    lines, separator = text.split("\n"), _separator(text)
+    """Lines, from 1, and cells of what is no comment; an empty line is a cell without anything in it."""
+    lines, separator = text.rstrip(" \n").split("\n"), _separator(text)
     place = 0
     while place < len(lines):
-        line = lines[place]
-        taken = 1
-        if not _is_comment(line) and not re.fullmatch(r"sep=.", line.strip()):
+        line, taken = lines[place], 1
+        if _is_blank(line):
+            yield place + 1, [""]
+        elif not _is_comment(line) and not re.fullmatch(r"sep=.", line.strip()):
             cells, taken = _cells(path, lines[place : place + _MOST_LINES], place + 1, separator)
             yield place + 1, cells
         place += taken
@@ -296,7 +313,11 @@ def _cells(path: str, lines: list[str], number: int, separator: str) -> tuple[li
     problem = ""
     for taken in range(1, len(lines) + 1):
         try:
-            cells = next(csv.reader(["\n".join(lines[:taken])], delimiter=separator, skipinitialspace=True, strict=True))
+            cells = next(
+                csv.reader(
+                    ["\n".join(lines[:taken])], delimiter=separator, skipinitialspace=True, strict=True
+                )
+            )
             return [" ".join(cell.split()) for cell in cells], taken
         except csv.Error as error:
             problem = problem or str(error)
@@ -329,7 +350,10 @@ def _check_names(path: str, header: int, columns: list[Column]) -> None:
     names: dict[str, int] = {}
     for column in columns:
         if column.name in names:
-            raise FileError(f"{path}, line {header}: the columns {names[column.name]} and {column.place} are both `{column.name}`; leave one out")
+            raise FileError(
+                f"{path}, line {header}: the columns {names[column.name]} and {column.place} are both "
+                f"`{column.name}`; leave one out"
+            )
         if not column.name and column.place > 1:
             raise FileError(f"{path}, line {header}: column {column.place} has no name")
         names[column.name] = column.place

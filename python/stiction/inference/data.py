@@ -90,7 +90,7 @@ class Measurements:
 
 @dataclass(frozen=True)
 class _Roles:
-    """What the columns of a table hold: outcomes and their errors by the name of the outcome, conditions, labels."""
+    """What the columns of a table hold; outcomes and errors by the name of the outcome."""
 
     outcomes: dict[str, Column] = field(default_factory=dict)
     errors: dict[str, Column] = field(default_factory=dict)
@@ -107,20 +107,24 @@ class _Outcome:
     kinds: list[int]
 
 
-def read(path: str | Path, *, outcomes: Mapping[str, str] | None = None, missing: str = "refuse") -> Measurements:
+def read(
+    path: str | Path, *, outcomes: Mapping[str, str] | None = None, missing: str = "refuse"
+) -> Measurements:
     """Reads measured outcomes.
 
     Parameters
     ----------
     path : path
-        A table, as `stiction.read_table` reads it. A column is headed by an outcome of patches with its unit, ``pull_off_force (uN)``; by an
-        outcome with ``_error``, the standard deviation of its measurement; or by a key of the scene, ``surface.nominal_area (um^2)``, for
-        patches under different conditions. A column of texts labels the patches. ``<0.5`` is a pull-off below 0.5, ``>5`` one above. Forces
-        that are all negative are taken by their size.
+        A table, as `stiction.read_table` reads it. A column is headed by an outcome of patches with its unit,
+        ``pull_off_force (uN)``; by an outcome with ``_error``, the standard deviation of its measurement; or by a
+        key of the scene, ``surface.nominal_area (um^2)``, for patches under different conditions. A column of
+        texts labels the patches. ``<0.5`` is a pull-off below 0.5, ``>5`` one above. Forces that are all negative
+        are taken by their size.
     outcomes : dict, optional
         The outcomes that patches of the scene have, with their units as files have them; without it any.
     missing : {"refuse", "drop"}
-        Whether an empty cell, or what spreadsheets and people write for one, is an error or an outcome that was not measured.
+        Whether an empty cell, or what spreadsheets and people write for one, is an error or an outcome that was
+        not measured.
 
     Raises
     ------
@@ -182,7 +186,9 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
                 "A key of the scene has its table before it, such as surface.nominal_area (um^2)"
             )
     if len(roles.labels) > 1:
-        raise FileError(f"{roles.labels[1].title}: a second column of labels; one may be there, and notes behind #")
+        raise FileError(
+            f"{roles.labels[1].title}: a second column of labels; one may be there, and notes behind #"
+        )
     if not roles.outcomes:
         such = next(iter(known or ()), "pull_off_force")
         raise FileError(f"{table.path}: no column has an outcome, such as `{such} (uN)`")
@@ -195,7 +201,8 @@ def _unit(column: Column, known: Mapping[str, str] | None) -> quantities.Unit:
     if known is not None and not quantities.of_one_dimension([unit.si, known[column.name]]):
         own = quantities.plain_unit(known[column.name])
         such = f"{column.name} ({own})" if own else f"{column.name} without one"
-        raise FileError(f"{column.title}: {f'{column.unit} is another unit' if column.unit else 'the unit is missing'}; {such} is needed")
+        problem = f"{column.unit} is another unit" if column.unit else "the unit is missing"
+        raise FileError(f"{column.title}: {problem}; {such} is needed")
     return unit
 
 
@@ -206,7 +213,8 @@ def _outcome(column: Column, errors: Column | None, missing: str) -> _Outcome:
     for row, cell in enumerate(column.cells):
         if column.is_gap(row):
             if missing == "refuse":
-                raise FileError(f"{column.where(row)}: {cell or 'nothing'}: a gap; fill it, or --missing drop takes it for not measured")
+                advice = "fill it, or --missing drop takes it for not measured"
+                raise FileError(f"{column.where(row)}: {cell or 'nothing'}: a gap; {advice}")
             numbers.append(math.nan)
             kinds.append(MISSING)
             continue
@@ -221,12 +229,17 @@ def _outcome(column: Column, errors: Column | None, missing: str) -> _Outcome:
         if kind == MISSING:
             continue
         if not number > 0.0:
-            advice = "write `<` before the resolution where none was seen; forces are all positive or all negative"
-            raise FileError(f"{column.where(row)}: {column.cells[row]}: a measured outcome has to be greater than 0; {advice}")
+            advice = (
+                "write `<` before the resolution where none was seen; forces are all positive or all negative"
+            )
+            problem = f"{column.cells[row]}: a measured outcome has to be greater than 0"
+            raise FileError(f"{column.where(row)}: {problem}; {advice}")
         if errors is not None:
             deviations[row] = errors.value(row, errors.measured_in())
             if deviations[row] < 0.0:
-                raise FileError(f"{errors.where(row)}: a standard deviation of 0 or more is needed, also of a limit")
+                raise FileError(
+                    f"{errors.where(row)}: a standard deviation of 0 or more is needed, also of a limit"
+                )
     return _Outcome(numbers, deviations, kinds)
 
 
@@ -240,9 +253,18 @@ def _condition(column: Column, row: int) -> Any:
     return column.value(row, column.measured_in())
 
 
-def _group(conditions: dict[str, Any], rows: list[int], found: list[_Outcome], roles: _Roles, table: Table) -> Group:
+def _group(
+    conditions: dict[str, Any], rows: list[int], found: list[_Outcome], roles: _Roles, table: Table
+) -> Group:
     def each(name: str) -> Any:
         return np.array([[getattr(one, name)[row] for one in found] for row in rows])
 
     samples = tuple(roles.labels[0].cells[row] for row in rows) if roles.labels else ()
-    return Group(conditions, each("values"), each("errors"), each("kinds"), tuple(table.lines[row] for row in rows), samples)
+    return Group(
+        conditions,
+        each("values"),
+        each("errors"),
+        each("kinds"),
+        tuple(table.lines[row] for row in rows),
+        samples,
+    )

@@ -1,4 +1,4 @@
-"""Tables of other programs: each dialect is read, each slip is named by its line and column, and quantities are those of the program."""
+"""Tables of other programs are read in their dialects, slips named by line and column; quantities are the program's."""
 
 import csv
 
@@ -58,7 +58,9 @@ def told(function, *arguments, **named):
 def test_every_dialect_is_read(text, encoding, tmp_path):
     table = stiction.read_table(written(tmp_path, text, encoding))
     assert list(table) == ["force", "radius"] and table.force.attrs == {"units": "N"}
-    assert np.allclose(table.force, FORCES, rtol=1e-15, atol=0) and np.allclose(table.radius, RADII, rtol=1e-15, atol=0)
+    assert np.allclose(table.force, FORCES, rtol=1e-15, atol=0) and np.allclose(
+        table.radius, RADII, rtol=1e-15, atol=0
+    )
 
 
 def test_what_pandas_writes_is_read(tmp_path):
@@ -88,9 +90,15 @@ def test_what_pandas_writes_is_read(tmp_path):
         ("force (uN)\n1\n1.2.3\n", "line 3, column 1 (force): 1.2.3 is not a number"),
         ("force (uN)\n1\ninf\n", "line 3, column 1 (force): inf is not a number"),
         ("force (uN)\n1\n1e999\n", "1e999 is not finite"),
-        ("force (uN);x\n1,5;2\n1.5;2\n", "line 3, column 1 (force): 1.5, but line 2, column 1 has a decimal comma"),
+        (
+            "force (uN);x\n1,5;2\n1.5;2\n",
+            "line 3, column 1 (force): 1.5, but line 2, column 1 has a decimal comma",
+        ),
         ("force (uN);x\n1.234,5;2\n", "1.234,5 is not a number"),
-        ('force (uN),x\n"1,234",2\n', "1,234, but commas are between the columns; write all numbers with points"),
+        (
+            'force (uN),x\n"1,234",2\n',
+            "1,234, but commas are between the columns; write all numbers with points",
+        ),
         ('force (uN),x\n"1,2\n', "line 2: unexpected end of data"),
         (b"PK\x03\x04rest", "is a workbook or an archive; save the sheet as CSV"),
         (b"\x89HDF\r\n\x1a\n", "is an HDF5 file"),
@@ -104,34 +112,78 @@ def test_what_is_no_table_is_refused_by_its_place(text, part, tmp_path):
     assert "cannot be read" in told(stiction.read_table, tmp_path)
 
 
-@pytest.mark.parametrize("gap", ["", "NA", "n/a", "NaN", "null", "--", "-", "#N/A", "#NV", "#REF!", "#BEZUG!", "#DIV/0!", "#NAME?", "#NOM?"])
+@pytest.mark.parametrize(
+    "gap",
+    [
+        "",
+        "NA",
+        "n/a",
+        "NaN",
+        "null",
+        "--",
+        "-",
+        "#N/A",
+        "#NV",
+        "#REF!",
+        "#BEZUG!",
+        "#DIV/0!",
+        "#NAME?",
+        "#NOM?",
+    ],
+)
 def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
-    for text, place in ((f"x;y\n1;2\n{gap};4\n", "line 3, column 1 (x)"), (f"x,y\n1,2\n3,{gap}\n", "line 3, column 2 (y)"), (f"x,y\n{gap},2\n3,4\n", "line 2, column 1 (x)")):
+    for text, place in (
+        (f"x;y\n1;2\n{gap};4\n", "line 3, column 1 (x)"),
+        (f"x,y\n1,2\n3,{gap}\n", "line 3, column 2 (y)"),
+        (f"x,y\n{gap},2\n3,4\n", "line 2, column 1 (x)"),
+    ):
         found = told(stiction.read_table, written(tmp_path, text))
         assert f"{place}: {gap or 'nothing'}: a gap; fill it, or take the line out" in found
 
 
+def test_empty_lines_are_gaps_of_one_column_alone(tmp_path):
+    found = told(stiction.read_table, written(tmp_path, "\nx\n1\n\n3\n\n\n"))
+    assert "line 4, column 1 (x): nothing: a gap" in found
+    assert stiction.read_table(written(tmp_path, "\nx,y\n1,2\n\n3,4\n\n\n")).y.values.tolist() == [2, 4]
+    assert "line 3, column 1 (x): nothing: a gap" in told(stiction.read_table, written(tmp_path, "x\ty\n1\t2\n\t\n"))
+
+
 def test_names_are_guessed():
-    assert tables.meant("pull_of_force", ["pull_off_force", "pull_off_separation"]) == "; did you mean pull_off_force?"
-    assert tables.meant("force", ["pull_off_separation", "pull_off_force"]) == "; did you mean pull_off_force?"
+    assert (
+        tables.meant("pull_of_force", ["pull_off_force", "pull_off_separation"])
+        == "; did you mean pull_off_force?"
+    )
+    assert (
+        tables.meant("force", ["pull_off_separation", "pull_off_force"]) == "; did you mean pull_off_force?"
+    )
     assert tables.meant("colour", ["pull_off_force"]) == ""
 
 
 def test_a_table_is_of_asperities_and_of_heights(tmp_path):
     """A row of a table is an asperity, as one by one; heights and radii of a scene are its columns."""
-    path = written(tmp_path, "Radius (nm);reduced_modulus GPa;work_of_adhesion mJ/m²;equilibrium_spacing Å;interference nm\n20;60;50;2;0,1\n10;60;50;2;0,2\n")
+    path = written(
+        tmp_path,
+        "Radius (nm);reduced_modulus GPa;work_of_adhesion mJ/m²;equilibrium_spacing Å;interference nm\n20;60;50;2;0,1\n10;60;50;2;0,2\n",
+    )
     solved = stiction.asperity(**stiction.read_table(path))
     alone = [
-        stiction.asperity(radius=r, reduced_modulus=60e9, work_of_adhesion=0.05, equilibrium_spacing=2e-10, interference=d)
+        stiction.asperity(
+            radius=r, reduced_modulus=60e9, work_of_adhesion=0.05, equilibrium_spacing=2e-10, interference=d
+        )
         for r, d in ((2e-8, 1e-10), (1e-8, 2e-10))
     ]
     assert solved.external_force.dims == ("row",)
     assert np.allclose(solved.external_force, [float(one.external_force) for one in alone], rtol=1e-13)
     numbers = np.random.default_rng(1).normal(0, 1.7, 200)
-    heights = stiction.read_table(written(tmp_path, "z (nm)\n" + "".join(f"{value:.6f}\n" for value in numbers)))
+    heights = stiction.read_table(
+        written(tmp_path, "z (nm)\n" + "".join(f"{value:.6f}\n" for value in numbers))
+    )
     given = {"surface.heights": heights.z}
     own = {"surface.heights": np.array([float(f"{value:.6f}e-9") for value in numbers])}
-    pull_offs = [stiction.run(CONFIGS / "quick.toml", replicas=4, seed=1, progress=False, **one).pull_off.mean for one in (given, own)]
+    pull_offs = [
+        stiction.run(CONFIGS / "quick.toml", replicas=4, seed=1, progress=False, **one).pull_off.mean
+        for one in (given, own)
+    ]
     assert pull_offs[0] == pull_offs[1]
 
 

@@ -71,25 +71,19 @@ impl NoNumber {
 /// # Errors
 /// It is in UTF-16 or in no encoding that is known here.
 pub fn decoded(bytes: Vec<u8>) -> Result<String, String> {
+    // Without a mark every other byte of plain text is 0.
+    let half = |bytes: &[u8], from: usize| bytes.iter().skip(from).step_by(2).take(32).all(|&byte| byte == 0);
     let is_utf16 = |bytes: &[u8]| {
-        matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || bytes.iter().take(64).any(|&byte| byte == 0)
+        let is_marked = matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]);
+        is_marked || bytes.len() > 3 && half(bytes, 0) != half(bytes, 1)
     };
-    String::from_utf8(bytes).map_or_else(
-        |error| {
-            if is_utf16(error.as_bytes()) {
-                return Err("is a text in UTF-16; save it in UTF-8".to_owned());
-            }
-            let place = error.utf8_error().valid_up_to() + 1;
-            Err(format!("is not a text in UTF-8: byte {place} belongs to no character"))
-        },
-        |text| {
-            if is_utf16(text.as_bytes()) {
-                Err("is a text in UTF-16; save it in UTF-8".to_owned())
-            } else {
-                Ok(text)
-            }
-        },
-    )
+    if is_utf16(&bytes) {
+        return Err("is a text in UTF-16; save it in UTF-8".to_owned());
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let place = error.utf8_error().valid_up_to() + 1;
+        format!("is not a text in UTF-8: byte {place} belongs to no character")
+    })
 }
 
 impl<'a> Table<'a> {

@@ -114,7 +114,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[capillary]\nrelative_humidity = \"45 %\"\ncontact_angles = [0, 0]\n[output]",
+        "[capillary]\nrelative_humidity = \"45 percent\"\ncontact_angles = [0, 0]\n[output]",
         &["`capillary.relative_humidity", "a number is needed"],
     ),
     (
@@ -261,7 +261,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "equilibrium_spacing = \"0.2 nm\"",
         "equilibrium_spacing = 0.2",
-        &["a length is needed, such as \"0.2 nm\" (m, mm, um, nm, angstrom, pm)"],
+        &["a length is needed, such as \"0.2 nm\" (m, cm, mm, um, nm, angstrom, pm)"],
     ),
     (
         "reduced_modulus =",
@@ -1036,7 +1036,7 @@ fn numbers_are_written_as_people_write_them() {
     for area in ["5e-7 cm^2", "50 µm²", "50 μm**2", "50 um2", "5e9 \u{212b}^2"] {
         let is_known = area.contains('m');
         assert_eq!(
-            is_scene("nominal_area = \"50 um^2\"", &format!("nominal_area = \"{area}\"")),
+            is_scene("nominal_area = \"100 um^2\"", &format!("nominal_area = \"{area}\"")),
             is_known,
             "{area}"
         );

@@ -673,7 +673,7 @@ fn what_is_no_map_is_refused() {
     refused("flat.txt", &["--pixel", "1", "--height-unit", "nm"], "a length with its unit is needed");
     refused("flat.txt", &["--pixel", "1 nm,0 nm"], "between 1e-13 and 1e3 m");
     refused("flat.txt", &["--pixel", "-1 nm"], "between 1e-13 and 1e3 m");
-    refused("flat.txt", &["--height-unit", "parsec"], "known: m, mm, um, nm");
+    refused("flat.txt", &["--height-unit", "parsec"], "known: m, cm, mm, um, nm");
     refused("flat.txt", &["--level", "cubic"], "known: none, plane, quadratic");
     refused("flat.txt", &[&units[..], &["--dataset", "z"]].concat(), "is no HDF5 file");
     refused("broken.npy", &units, "broken.npy: is an NPY file that is damaged");

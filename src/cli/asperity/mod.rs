@@ -228,9 +228,12 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
     use std::time::{Duration, Instant};
 
-    const PIECES: [&str; 30] = [
+    const PIECES: [&str; 33] = [
         "0.9,-1\n",
         "1,2,3\r\n",
+        "-2.5,4\n",
+        "\"3\",5\r\n",
+        "# 6,7\n",
         " 1e3 , -0 ,\n",
         "nan,inf,1\n",
         "lambda",

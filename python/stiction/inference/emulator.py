@@ -107,7 +107,7 @@ def simulate(
     SceneError
         The scene cannot be, at a point of the prior or at all; a patch has no such outcome.
     """
-    result = _swept(priors, values, conditions or {}, replicas=replicas, seed=seed, threads=threads, progress=progress)
+    result = _swept(priors, values, conditions or {}, replicas, seed=seed, threads=threads, progress=progress)
     known = _known(result)
     columns = []
     for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
@@ -138,7 +138,7 @@ def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]
     SceneError
         The scene cannot be.
     """
-    known = _known(_swept(priors, _middle(priors), conditions, replicas=2, seed=1, threads=None, progress=False))
+    known = _known(_swept(priors, _middle(priors), conditions, 2, seed=1, progress=False))
     return {name: str(of.attrs["units"]) for name, of in known.items()}
 
 
@@ -161,10 +161,8 @@ def _middle(priors: Priors) -> Array:
     return np.array([[prior.median for prior in priors.priors]])
 
 
-def _swept(
-    priors: Priors, values: Array, conditions: Mapping[str, Any], *, replicas: int, seed: int, threads: int | None, progress: bool | None
-) -> Sweep:
-    """The sweep of the scene over parameters under some conditions."""
+def _swept(priors: Priors, values: Array, conditions: Mapping[str, Any], replicas: int, **options: Any) -> Sweep:
+    """The sweep of the scene over parameters under some conditions, with options of `stiction.sweep`."""
     scene = priors.tables
     if "sweep" in scene:
         raise SceneError("sweep: a scene with priors has none, the keys with priors are varied; leave it out")
@@ -181,7 +179,7 @@ def _swept(
             raise SceneError(f"{key}: a column of the data has its values, but the scene has no table [{table}]")
         tables[table] = {**tables[table], name: value}
     try:
-        return experiments.sweep(tables, priors.axes(values), mode="zip", seed=seed, threads=threads, progress=progress)
+        return experiments.sweep(tables, priors.axes(values), mode="zip", **options)
     except SceneError as error:
         raise SceneError(f"at a point of the priors: {error}") from None
 

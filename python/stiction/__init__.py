@@ -1,7 +1,7 @@
 """Adhesion of rough surfaces from explicit ensembles of asperities.
 
 `run`, `sweep`, `compare`, `integral` and `check` take a scene: the path of a TOML file, or a dict of its tables.
-`asperity` solves a single asperity, `find_asperities` reads a measured surface, `open_run` opens any result. `stiction.plot` draws
+`asperity` solves a single asperity, `read_table` reads a table of another program, `find_asperities` reads a measured surface, `open_run` opens any result. `stiction.plot` draws
 results, `stiction.report` makes a page of them.
 """
 
@@ -12,6 +12,7 @@ from .experiments import check, compare, integral, run, sweep
 from .maps import find_asperities
 from .results import Asperities, CrossCheck, PullOff, Result, Run, Sweep, open_run
 from .single import asperity
+from .tables import read_table
 
 __all__ = [
     "Asperities",
@@ -29,6 +30,7 @@ __all__ = [
     "find_asperities",
     "integral",
     "open_run",
+    "read_table",
     "run",
     "sweep",
 ]

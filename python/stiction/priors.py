@@ -309,7 +309,7 @@ def _prior(key: str, table: Mapping[str, Any]) -> Any:
     log_std = units.pop("log_std", "1")
     if log_std != "1":
         raise SceneError(f"{key}.log_std = {table['log_std']!r}: a number without a unit is needed")
-    if len(set(units.values())) > 1:
+    if not quantities.of_one_dimension(units.values()):
         told = ", ".join(f"{name} = {table[name]!r}" for name in units)
         raise SceneError(f"{key}: {told}: all of them have to be of one dimension")
     # For a normal law that is cut the covariance is not the covariance of its normal scores.

@@ -4,31 +4,45 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 __all__ = [
+    "Unit",
     "as_text",
     "factor_and_unit",
     "in_si",
     "is_pint",
     "number",
+    "of_one_dimension",
     "parsed",
     "pint_text",
     "plain_unit",
     "reals",
     "si",
+    "unit",
     "with_error",
 ]
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Units that take a prefix; "m2" and its kin would have it squared.
-_PREFIXED = {"N", "m", "Pa", "J", "N/m", "J/m2", "s", "N m-1"}
-_WRITTEN = {"1": "", "m2": "m²", "m-2": "m⁻²", "m-1": "m⁻¹", "J/m2": "J/m²", "N m-1": "N/m"}
+_PREFIXED = {"N", "m", "Pa", "J", "N/m", "J/m2", "s", "N m-1", "V"}
+_WRITTEN = {
+    "1": "",
+    "m2": "m²",
+    "m-2": "m⁻²",
+    "m-1": "m⁻¹",
+    "J/m2": "J/m²",
+    "N m-1": "N/m",
+    "m3 mol-1": "m³/mol",
+}
 # Units as scenes have them, and as files have them.
-_OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2"}
+_OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2", "m^3/mol": "m3 mol-1"}
 
 
 def plain_unit(unit: str) -> str:
@@ -130,7 +144,132 @@ def with_error(value: Any, error: Any, unit: str) -> str:
     return text.replace("-", "−").strip()
 
 
-_POWERS = {"": 0, "T": 12, "G": 9, "M": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12}
+@dataclass(frozen=True)
+class _Dimension:
+    """A dimension: its SI unit as scenes and as pint write it, and the powers of ten of its units."""
+
+    si: str
+    of_pint: str
+    units: dict[str, int]
+
+
+# The units of scenes: those of src/scene/units.rs, as tests/data/units.csv says. N/m is also an energy per
+# area.
+_DIMENSIONS = (
+    _Dimension("m", "meter", {"m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12}),
+    _Dimension("m^2", "meter**2", {"m^2": 0, "cm^2": -4, "mm^2": -6, "um^2": -12, "nm^2": -18}),
+    _Dimension("/m^2", "1/meter**2", {"/m^2": 0, "/cm^2": 4, "/mm^2": 6, "/um^2": 12, "/nm^2": 18}),
+    _Dimension("Pa", "pascal", {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9, "TPa": 12}),
+    _Dimension("N/m", "newton/meter", {
+        "N/m": 0, "mN/m": -3, "uN/m": -6, "kN/m": 3, "MN/m": 6, "N/mm": 3, "N/um": 6, "nN/nm": 0,
+    }),
+    _Dimension("J/m^2", "joule/meter**2", {"J/m^2": 0, "mJ/m^2": -3, "uJ/m^2": -6}),
+    _Dimension("N", "newton", {"N": 0, "mN": -3, "uN": -6, "nN": -9, "pN": -12, "kN": 3}),
+    _Dimension("J", "joule", {
+        "J": 0, "mJ": -3, "uJ": -6, "nJ": -9, "pJ": -12, "fJ": -15, "aJ": -18, "zJ": -21,
+    }),
+    _Dimension("V", "volt", {"V": 0, "kV": 3, "mV": -3, "uV": -6}),
+    _Dimension("K", "kelvin", {"K": 0}),
+    _Dimension("rad", "radian", {"rad": 0}),
+    _Dimension("m^3/mol", "meter**3/mole", {"m^3/mol": 0, "cm^3/mol": -6, "mm^3/mol": -9}),
+)  # fmt: skip
+# Characters of other writers, behind Unicode's own forms of compatibility, and what they are here.
+_SPELLINGS = {
+    "\u03bc": "u",
+    "\u00c5": "angstrom",
+    "\u2212": "-",
+    "\u00b0C": "degC",
+    "\u00b0": "deg",
+    "\u22c5": " ",
+    "\u00b7": " ",
+    "**": "^",
+    "*": " ",
+}
+_NUMBER = r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([-+]?[0-9]+))?"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of scenes.
+
+    Attributes
+    ----------
+    si : str
+        The SI unit of its dimension, as scenes write it; ``1`` of numbers.
+    power : int
+        The power of ten of that which it is.
+    """
+
+    si: str
+    power: int = 0
+
+    def value(self, text: str) -> float:
+        """A decimal number in this unit, in SI; rounded once.
+
+        Raises
+        ------
+        ValueError
+            The text is no finite decimal number.
+        """
+        found = re.fullmatch(_NUMBER, text.strip().replace("\u2212", "-"))
+        if found is None:
+            raise ValueError(f"{text} is not a number")
+        value = float(f"{found[1]}e{int(found[2] or 0) + self.power}")
+        if not math.isfinite(value):
+            raise ValueError(f"{text} is not finite")
+        return value
+
+
+@dataclass(frozen=True)
+class _Celsius(Unit):
+    def value(self, text: str) -> float:
+        return super().value(text) + 273.15
+
+
+@dataclass(frozen=True)
+class _Degree(Unit):
+    def value(self, text: str) -> float:
+        return math.radians(super().value(text))
+
+
+_UNITS = {"": Unit("1"), "%": Unit("1", -2), "degC": _Celsius("K"), "deg": _Degree("rad")}
+_UNITS |= {name: Unit(of.si, power) for of in _DIMENSIONS for name, power in of.units.items()}
+
+
+def unit(written: str) -> Unit:
+    """A unit as people write it.
+
+    ``um^-2``, ``µm⁻²``, ``1/um2`` and ``um**-2`` are one, and so are ``mJ/m2`` and ``mJ m^-2``.
+
+    Raises
+    ------
+    ValueError
+        It is no unit of a scene.
+
+    Examples
+    --------
+    >>> unit("mJ m^-2"), unit("%")
+    (Unit(si='J/m^2', power=-3), Unit(si='1', power=-2))
+    """
+    plain = unicodedata.normalize("NFKC", written.strip())
+    for other, own in _SPELLINGS.items():
+        plain = plain.replace(other, own)
+    sides: tuple[list[str], list[str]] = ([], [])
+    for place, part in enumerate(plain.split("/")):
+        for factor in part.split():
+            found = re.fullmatch(r"([^0-9^-]+)(?:\^?(-?)([0-9]+))?", factor)
+            if found is not None:
+                power = "" if found[3] in (None, "1") else f"^{found[3]}"
+                sides[(place > 0) != bool(found[2])].append(found[1] + power)
+            elif place or factor != "1":
+                sides[0].append(factor)
+    name = " ".join(sides[0]) + "".join(f"/{below}" for below in sides[1])
+    if name not in _UNITS or not (name or not plain):
+        known = ", ".join(of.si for of in _DIMENSIONS)
+        raise ValueError(
+            f"{written} is no unit of a scene; {known}, degC and deg are, the usual prefixes, and %"
+        )
+    return _UNITS[name]
 
 
 def as_text(value: Any, unit: str) -> str:
@@ -146,14 +285,6 @@ def as_text(value: Any, unit: str) -> str:
     if is_pint(value):
         return pint_text(value)
     return f"{float(value)!r} {unit}"
-
-
-# Units that scenes give numbers in, with the SI unit, and the power to which a prefix is in it.
-_UNITS = {
-    "m": ("m", 1), "m^2": ("m^2", 2), "/m^2": ("/m^2", -2), "Pa": ("Pa", 1), "N": ("N", 1), "J": ("J", 1), "J/m^2": ("J/m^2", 1),
-    "N/m": ("J/m^2", 1), "V": ("V", 1), "K": ("K", 1), "m^3/mol": ("m^3/mol", 3),
-}  # fmt: skip
-_SMALL = {"c": -2, "f": -15, "a": -18, "z": -21}
 
 
 def parsed(name: str, value: Any) -> tuple[float, str]:
@@ -173,46 +304,37 @@ def parsed(name: str, value: Any) -> tuple[float, str]:
 
     Examples
     --------
-    >>> parsed("radius", "20 nm"), parsed("density", "8.5 /um^2"), parsed("humidity", 0.45), parsed("temperature", "20 degC")
-    ((2e-08, 'm'), (8500000000000.0, '/m^2'), (0.45, '1'), (293.15, 'K'))
+    >>> parsed("radius", "20 nm"), parsed("density", "8.5 /um^2")
+    ((2e-08, 'm'), (8500000000000.0, '/m^2'))
+    >>> parsed("humidity", "45 %"), parsed("temperature", "20 degC")
+    ((0.45, '1'), (293.15, 'K'))
     """
-    text = pint_text(value) if is_pint(value) else str(value)
-    text = text.strip().replace("**", "^").replace("²", "^2").replace("µ", "u").replace("μ", "u")
-    found = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?\s*(\S*)", text)
+    text = (pint_text(value) if is_pint(value) else str(value)).strip().replace("\u2212", "-")
+    found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", text)
     if found is None or isinstance(value, bool):
-        raise ValueError(f"{name} = {value!r}: a number is needed, with its unit if it has one, such as \"20 nm\"")
-    mantissa, exponent, written = found.groups()
-    written = {"angstrom": "100 pm"}.get(written, written)
-    if not written:
-        return float(f"{mantissa}e{int(exponent or 0)}"), "1"
-    if written == "degC":
-        return float(f"{mantissa}e{int(exponent or 0)}") + 273.15, "K"
-    if written == "100 pm":
-        return float(f"{mantissa}e{int(exponent or 0) - 10}"), "m"
-    for unit, (si_unit, power) in _UNITS.items():
-        over = "/" if unit.startswith("/") else ""
-        for prefix, ten in (_POWERS | _SMALL).items():
-            if written == f"{over}{prefix}{unit.removeprefix('/')}":
-                return float(f"{mantissa}e{int(exponent or 0) + power * ten}"), si_unit
-    raise ValueError(
-        f"{name} = {value!r}: {written} is no unit of a scene; {', '.join(_UNITS)} are, with prefixes, and degC"
-    )
+        raise ValueError(
+            f'{name} = {value!r}: a number is needed, with its unit if it has one, such as "20 nm"'
+        )
+    if re.match(r"\s*,\s*[0-9]", found[4] or ""):
+        raise ValueError(
+            f"{name} = {value!r}: has a decimal comma; a point is needed, and nothing between thousands"
+        )
+    try:
+        of = unit(found[4] or "")
+        return of.value(found[1]), of.si
+    except ValueError as error:
+        raise ValueError(f"{name} = {value!r}: {error}") from None
+
+
+def of_one_dimension(units: Iterable[str]) -> bool:
+    """Whether SI units as scenes or files write them are of one dimension; J/m² is N/m."""
+    plain = {plain_unit(_OF_SCENES.get(unit, unit)) for unit in units}
+    return len({"N/m" if unit == "J/m²" else unit for unit in plain}) <= 1
 
 
 def is_pint(value: Any) -> bool:
     """Whether a value is a quantity of pint, which need not be installed."""
     return hasattr(value, "magnitude") and hasattr(value, "is_compatible_with")
-
-
-# Units of scenes, as pint and as scenes write them; J/m^2 and N/m are one.
-_OF_PINT = {
-    "meter": "m",
-    "meter**2": "m^2",
-    "1/meter**2": "/m^2",
-    "pascal": "Pa",
-    "newton/meter": "N/m",
-    "newton": "N",
-}
 
 
 def pint_text(value: Any) -> str:
@@ -223,12 +345,20 @@ def pint_text(value: Any) -> str:
     ValueError
         Scenes have no quantity of that dimension.
     """
-    for of_pint, unit in _OF_PINT.items():
-        if value.is_compatible_with(of_pint):
-            return f"{float(value.to(of_pint).magnitude)!r} {unit}"
+    number, unit = _of_pint(value)
+    return repr(float(number)) if unit == "1" else f"{float(number)!r} {unit}"
+
+
+def _of_pint(value: Any) -> tuple[Any, str]:
+    """Numbers of a pint quantity in SI units, and that unit as scenes write it."""
     if value.is_compatible_with("dimensionless"):
-        return repr(float(value.to("dimensionless").magnitude))
-    known = ", ".join(_OF_PINT.values())
+        # An angle is a number for pint, with a unit all the same.
+        unit = "rad" if str(value.to_base_units().units) == "radian" else "1"
+        return value.to("radian" if unit == "rad" else "dimensionless").magnitude, unit
+    for of in _DIMENSIONS:
+        if value.is_compatible_with(of.of_pint):
+            return value.to(of.of_pint).magnitude, of.si
+    known = ", ".join(of.si for of in _DIMENSIONS)
     raise ValueError(f"{value}: scenes have no quantity of this dimension; they have {known}")
 
 
@@ -271,8 +401,8 @@ def in_si(name: str, value: Any, unit: str) -> Any:
         What it is, for the message.
     value : float, str, array_like or pint.Quantity
         Numbers are in `unit` already.
-    unit : {"m", "Pa", "J/m^2"}
-        The unit.
+    unit : str
+        An SI unit as scenes write it, such as ``m``, ``Pa``, ``J/m^2``.
 
     Raises
     ------
@@ -284,31 +414,16 @@ def in_si(name: str, value: Any, unit: str) -> Any:
     >>> in_si("radius", "20 nm", "m"), in_si("work_of_adhesion", "50 mJ/m^2", "J/m^2")
     (2e-08, 0.05)
     """
+    if isinstance(value, list | tuple) and any(isinstance(one, str) or is_pint(one) for one in value):
+        return np.array([in_si(name, one, unit) for one in value])
     if is_pint(value):
-        of_pint = {"m": "meter", "Pa": "pascal", "J/m^2": "newton/meter"}[unit]
-        if not value.is_compatible_with(of_pint):
-            raise ValueError(f"{name} = {value}: a quantity in {unit} is needed")
-        return value.to(of_pint).magnitude
-    if not isinstance(value, str):
-        if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
-            return np.array([in_si(name, one, unit) for one in value])
+        number, own = _of_pint(value)
+    elif isinstance(value, str):
+        number, own = parsed(name, value)
+    else:
         return value
-    text = value.strip().replace("**", "^").replace("²", "^2")
-    found = re.fullmatch(r"([-+]?[\d.]+)(?:[eE]([-+]?\d+))?\s*(\S.*)", text)
-    if found is not None:
-        mantissa, exponent, written = found.groups()
-        written = {"angstrom": "Å", "A": "Å"}.get(written, written)
-        powers = {f"{sign}{unit}": power for sign, power in _POWERS.items()}
-        if unit == "J/m^2":
-            for spelling in ("N/m", "J/m2"):
-                powers |= {f"{sign}{spelling}": power for sign, power in _POWERS.items()}
-        if unit == "m":
-            powers["Å"] = -10
-        if written in powers:
-            try:
-                return float(f"{mantissa}e{int(exponent or 0) + powers[written]}")
-            except ValueError:
-                pass
-    raise ValueError(
-        f"{name} = {value!r}: a number with a unit such as {'n' if unit == 'm' else ''}{unit} is needed"
-    )
+    if not of_one_dimension([own, unit]):
+        such = {"m": "nm"}.get(unit, unit)
+        given = repr(value) if isinstance(value, str) else value
+        raise ValueError(f"{name} = {given}: a number with a unit such as {such} is needed")
+    return number

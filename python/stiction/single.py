@@ -53,7 +53,8 @@ def asperity(
     """Solves one asperity against a flat.
 
     All numbers may be floats or arrays in SI units, texts with a unit (``"20 nm"``), or pint quantities. `xarray.DataArray`
-    broadcast by the names of their dimensions; an array without names has the name of its argument for its dimension.
+    broadcast by the names of their dimensions; an array without names has the name of its argument for its dimension. A table of
+    asperities, one a row, is ``asperity(**read_table("tips.csv"))``.
 
     Parameters
     ----------

@@ -7,9 +7,13 @@ use super::source::SceneArguments;
 use crate::engine::Shard;
 use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
+use crate::scene::units::whole;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// Most replicas that can be asked for.
+const MOST_REPLICAS: u64 = 1_000_000_000_000;
 
 /// Options of running a command, whatever it computes.
 #[derive(Args)]
@@ -52,7 +56,7 @@ impl Execution {
 #[derive(Args)]
 pub(super) struct RunOptions {
     /// Number of replicas, of each point where there are several, instead of the scene's; 0 for the integral alone
-    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=1_000_000_000_000))]
+    #[arg(long, value_parser = replicas)]
     pub replicas: Option<u64>,
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
@@ -117,6 +121,11 @@ pub(super) fn number(text: &str, does: fn(f64) -> bool, needed: &str) -> Result<
 
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     number(text, |value| value >= 0.0, "0 or a positive number is needed")
+}
+
+fn replicas(text: &str) -> Result<u64, String> {
+    let needed = || format!("a whole number from 0 to {MOST_REPLICAS} is needed");
+    whole(text).filter(|count| *count <= MOST_REPLICAS).ok_or_else(needed)
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

@@ -2,6 +2,7 @@
 
 use super::Error;
 use crate::input::columns::SceneFiles;
+use crate::input::table::decoded;
 use crate::scene::{Document, Scene};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -56,12 +57,7 @@ pub(crate) fn text_of(source: impl Read, most: u64) -> Result<String, String> {
     if bytes.len() as u64 > most {
         return Err(format!("is longer than {} MB", most >> 20));
     }
-    String::from_utf8(bytes).map_err(|error| {
-        format!(
-            "is not a text in UTF-8: byte {} belongs to no character",
-            error.utf8_error().valid_up_to() + 1
-        )
-    })
+    decoded(bytes)
 }
 
 /// The beginning of HDF5 files.

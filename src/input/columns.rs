@@ -1,9 +1,11 @@
 //! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured
 //! asperities.
 
+use super::table::{Head, NoNumber, Table, decoded};
 use crate::output::asperities;
 use crate::output::guard::{self, fits, is_kind_of};
-use crate::scene::files::{Column, Files, MOST_VALUES, Measured};
+use crate::scene::files::{Column, Files, MOST_VALUES, Measured, Values};
+use crate::scene::units::is_unit;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::path::{Path, PathBuf};
@@ -17,8 +19,8 @@ const LONGEST: u64 = 1 << 30;
 #[derive(Debug)]
 pub struct SceneFiles {
     folder: PathBuf,
-    tables: Known<PathBuf, Arc<Vec<u8>>>,
-    columns: Known<(PathBuf, Column), Vec<f64>>,
+    tables: Known<PathBuf, Arc<String>>,
+    columns: Known<(PathBuf, Column), Values>,
     asperities: Known<PathBuf, Measured>,
 }
 
@@ -56,18 +58,20 @@ impl SceneFiles {
     }
 
     /// A column of a CSV file: see [`numbers_of_column`].
-    fn of_table(&self, path: &Path, name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
+    fn of_table(&self, path: &Path, name: Option<&str>, place: usize) -> Result<Values, String> {
         let table = self.tables.get(path.to_owned(), |path| table(path).map(Arc::new))?;
         numbers_of_column(&table, name, place)
     }
 }
 
 impl Files for SceneFiles {
-    fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
+    fn column(&self, path: &str, column: &Column) -> Result<Values, String> {
         let path = self.path(path);
         let named = |problem: String| format!("the file {} {problem}", path.display());
         let read = |(path, column): &(PathBuf, Column)| match column {
-            Column::Dataset(dataset) => numbers_of_dataset(path, dataset),
+            Column::Dataset(dataset) => {
+                numbers_of_dataset(path, dataset).map(|numbers| Values { numbers, unit: None })
+            }
             Column::Named(name) => self.of_table(path, Some(name), 0),
             Column::Numbered(number) => self.of_table(path, None, *number as usize - 1),
         };
@@ -107,45 +111,42 @@ fn numbers_of_dataset(path: &Path, name: &str) -> Result<Vec<f64>, String> {
     dataset.read_raw().map_err(|_| format!("has a dataset {name} that is damaged"))
 }
 
-/// The bytes of a CSV file.
-fn table(path: &Path) -> Result<Vec<u8>, String> {
+/// The text of a CSV file.
+fn table(path: &Path) -> Result<String, String> {
     if guard::length(path)? > LONGEST {
         return Err(format!("is longer than {} MB", LONGEST >> 20));
     }
-    std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
+    decoded(std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?)
 }
 
-/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. Lines that
-/// begin with # are comments.
-fn numbers_of_column(table: &[u8], name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(name.is_some())
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(table);
+/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. A scene may name any
+/// file: its content is not for messages.
+fn numbers_of_column(text: &str, name: Option<&str>, place: usize) -> Result<Values, String> {
+    let no_csv = |problem| format!("is no plain CSV: {problem}");
+    let table = if name.is_some() { Table::named(text) } else { Table::bare(text) }.map_err(no_csv)?;
     let place = match name {
         None => place,
-        Some(name) => {
-            let names = reader.headers().map_err(|error| format!("is no CSV file: {error}"))?;
-            let found = names.iter().position(|known| known == name);
-            // A scene may name any file: its content is not for messages.
-            found.ok_or_else(|| {
-                format!("has no column \"{name}\" among the {} that its first line names", names.len())
-            })?
-        }
+        Some(name) => table.place(name).ok_or_else(|| {
+            format!("has no column \"{name}\" among the {} that its first line names", table.heads.len())
+        })?,
     };
-    let mut values = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| format!("is no CSV file: {error}"))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let field = record.get(place).ok_or_else(|| format!("has no column {} in line {line}", place + 1))?;
-        values
-            .push(field.parse().map_err(|_| format!("has no number in line {line}, column {}", place + 1))?);
-        if values.len() > MOST_VALUES {
+    let unit = table.heads.get(place).and_then(|Head { unit, .. }| unit.clone()).filter(|unit| is_unit(unit));
+    let mut numbers = Vec::new();
+    for row in table.rows() {
+        let row = row.map_err(no_csv)?;
+        let (line, column) = (row.line, place + 1);
+        if place >= row.fields.len() {
+            return Err(format!("has no column {column} in line {line}"));
+        }
+        numbers.push(row.number(place).map_err(|no| match no {
+            NoNumber::Text => format!("has no number in line {line}, column {column}"),
+            no => format!("has no number in line {line}, column {column}, but {}", no.words()),
+        })?);
+        if numbers.len() > MOST_VALUES {
             return Err(format!("has more than {MOST_VALUES} values"));
         }
     }
-    Ok(values)
+    Ok(Values { numbers, unit })
 }
 
 #[cfg(test)]
@@ -158,7 +159,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.csv");
         let files = SceneFiles::scene(&folder.path().join("scene.toml"));
-        let column = |name: &str| files.column("a.csv", &Column::Named(name.to_owned()));
+        let column =
+            |name: &str| files.column("a.csv", &Column::Named(name.to_owned())).map(|values| values.numbers);
         std::fs::write(&file, "height,radius\n1,2\n3,4\n").unwrap();
         assert_eq!(column("height"), Ok(vec![1.0, 3.0]));
         std::fs::write(&file, "height,radius\n5,6\n7,8\n").unwrap();
@@ -168,25 +170,34 @@ mod tests {
             anew.column("a.csv", &Column::Numbered(1)).unwrap_err(),
             format!("the file {} has no number in line 1, column 1", file.display())
         );
-        assert_eq!(anew.column("a.csv", &Column::Named("radius".to_owned())), Ok(vec![6.0, 8.0]));
+        let radii = anew.column("a.csv", &Column::Named("radius".to_owned())).unwrap();
+        assert_eq!(radii, Values { numbers: vec![6.0, 8.0], unit: None });
     }
 
     #[test]
     fn columns_are_found_by_name_and_number() {
-        let named = b"# measured\nx, height\n1, 2.5\n3,-4e-1\n";
-        assert_eq!(numbers_of_column(named, Some("height"), 0), Ok(vec![2.5, -0.4]));
-        let bare = b"1 , 2\n3, 4\n";
-        assert_eq!(numbers_of_column(bare, None, 1), Ok(vec![2.0, 4.0]));
+        let named = "# measured\nx, Height (nm)\n1, 2.5\n3,-4e-1\n";
+        let expected = Values { numbers: vec![2.5, -0.4], unit: Some("nm".to_owned()) };
+        assert_eq!(numbers_of_column(named, Some("height"), 0), Ok(expected));
+        let bare = "1 , 2\n3, 4\n";
+        assert_eq!(numbers_of_column(bare, None, 1).unwrap().numbers, [2.0, 4.0]);
     }
 
     #[test]
     fn what_is_wrong_with_a_file_is_said() {
-        let named = b"x,height\n1,2\n3,high\n";
+        let named = "x,height\n1,2\n3,high\n";
         let problem = numbers_of_column(named, Some("height"), 0).unwrap_err();
         assert_eq!(problem, "has no number in line 3, column 2");
         let problem = numbers_of_column(named, Some("depth"), 0).unwrap_err();
         assert_eq!(problem, "has no column \"depth\" among the 2 that its first line names");
-        let secret = b"root:x:0:0:secret\nhidden\n";
+        let problem = numbers_of_column("x,height\n1,2\n3,n/a\n", Some("height"), 0).unwrap_err();
+        assert_eq!(problem, "has no number in line 3, column 2, but a gap: fill it, or take the line out");
+        let problem = numbers_of_column("x;height\n1;2\n", Some("height"), 0).unwrap_err();
+        assert!(
+            problem.starts_with("is no plain CSV: line 1: columns are separated by semicolons"),
+            "{problem}"
+        );
+        let secret = "root:x:0:0:secret\nhidden\n";
         for name in [Some("height"), None] {
             let problem = numbers_of_column(secret, name, 0).unwrap_err();
             assert!(!["secret", "hidden", "root"].iter().any(|word| problem.contains(word)), "{problem}");

@@ -1,3 +1,4 @@
-//! Files that others have made: columns of numbers that scenes take values from.
+//! Files that others have made: tables, and columns of numbers that scenes take values from.
 
 pub mod columns;
+pub mod table;

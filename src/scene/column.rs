@@ -1,7 +1,7 @@
 //! Values that a law takes out of a file.
 
 use super::error::{SceneError, Together};
-use super::files::{Column, Files, Input, MOST_VALUES};
+use super::files::{Column, Files, Input, MOST_VALUES, Values};
 use super::reader::{Entry, Section};
 use super::units::{Dimension, parse};
 use toml::de::DeValue;
@@ -20,13 +20,24 @@ pub(super) fn of_file(
 ) -> Result<Vec<f64>, SceneError> {
     let example = "{ law = \"file\", path = \"heights.csv\", column = \"height\", unit = \"nm\" }";
     let Some(table) = table else { return Err(name.wrong(&format!("needs a path and a unit: {example}"))) };
-    let factor = table.require("unit").and_then(|unit| {
-        parse(&format!("1 {}", unit.string()?), Dimension::Length)
-            .map_err(|_| unit.wrong("a unit of length is needed, such as nm, um, m"))
+    let given = table.optional("unit", |unit| {
+        let factor = length(unit.string()?).map_err(|problem| unit.wrong(&problem))?;
+        Ok((unit.clone(), factor))
     });
     let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
-    let ((entry, path), factor, column) = (path, factor, column(name, table)).together()?;
-    let values = files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
+    let ((entry, path), given, column) = (path, given, column(name, table)).together()?;
+    let Values { numbers: values, unit } =
+        files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
+    let own = unit.map(|unit| length(&unit)).transpose();
+    let own =
+        own.map_err(|problem| entry.wrong(&format!("the unit above the column will not do: {problem}")))?;
+    let factor = match (given, own) {
+        (Some((unit, factor)), Some(own)) if factor != own => {
+            return Err(unit.wrong("the unit above the column is another one; leave this one out"));
+        }
+        (Some((_, factor)), _) | (None, Some(factor)) => factor,
+        (None, None) => table.require("unit").map(|_| 1.0)?,
+    };
     if !(FEWEST..=MOST_VALUES).contains(&values.len()) {
         let count = values.len();
         return Err(entry.wrong(&format!("has {count} values; {FEWEST} to {MOST_VALUES} are needed")));
@@ -36,6 +47,12 @@ pub(super) fn of_file(
     }
     inputs.push(Input::new(path, &[&values]));
     Ok(values.into_iter().map(|value| value * factor).collect())
+}
+
+/// A unit of length, m.
+fn length(unit: &str) -> Result<f64, String> {
+    parse(&format!("1 {unit}"), Dimension::Length)
+        .map_err(|_| "a unit of length is needed, such as nm, um, m".to_owned())
 }
 
 /// Reads which values of a file are meant.

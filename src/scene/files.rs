@@ -17,6 +17,15 @@ pub enum Column {
     Dataset(String),
 }
 
+/// Numbers of a file, in its unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// The numbers.
+    pub numbers: Vec<f64>,
+    /// Their unit, if the file says.
+    pub unit: Option<String>,
+}
+
 /// Asperities that were measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
@@ -42,7 +51,7 @@ pub trait Files: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A text on what is wrong with the file.
-    fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String>;
+    fn column(&self, path: &str, column: &Column) -> Result<Values, String>;
 
     /// Measured asperities.
     ///
@@ -56,7 +65,7 @@ pub trait Files: std::fmt::Debug + Send + Sync {
 pub struct NoFiles;
 
 impl Files for NoFiles {
-    fn column(&self, _: &str, _: &Column) -> Result<Vec<f64>, String> {
+    fn column(&self, _: &str, _: &Column) -> Result<Values, String> {
         Err("no files can be read here".to_owned())
     }
 

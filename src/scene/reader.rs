@@ -4,7 +4,7 @@ use super::echo::{one_line, shortened};
 use super::error::{SceneError, all};
 use super::keys::{Sign, Value};
 use super::lookup::{default, example, find, former_value, keys_of, meant, nearest, renamed};
-use super::units::{Dimension, QuantityError, parse};
+use super::units::{Dimension, QuantityError, parse, percentage, whole};
 use std::ops::{Bound, RangeBounds};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -233,6 +233,7 @@ impl<'a> Entry<'a> {
                 u64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
             }
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::String(text) => percentage(text),
             _ => None,
         };
         match value {
@@ -272,6 +273,7 @@ impl<'a> Entry<'a> {
     pub fn integer(&self, range: std::ops::RangeInclusive<u64>) -> Result<u64, SceneError> {
         let value = match self.value.get_ref() {
             DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            DeValue::Float(float) => whole(float.as_str()),
             _ => None,
         };
         value.filter(|value| range.contains(value)).ok_or_else(|| {

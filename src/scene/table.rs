@@ -26,10 +26,11 @@ fn names<T>(list: &[(&'static str, T)]) -> Vec<&'static str> {
 }
 
 const RANGE: &str = "a list, or a table { from, to, count }";
-const FILE_PATH: &str = "Relative to the scene. A CSV file or an HDF5 file.";
+const FILE_PATH: &str = "Relative to the scene. A plain CSV file, with commas between columns and points in numbers, \
+    names above the columns and comments behind `#` if there are such; or an HDF5 file.";
 const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its number from 1.";
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
-const FILE_UNIT: &str = "The values of the file are multiplied by it.";
+const FILE_UNIT: &str = "The values of the file are multiplied by it. The name above a column may have it: `height (nm)`, `height_nm`.";
 
 /// Every key of a scene by its dotted name, in the order of the reference. `[]` is an element of a list, `sweep.*` a key
 /// that is swept.
@@ -196,7 +197,8 @@ static FIRST: &[Key] = &[
         .about(FILE_DATASET),
     key("surface.heights.unit", "\"nm\"", Various("a unit of length"))
         .what("unit of the file")
-        .about(FILE_UNIT),
+        .about(FILE_UNIT)
+        .follows("the unit that is above the column; where there is none it has to be there"),
     key(
         "surface.radii",
         "{ law = \"gamma\", coefficient_of_variation = 0.5 }",
@@ -230,7 +232,8 @@ static FIRST: &[Key] = &[
         .about(FILE_DATASET),
     key("surface.radii.unit", "\"um\"", Various("a unit of length"))
         .what("unit of the file")
-        .about(FILE_UNIT),
+        .about(FILE_UNIT)
+        .follows("the unit that is above the column; where there is none it has to be there"),
     key("surface.count", "\"poisson\"", Choice(|| names(&CountLaw::ALL)))
         .what("whether every replica has the same number of asperities")
         .about(

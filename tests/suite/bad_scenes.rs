@@ -115,7 +115,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[capillary]\nrelative_humidity = \"45 %\"\ncontact_angles = [0, 0]\n[output]",
+        "[capillary]\nrelative_humidity = \"45 percent\"\ncontact_angles = [0, 0]\n[output]",
         &["`capillary.relative_humidity", "a number is needed"],
     ),
     (
@@ -262,7 +262,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "equilibrium_spacing = \"0.2 nm\"",
         "equilibrium_spacing = 0.2",
-        &["a length is needed, such as \"0.2 nm\" (m, mm, um, nm, angstrom, pm)"],
+        &["a length is needed, such as \"0.2 nm\" (m, cm, mm, um, nm, angstrom, pm)"],
     ),
     (
         "reduced_modulus =",
@@ -346,6 +346,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"large um\"", &["does not begin with a number"]),
     ("poisson_ratio = 0.27", "poisson_ratio = nan", &["`material.poisson_ratio = nan`", "finite"]),
     ("poisson_ratio = 0.27", "poisson_ratio = 0.7", &["at most 0.5"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = \"70 %\"", &["at most 0.5"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = \"27 % or so\"", &["is a string, a number is needed"]),
     ("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"-0.5 nm\"", &["must not be negative"]),
     (
         "surface_height_std = \"1.619 nm\"",
@@ -1021,6 +1023,24 @@ fn a_missing_scene_is_named() {
 fn is_scene(from: &str, to: &str) -> bool {
     assert!(QUICK.contains(from), "{from}");
     Document::parse(&QUICK.replace(from, to), Arc::new(SceneFiles::scene(Path::new("scene.toml")))).is_ok()
+}
+
+/// Whole numbers may be written as large ones are, and shares in per cent.
+#[test]
+fn numbers_are_written_as_people_write_them() {
+    assert!(is_scene("replicas = 200", "replicas = 2e2") && is_scene("replicas = 200", "replicas = 200.0"));
+    assert!(
+        !is_scene("replicas = 200", "replicas = 2.5e0") && !is_scene("replicas = 200", "replicas = 1e300")
+    );
+    assert!(is_scene("poisson_ratio = 0.27", "poisson_ratio = \"27 %\""));
+    for area in ["5e-7 cm^2", "50 µm²", "50 μm**2", "50 um2", "5e9 \u{212b}^2"] {
+        let is_known = area.contains('m');
+        assert_eq!(
+            is_scene("nominal_area = \"100 um^2\"", &format!("nominal_area = \"{area}\"")),
+            is_known,
+            "{area}"
+        );
+    }
 }
 
 /// Limits belong to what is allowed; the next number beyond does not.

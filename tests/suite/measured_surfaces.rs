@@ -6,7 +6,7 @@ use crate::common::unlocked;
 use std::sync::Arc;
 use stiction::input::columns::SceneFiles;
 use stiction::output::asperities;
-use stiction::scene::files::{Column, Files, Measured};
+use stiction::scene::files::{Column, Files, Measured, Values};
 use stiction::scene::{Document, Scene};
 use stiction::surface::Radii;
 
@@ -110,13 +110,18 @@ fn files_of_asperities_are_not_trusted() {
 struct Few;
 
 impl Files for Few {
-    fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
+    fn column(&self, path: &str, column: &Column) -> Result<Values, String> {
         assert_eq!(path, "few.csv");
+        let values = |numbers: &[f64], unit: Option<&str>| {
+            Ok(Values { numbers: numbers.to_vec(), unit: unit.map(str::to_owned) })
+        };
         match column {
-            Column::Numbered(2) => Ok(vec![1.0, 2.0, 6.0]),
-            Column::Numbered(3) => Ok(vec![1.0, 0.0]),
-            Column::Named(name) if name == "second" => Ok(vec![3.0, 5.0]),
-            Column::Dataset(name) if name == "third" => Ok(vec![4.0]),
+            Column::Numbered(2) => values(&[1.0, 2.0, 6.0], None),
+            Column::Numbered(3) => values(&[1.0, 0.0], None),
+            Column::Named(name) if name == "second" => values(&[3.0, 5.0], None),
+            Column::Named(name) if name == "fourth" => values(&[3.0, 5.0], Some("µm")),
+            Column::Named(name) if name == "fifth" => values(&[3.0, 5.0], Some("GPa")),
+            Column::Dataset(name) if name == "third" => values(&[4.0], None),
             other => Err(format!("{other:?}")),
         }
     }
@@ -174,7 +179,8 @@ fn given_values_are_taken_as_they_are() {
     let rest = "asperity_density = \"7 /um^2\"\nnominal_area = \"10 um^2\"\nsurface_height_std = \"9 nm\"";
     let given = |key: &str, values: &str, unit: &str| {
         let radius = if key == "heights" { "asperity_radius = \"3 um\"" } else { "" };
-        let given = format!("{key} = {{ law = \"file\", path = \"few.csv\", {values}, unit = \"{unit}\" }}");
+        let unit = if unit.is_empty() { String::new() } else { format!(", unit = \"{unit}\"") };
+        let given = format!("{key} = {{ law = \"file\", path = \"few.csv\", {values}{unit} }}");
         scene_with(&format!("{given}\n{rest}\n{radius}")).map(|scene| scene.surface)
     };
     let heights = given("heights", "column = 2", "nm").unwrap().heights;
@@ -194,6 +200,19 @@ fn given_values_are_taken_as_they_are() {
     assert!(few.contains("has 1 values; 2 to"), "{few}");
     let none = given("radii", "column = 3", "um").unwrap_err();
     assert!(none.contains("radii are positive"), "{none}");
+    // The unit above a column is its unit.
+    for unit in ["", "um"] {
+        let radii = given("radii", "column = \"fourth\"", unit).unwrap();
+        assert!((radii.asperity_radius / 4e-6 - 1.0).abs() < 1e-12);
+    }
+    for (column, unit, problem) in [
+        ("fourth", "nm", "the unit above the column is another one; leave this one out"),
+        ("fifth", "", "the unit above the column will not do: a unit of length is needed"),
+        ("second", "", "surface.radii.unit"),
+    ] {
+        let refused = given("radii", &format!("column = \"{column}\""), unit).unwrap_err();
+        assert!(refused.contains(problem), "{refused}");
+    }
 }
 
 /// Columns of a file are counted from 1.
@@ -203,7 +222,7 @@ fn columns_are_counted_from_one() {
     std::fs::write(folder.path("few.csv"), "1,10,100\n2,20,200\n").unwrap();
     let beside = SceneFiles::scene(&folder.path("scene.toml"));
     for (number, values) in [(1, [1.0, 2.0]), (2, [10.0, 20.0]), (3, [100.0, 200.0])] {
-        assert_eq!(beside.column("few.csv", &Column::Numbered(number)).unwrap(), values);
+        assert_eq!(beside.column("few.csv", &Column::Numbered(number)).unwrap().numbers, values);
     }
     assert!(beside.column("few.csv", &Column::Numbered(4)).is_err());
 }

@@ -403,6 +403,29 @@ fn tables_in_si_and_in_scaled_variables_agree() {
     }
 }
 
+/// A table as another program writes it: BOM, comments, quotes, and units in the names, in letters of any case.
+#[test]
+fn asperities_have_the_units_above_their_columns() {
+    let folder = Folder::new("");
+    let command = ["asperity", "--law", "hybrid", "--table", "-"];
+    let plain = given(&folder, &command, &format!("{TIP}2e-8,6e10,0.05,2e-10,1e-10\n"));
+    let units = "\u{feff}# tips\nRadius (nm),reduced_modulus [GPa],\"Work_of_adhesion mJ/m\u{b2}\",equilibrium_spacing_\u{c5},\
+                 interference (\u{212b}),\"who, when\"\n20,60,50,\"2\",1,\"me, now\"\n";
+    let other = given(&folder, &command, units);
+    assert_exit(&other, 0);
+    let (plain, other) = (text(&plain.stdout), text(&other.stdout));
+    assert!(other.lines().nth(1).unwrap().starts_with("20,60,50,2,1,\"me, now\","), "{other}");
+    for name in ["adhesion_force", "external_force", "contact_radius", "adhesion_parameter"] {
+        let last = |table: &str, from_end: usize| {
+            let row = table.lines().nth(1).unwrap().rsplit(',').nth(from_end).unwrap();
+            row.parse::<f64>().unwrap()
+        };
+        let place = plain.lines().next().unwrap().rsplit(',').position(|own| own == name).unwrap();
+        let (one, two) = (last(&plain, place), last(&other, place));
+        assert!((one - two).abs() <= 1e-12 * one.abs(), "{name}: {one} {two}");
+    }
+}
+
 #[test]
 fn bad_rows_of_asperities_are_named() {
     let folder = Folder::new("");
@@ -417,7 +440,22 @@ fn bad_rows_of_asperities_are_named() {
             "line 4: reduced_modulus = `stiff` is not a number",
         ),
         (format!("{TIP}1e-6,1e9,0,0.2e-9,0\n"), "line 2: work_of_adhesion = `0` will not do"),
-        (format!("{TIP}1e-6,1e9,0.05,nan,0\n"), "line 2: equilibrium_spacing = `nan` will not do"),
+        (format!("{TIP}1e-6,1e9,0.05,nan,0\n"), "line 2: equilibrium_spacing = `nan` is a gap"),
+        (format!("{TIP}1e-6,1e9,0.05,#N/A,0\n"), "line 2: equilibrium_spacing = `#N/A` is a gap: fill it"),
+        (
+            format!("{TIP}\"1e-6\",1e9,0.05,\"0,2e-9\",0\n"),
+            "line 2: equilibrium_spacing = `0,2e-9` is a number with a comma",
+        ),
+        (
+            format!("{TIP}{good}\n").replace(',', ";"),
+            "line 1: columns are separated by semicolons; save it as CSV",
+        ),
+        (
+            format!("{TIP}{good}\n").replace("radius", "radius (N)"),
+            "line 1: radius (N): the unit of a length is needed: m, cm, mm, um, nm",
+        ),
+        (format!("poisson_ratio (nm),{TIP}0.3,{good}\n"), "line 1: poisson_ratio is a number without a unit"),
+        ("lambda (m),delta\n1,2\n".to_owned(), "line 1: lambda is a number without a unit"),
         (
             format!("{TIP}1e-6,1e9,0.05,0.2e-9,inf\n"),
             "line 2: interference = `inf` will not do: a finite number",
@@ -429,7 +467,7 @@ fn bad_rows_of_asperities_are_named() {
             "line 1: no column `reduced_modulus`; the columns radius,reduced_modulus,work_of_adhesion,equilibrium_spacing,interference are needed",
         ),
         (format!("hardnes,{TIP}1e9,{good}\n"), "line 1: unknown column `hardnes`; did you mean `hardness`?"),
-        (format!("radius,{TIP}1e-6,{good}\n"), "line 1: the column `radius` is there twice"),
+        (format!("radius,{TIP}1e-6,{good}\n"), "line 1: columns 1 and 2 have one name"),
         (format!("hardness,{TIP}1e9,{good}\n"), "line 2: poisson_ratio is missing, which the hardness needs"),
         (
             format!("poisson_ratio,{TIP}0.6,{good}\n"),

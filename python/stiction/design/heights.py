@@ -72,7 +72,10 @@ def attraction(tables: Mapping[str, Any], low: float, high: float) -> tuple[Arra
         modulus = number(material, "reduced_modulus")
     else:
         bodies = zip(material["youngs_modulus"], material["poissons_ratio"], strict=True)
-        modulus = 1.0 / sum((1.0 - ratio**2) / quantities.parsed("youngs_modulus", young)[0] for young, ratio in bodies)
+        modulus = 1.0 / sum(
+            (1.0 - quantities.parsed("poissons_ratio", ratio)[0] ** 2) / quantities.parsed("youngs_modulus", young)[0]
+            for young, ratio in bodies
+        )
     if "work_of_adhesion" in material:
         work = number(material, "work_of_adhesion")
     else:
@@ -84,7 +87,7 @@ def attraction(tables: Mapping[str, Any], low: float, high: float) -> tuple[Arra
         "work_of_adhesion": work,
         "equilibrium_spacing": number(material, "equilibrium_spacing"),
         "hardness": number(material, "hardness"),
-        "poisson_ratio": float(material["poisson_ratio"]),
+        "poisson_ratio": number(material, "poisson_ratio"),
         "lubricant_thickness": number(surface, "lubricant_thickness") if "lubricant_thickness" in surface else 0.0,
         "law": model["law"],
         "path": model.get("history", "approach"),

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from .. import files, priors
+from .. import files
 from ..errors import FileError, StictionError
 from ..scenes import named_files
 from ..terminal import ended
@@ -39,6 +39,8 @@ def _parser() -> argparse.ArgumentParser:
                         help="error of the fitted density over the posterior's scatter, by default 0.2")  # fmt: skip
     parser.add_argument("--replicas", type=int, default=300, metavar="N",
                         help="patches that are simulated at each parameter set, by default 300: several times as many as were measured")  # fmt: skip
+    parser.add_argument("--missing", choices=("refuse", "drop"), default="refuse",
+                        help="whether a gap of the table, such as an empty cell or #N/A, is an error, or was not measured")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite what is there")
     return parser
 
@@ -68,10 +70,10 @@ def _infer(given: argparse.Namespace) -> None:
         files.check(path, force=given.force, inputs=inputs)
     if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
         raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
-    # Errors of a scene are reported before minutes are spent on others.
+    # Errors are reported before minutes are spent.
     for scene in (given.scene, *given.model):
-        priors.read(scene)
-    options = {"seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
+        posterior.checked(given.data, scene, given.missing)
+    options = {"missing": given.missing, "seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
     results = {}
     for scene, path in zip((given.scene, *given.model), outputs, strict=True):
         results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)

@@ -1,26 +1,30 @@
-"""Measured outcomes of patches from a CSV file."""
+"""Measured outcomes of patches from a table."""
 
 from __future__ import annotations
 
-import csv
 import math
-import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import quantities
-from ..errors import FileError
+from .. import quantities, tables
+from ..errors import FileError, SceneError
+from ..tables import Column, Table
 
-__all__ = ["ABOVE", "BELOW", "EXACT", "MISSING", "Group", "Measurements", "read"]
+__all__ = ["ABOVE", "BELOW", "EXACT", "MISSING", "Group", "Measurements", "first_conditions", "read"]
 
 Array = NDArray[np.float64]
 #: What a number says: the outcome itself, an upper or a lower limit of it, nothing.
 EXACT, BELOW, ABOVE, MISSING = range(4)
 _ERROR = "_error"
+# A limit of a force that is negative in the file is one of its size.
+_OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
+# Columns of labels, also where these are numbers; the first of pandas has no name.
+_LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,8 @@ class Group:
         `EXACT`, `BELOW`, `ABOVE` or `MISSING`.
     lines : tuple of int
         Lines of the file, if they are from one.
+    samples : tuple of str
+        Labels of the patches, if the file has them.
     """
 
     conditions: dict[str, Any]
@@ -46,6 +52,7 @@ class Group:
     errors: Array
     kinds: NDArray[np.int64]
     lines: tuple[int, ...] = ()
+    samples: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,11 +67,14 @@ class Measurements:
         Their SI units.
     groups : tuple of Group
         One for each set of conditions.
+    gaps : int
+        The number of outcomes that are not measured.
     """
 
     outcomes: tuple[str, ...]
     units: tuple[str, ...]
     groups: tuple[Group, ...]
+    gaps: int = 0
 
     @property
     def floors(self) -> Array:
@@ -78,129 +88,183 @@ class Measurements:
         return sum(len(group.values) for group in self.groups)
 
 
-def read(path: str | Path) -> Measurements:
+@dataclass(frozen=True)
+class _Roles:
+    """What the columns of a table hold; outcomes and errors by the name of the outcome."""
+
+    outcomes: dict[str, Column] = field(default_factory=dict)
+    errors: dict[str, Column] = field(default_factory=dict)
+    conditions: list[Column] = field(default_factory=list)
+    labels: list[Column] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """A column of outcomes: numbers and errors in SI units, and what they say, a number for each row."""
+
+    values: list[float]
+    errors: list[float]
+    kinds: list[int]
+
+
+def read(
+    path: str | Path, *, outcomes: Mapping[str, str] | None = None, missing: str = "refuse"
+) -> Measurements:
     """Reads measured outcomes.
 
     Parameters
     ----------
     path : path
-        A CSV file with a header. A column is headed by an outcome of patches with its unit, ``pull_off_force (uN)``; by an outcome with
-        ``_error``, the standard deviation of its measurement; or by a key of the scene, ``surface.nominal_area (um^2)``, for patches under
-        different conditions. ``<0.5`` is a pull-off below 0.5, ``>5`` one above; an empty cell was not measured. Lines that begin
-        with # are comments.
+        A table, as `stiction.read_table` reads it. A column is headed by an outcome of patches with its unit,
+        ``pull_off_force (uN)``; by an outcome with ``_error``, the standard deviation of its measurement; or by a
+        key of the scene, ``surface.nominal_area (um^2)``, for patches under different conditions. A column of
+        texts labels the patches. ``<0.5`` is a pull-off below 0.5, ``>5`` one above. Forces that are all negative
+        are taken by their size.
+    outcomes : dict, optional
+        The outcomes that patches of the scene have, with their units as files have them; without it any.
+    missing : {"refuse", "drop"}
+        Whether an empty cell, or what spreadsheets and people write for one, is an error or an outcome that was
+        not measured.
 
     Raises
     ------
     FileError
         There is no such file, or the message names line and column of what is wrong.
     """
-    path = Path(path)
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except FileNotFoundError:
-        raise FileError(f"{path}: no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{path}: cannot be read as text: {error}") from None
-    numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
-    rows = [_row(f"{path}, line {number}", line) for number, line in numbered]
-    if len(rows) < 2:
-        raise FileError(f"{path}: a header and a line for each patch are needed")
-    heads = [_head(path, cell) for cell in rows[0]]
-    names = [name for name, _, _ in heads]
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise FileError(f"{path}: the column {sorted(twice)[0]} is there twice")
-    outcomes = [name for name in names if "." not in name and not name.endswith(_ERROR)]
-    if not outcomes:
-        raise FileError(f"{path}: no column has an outcome, such as `pull_off_force (uN)`")
-    units = {name: unit for name, _, unit in heads}
-    for name in names:
-        if name.endswith(_ERROR) and units.get(name.removesuffix(_ERROR)) != units[name]:
-            raise FileError(f"{path}: the column {name} needs one {name.removesuffix(_ERROR)}, and both a unit of the same kind")
-    gathered: dict[tuple[tuple[str, Any], ...], list[list[tuple[float, float, int]]]] = {}
+    if missing not in ("refuse", "drop"):
+        raise SceneError(f"missing = {missing!r}: refuse or drop is needed")
+    table = tables.read(path)
+    roles = _roles(table, outcomes)
+    units = {name: _unit(column, outcomes) for name, column in roles.outcomes.items()}
+    for name, column in roles.errors.items():
+        if name not in units or not quantities.of_one_dimension([_unit(column, None).si, units[name].si]):
+            raise FileError(f"{column.title}: needs a column {name}, and both a unit of one kind")
+    found = [_outcome(column, roles.errors.get(name), missing) for name, column in roles.outcomes.items()]
+    for column, one in zip(roles.outcomes.values(), found, strict=True):
+        if set(one.kinds) == {MISSING}:
+            raise FileError(f"{column.title}: nothing is in it; leave it out")
     places: dict[tuple[tuple[str, Any], ...], list[int]] = {}
-    for (line, _), row in zip(numbered[1:], rows[1:], strict=True):
-        where = f"{path}, line {line}"
-        if len(row) != len(heads):
-            raise FileError(f"{where}: {len(row)} cells, where the header has {len(heads)}")
-        conditions: dict[str, Any] = {}
-        cells: dict[str, tuple[float, int]] = {}
-        for (name, factor, _), (_, unit_text), cell in zip(heads, _texts(rows[0]), row, strict=True):
-            if "." in name:
-                conditions[name] = f"{cell.strip()} {unit_text}" if unit_text else _plain(cell.strip())
-            else:
-                number, kind = _cell(f"{where}, {name}", cell)
-                cells[name] = number * factor, kind
-        patch = []
-        for name in outcomes:
-            value, kind = cells[name]
-            deviation, deviation_kind = cells.get(name + _ERROR, (0.0, EXACT))
-            if kind != MISSING and (deviation_kind != EXACT or deviation < 0.0):
-                raise FileError(f"{where}, {name}{_ERROR}: a standard deviation of 0 or more is needed, also of a limit")
-            if kind != MISSING and not value > 0.0:
-                told = "a measured outcome has to be greater than 0; write `<` before the resolution where none was seen"
-                raise FileError(f"{where}, {name}: {told}")
-            patch.append((value, 0.0 if kind == MISSING else deviation, kind))
-        if all(kind == MISSING for _, _, kind in patch):
-            raise FileError(f"{where}: no outcome")
-        gathered.setdefault(tuple(sorted(conditions.items())), []).append(patch)
-        places.setdefault(tuple(sorted(conditions.items())), []).append(line)
-    for place, name in enumerate(outcomes):
-        if all(patch[place][2] == MISSING for patches in gathered.values() for patch in patches):
-            raise FileError(f"{path}: the column {name} is empty; leave it out")
-    groups = []
-    for conditions_of, patches in gathered.items():
-        table = np.array(patches)
-        groups.append(Group(dict(conditions_of), table[:, :, 0], table[:, :, 1], table[:, :, 2].astype(np.int64), tuple(places[conditions_of])))
-    return Measurements(tuple(outcomes), tuple(units[name] for name in outcomes), tuple(groups))
+    for row in range(len(table.lines)):
+        if any(one.kinds[row] != MISSING for one in found):
+            conditions = tuple(sorted((column.name, _condition(column, row)) for column in roles.conditions))
+            places.setdefault(conditions, []).append(row)
+    groups = tuple(_group(dict(conditions), rows, found, roles, table) for conditions, rows in places.items())
+    gaps = sum(one.kinds.count(MISSING) for one in found)
+    return Measurements(tuple(units), tuple(unit.si for unit in units.values()), groups, gaps)
 
 
-def _row(where: str, line: str) -> list[str]:
-    """The cells of a line."""
-    try:
-        return next(csv.reader([line], skipinitialspace=True, strict=True))
-    except csv.Error as error:
-        raise FileError(f"{where}: {error}; the quotation marks of a cell begin and end in one line") from None
+def first_conditions(path: str | Path) -> dict[str, Any]:
+    """The values that the first row of a table has for keys of the scene, as scenes write them.
+
+    Raises
+    ------
+    FileError
+        As `read`, for what is no table.
+    """
+    columns = tables.read(path).columns
+    return {column.name: _condition(column, 0) for column in columns if "." in column.name}
 
 
-def _texts(header: list[str]) -> list[tuple[str, str]]:
-    result = []
-    for cell in header:
-        found = re.fullmatch(r"\s*([\w.]+)\s*(?:[(\[]\s*(.*?)\s*[)\]])?\s*", cell)
-        result.append((found[1], found[2] or "") if found else ("", ""))
-    return result
+def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
+    roles = _Roles()
+    for column in table.columns:
+        name = column.name
+        if "." in name:
+            roles.conditions.append(column)
+        elif known is not None and name in known:
+            roles.outcomes[name] = column
+        elif name.endswith(_ERROR):
+            roles.errors[name.removesuffix(_ERROR)] = column
+        elif name in _LABELS or (column.is_text() and not column.unit):
+            roles.labels.append(column)
+        elif known is None:
+            roles.outcomes[name] = column
+        else:
+            guess = tables.meant(name, known)
+            raise FileError(
+                f"{column.title}: no outcome of this scene{guess or ', which has ' + ', '.join(known)}. "
+                "A key of the scene has its table before it, such as surface.nominal_area (um^2)"
+            )
+    if len(roles.labels) > 1:
+        raise FileError(
+            f"{roles.labels[1].title}: a second column of labels; one may be there, and notes behind #"
+        )
+    if not roles.outcomes:
+        such = next(iter(known or ()), "pull_off_force")
+        raise FileError(f"{table.path}: no column has an outcome, such as `{such} (uN)`")
+    return roles
 
 
-def _head(path: Path, cell: str) -> tuple[str, float, str]:
-    """Name, factor to SI and SI unit of a column."""
-    ((name, unit),) = _texts([cell])
-    if not name:
-        raise FileError(f"{path}: the column `{cell}` is not headed by a name with a unit, such as `pull_off_force (uN)`")
-    if not unit or "." in name:
-        return name, 1.0, ""
-    try:
-        factor, si = quantities.parsed(f"{path}: the column {name}", f"1 {unit}")
-    except ValueError as error:
-        raise FileError(str(error)) from None
-    # N/m and J/m² have one dimension, but stiffnesses are not given as energies.
-    return name, factor, "N/m" if unit.endswith("N/m") else si
+def _unit(column: Column, known: Mapping[str, str] | None) -> quantities.Unit:
+    """The unit of a column of outcomes."""
+    unit = column.measured_in()
+    if known is not None and not quantities.of_one_dimension([unit.si, known[column.name]]):
+        own = quantities.plain_unit(known[column.name])
+        such = f"{column.name} ({own})" if own else f"{column.name} without one"
+        problem = f"{column.unit} is another unit" if column.unit else "the unit is missing"
+        raise FileError(f"{column.title}: {problem}; {such} is needed")
+    return unit
 
 
-def _plain(cell: str) -> Any:
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
+def _outcome(column: Column, errors: Column | None, missing: str) -> _Outcome:
+    """The outcomes of a column; forces that are all negative by their size."""
+    unit = column.measured_in()
+    numbers, kinds = [], []
+    for row, cell in enumerate(column.cells):
+        if column.is_gap(row):
+            if missing == "refuse":
+                advice = "fill it, or --missing drop takes it for not measured"
+                raise FileError(f"{column.where(row)}: {cell or 'nothing'}: a gap; {advice}")
+            numbers.append(math.nan)
+            kinds.append(MISSING)
+            continue
+        kind = {"<": BELOW, ">": ABOVE}.get(cell[:1], EXACT)
+        numbers.append(column.value(row, unit, behind=int(kind != EXACT)))
+        kinds.append(kind)
+    given = [number for number in numbers if not math.isnan(number)]
+    if unit.si == "N" and given and max(given) < 0.0:
+        numbers, kinds = [-number for number in numbers], [_OF_SIZE[kind] for kind in kinds]
+    deviations = [0.0] * len(numbers)
+    for row, (number, kind) in enumerate(zip(numbers, kinds, strict=True)):
+        if kind == MISSING:
+            continue
+        if not number > 0.0:
+            advice = (
+                "write `<` before the resolution where none was seen; forces are all positive or all negative"
+            )
+            problem = f"{column.cells[row]}: a measured outcome has to be greater than 0"
+            raise FileError(f"{column.where(row)}: {problem}; {advice}")
+        if errors is not None:
+            deviations[row] = errors.value(row, errors.measured_in())
+            if deviations[row] < 0.0:
+                raise FileError(
+                    f"{errors.where(row)}: a standard deviation of 0 or more is needed, also of a limit"
+                )
+    return _Outcome(numbers, deviations, kinds)
 
 
-def _cell(where: str, cell: str) -> tuple[float, int]:
-    text = cell.strip()
-    if text == "":
-        return math.nan, MISSING
-    kind = {"<": BELOW, ">": ABOVE}.get(text[0], EXACT)
-    try:
-        value = float(text if kind == EXACT else text[1:])
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise FileError(f"{where}: {cell.strip()} is not a number, nor one behind < or >")
-    return value, kind
+def _condition(column: Column, row: int) -> Any:
+    """The value of a key, as scenes write it."""
+    if column.is_text() and not column.unit and not column.is_gap(row):
+        return column.cells[row]
+    number = column.number(row)
+    if column.unit and column.measured_in().si != "1":
+        return f"{number} {column.unit}"
+    return column.value(row, column.measured_in())
+
+
+def _group(
+    conditions: dict[str, Any], rows: list[int], found: list[_Outcome], roles: _Roles, table: Table
+) -> Group:
+    def each(name: str) -> Any:
+        return np.array([[getattr(one, name)[row] for one in found] for row in rows])
+
+    samples = tuple(roles.labels[0].cells[row] for row in rows) if roles.labels else ()
+    return Group(
+        conditions,
+        each("values"),
+        each("errors"),
+        each("kinds"),
+        tuple(table.lines[row] for row in rows),
+        samples,
+    )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 from scipy.stats import qmc
@@ -15,10 +16,11 @@ from scipy.stats import qmc
 from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
-from .data import ABOVE, BELOW, EXACT, MISSING, Group
+from ..results import Sweep
+from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, fit, log_sum_exp
 
-__all__ = ["Emulator", "Patches", "design", "simulate"]
+__all__ = ["Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -105,16 +107,71 @@ def simulate(
     SceneError
         The scene cannot be, at a point of the prior or at all; a patch has no such outcome.
     """
+    result = _swept(priors, values, conditions or {}, replicas, seed=seed, threads=threads, progress=progress)
+    known = _known(result)
+    columns = []
+    for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
+        if name not in known:
+            raise SceneError(f"{name}: not one number of each patch of this scene; it has {', '.join(known)}")
+        own = quantities.plain_unit(str(known[name].attrs["units"]))
+        if units is not None and not quantities.of_one_dimension([units[outcomes.index(name)], own]):
+            given = units[outcomes.index(name)] or "no unit"
+            raise SceneError(f"{name}: the data have it in {given}, and it is one in {own or 'no unit'}: {name}{f' ({own})' if own else ''} is needed")
+        numbers = np.maximum(known[name].transpose("point", "replica").values, floor)
+        if not (numbers > 0.0).all():
+            share = 100.0 * float((~(numbers > 0.0)).mean())
+            point = int(np.argmax((~(numbers > 0.0)).any(axis=1)))
+            where = ", ".join(f"{key} = {texts[point]}" for key, texts in priors.axes(values).items())
+            raise SceneError(
+                f"{name}: {share:.2g} % of the patches have none, such as at {where}; narrow the priors to where every patch has one, or "
+                "reach it with [separation]"
+            )
+        columns.append(np.log(numbers))
+    return Patches(values, np.stack(columns, axis=2))
+
+
+def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]:
+    """The numbers that each patch of a scene has under some conditions, and their units as files have them, by a run of two patches.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be.
+    """
+    known = _known(_swept(priors, _middle(priors), conditions, 2, seed=1, progress=False))
+    return {name: str(of.attrs["units"]) for name, of in known.items()}
+
+
+def try_out(priors: Priors, measured: Measurements) -> None:
+    """Two patches under each set of conditions, so that what is wrong is seen before minutes are spent.
+
+    Raises
+    ------
+    SceneError
+        As `simulate`.
+    """
+    for group in measured.groups:
+        simulate(
+            priors, measured.outcomes, _middle(priors), units=measured.units, replicas=2, seed=1, floors=measured.floors,
+            conditions=group.conditions,
+        )  # fmt: skip
+
+
+def _middle(priors: Priors) -> Array:
+    return np.array([[prior.median for prior in priors.priors]])
+
+
+def _swept(priors: Priors, values: Array, conditions: Mapping[str, Any], replicas: int, **options: Any) -> Sweep:
+    """The sweep of the scene over parameters under some conditions, with options of `stiction.sweep`."""
     scene = priors.tables
     if "sweep" in scene:
         raise SceneError("sweep: a scene with priors has none, the keys with priors are varied; leave it out")
-    axes = priors.axes(values)
     tables = {**scene, "sweep": {"common_random_numbers": False}}
     ensemble = {key: value for key, value in scene.get("ensemble", {}).items() if key == "sampling"}
     tables["ensemble"] = {**ensemble, "replicas": replicas}
     if ensemble.get("sampling", "independent") != "independent":
         raise SceneError("ensemble.sampling: the distribution of patches needs independent ones")
-    for key, value in (conditions or {}).items():
+    for key, value in conditions.items():
         if key in priors.keys:
             raise SceneError(f"{key}: a column of the data has its values, and the scene a prior; one of them is needed")
         table, name = key.rsplit(".", 1)
@@ -122,32 +179,19 @@ def simulate(
             raise SceneError(f"{key}: a column of the data has its values, but the scene has no table [{table}]")
         tables[table] = {**tables[table], name: value}
     try:
-        result = experiments.sweep(tables, axes, mode="zip", seed=seed, threads=threads, progress=progress)
+        return experiments.sweep(tables, priors.axes(values), mode="zip", **options)
     except SceneError as error:
         raise SceneError(f"at a point of the priors: {error}") from None
-    group = result.group("replicas")
-    columns = []
-    for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
-        found = group.get(name)
-        squeezed = None if found is None else found.squeeze([d for d in found.dims if d not in ("point", "replica") and found.sizes[d] == 1])
-        if squeezed is None or set(squeezed.dims) != {"point", "replica"}:
-            known = [str(n) for n, v in group.data_vars.items() if set(v.dims) >= {"point", "replica"} and "separation" not in v.dims]
-            raise SceneError(f"{name}: not one number of each patch of this scene; it has {', '.join(known)}")
-        own = quantities.plain_unit(str(squeezed.attrs["units"]))
-        if units is not None and units[outcomes.index(name)] != own:
-            given = units[outcomes.index(name)] or "no unit"
-            raise SceneError(f"{name}: the data have it in {given}, and it is one in {own or 'no unit'}: {name}{f' ({own})' if own else ''} is needed")
-        numbers = np.maximum(squeezed.transpose("point", "replica").values, floor)
-        if not (numbers > 0.0).all():
-            share = 100.0 * float((~(numbers > 0.0)).mean())
-            point = int(np.argmax((~(numbers > 0.0)).any(axis=1)))
-            where = ", ".join(f"{key} = {texts[point]}" for key, texts in axes.items())
-            raise SceneError(
-                f"{name}: {share:.2g} % of the patches have none, such as at {where}; narrow the priors to where every patch has one, or "
-                "reach it with [separation]"
-            )
-        columns.append(np.log(numbers))
-    return Patches(values, np.stack(columns, axis=2))
+
+
+def _known(result: Sweep) -> dict[str, xarray.DataArray]:
+    """The datasets with one number for each patch, over points and replicas."""
+    known = {}
+    for name, of in result.group("replicas").data_vars.items():
+        squeezed = of.squeeze([d for d in of.dims if d not in ("point", "replica") and of.sizes[d] == 1])
+        if set(squeezed.dims) == {"point", "replica"}:
+            known[str(name)] = squeezed
+    return known
 
 
 class Emulator:

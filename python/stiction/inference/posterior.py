@@ -28,7 +28,7 @@ from . import data as measurements
 from .check import check_p_values, farthest
 from .data import EXACT, Group, Measurements
 from .density import log_sum_exp
-from .emulator import Emulator, Patches, design, simulate
+from .emulator import Emulator, Patches, design, outcomes_of, simulate, try_out
 from .sampling import Chains, sample
 
 __all__ = ["Inference", "infer", "models", "open_inference"]
@@ -109,7 +109,8 @@ class Inference:
         return Path(path)
 
     def __str__(self) -> str:
-        rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}")]
+        gaps = f"; not measured: {self.attrs['gaps']}" if self.attrs.get("gaps") else ""
+        rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}{gaps}")]
         for name, row in self.summary().iterrows():
             unit = str(self.data.posterior[name].attrs["units"])
             low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))
@@ -140,6 +141,7 @@ def infer(
     end_error: float = 0.02,
     emulator_error: float = 0.2,
     replicas: int = 300,
+    missing: str = "refuse",
     force: bool = False,
     progress: bool | None = None,
 ) -> Inference:
@@ -152,7 +154,7 @@ def infer(
     Parameters
     ----------
     data : path or Measurements
-        The CSV file of `stiction.inference.data.read`.
+        The table of `stiction.inference.data.read`.
     scene : path or dict
         The scene with priors, as `stiction.priors.read` has them.
     output : path, optional
@@ -167,6 +169,8 @@ def infer(
         Scatter of the posterior means of the fits over the standard deviation of the posterior: 0.2 widens it by 2 %.
     replicas : int
         Patches that are simulated at each parameter set: several times as many as were measured.
+    missing : {"refuse", "drop"}
+        Whether a gap of the table is an error or an outcome that was not measured.
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
@@ -184,17 +188,35 @@ def infer(
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
     if not 20 <= replicas <= 100_000:
         raise SceneError(f"replicas = {replicas}: a number from 20 to 100000 is needed")
-    measured = data if isinstance(data, Measurements) else measurements.read(data)
-    priors = scenes.read(scene)
     if output is not None:
         inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
         files.check(output, force=force, inputs=inputs)
+    measured, priors = checked(data, scene, missing)
     # Matrices are so small that threads would only wait for each other.
     with threadpool_limits(1):
         result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas, progress)
     if output is not None:
         result.save(output, force=force)
     return result
+
+
+def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refuse") -> tuple[Measurements, Priors]:
+    """The data and the scene with its priors, with all that can be wrong with either found by a few patches.
+
+    Raises
+    ------
+    SceneError, FileError
+        As `infer`.
+    """
+    if isinstance(data, Measurements):
+        measured, priors = data, scenes.read(scene)
+    else:
+        # What is no table is found before anything runs.
+        conditions = measurements.first_conditions(data)
+        priors = scenes.read(scene)
+        measured = measurements.read(data, outcomes=outcomes_of(priors, conditions), missing=missing)
+    try_out(priors, measured)
+    return measured, priors
 
 
 def _inferred(
@@ -302,7 +324,7 @@ def _result(
         data.observed_data[f"{name}_kind"].attrs["flag_meanings"] = "0 number, 1 below it, 2 above it, 3 not measured"
     data.posterior.attrs.update(
         format=_FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
-        patches=measured.size, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
+        patches=measured.size, gaps=measured.gaps, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
         emulator_share=share, simulated_patches=simulated, batches=batches,
         farthest="\n".join(_farthest(measured, farthest(emulator, groups, values, random))),
     )  # fmt: skip
@@ -313,8 +335,10 @@ def _farthest(measured: Measurements, found: list[tuple[int, float]]) -> Iterato
     """Sentences on the datum of each outcome that is farthest off the others."""
     table = np.concatenate([group.values for group in measured.groups])
     lines = [line for group in measured.groups for line in group.lines]
+    samples = [sample for group in measured.groups for sample in group.samples]
     for name, unit, j, (patch, p) in zip(measured.outcomes, measured.units, range(len(found)), found, strict=True):
         where = f"line {lines[patch]}" if lines else f"patch {patch}"
+        where = f"{samples[patch]}, {where}" if samples else where
         verdict = "far off what the others say: look at it" if p < 0.01 else "as far off as the farthest may be"
         yield f"{name} of {where}, {quantities.si(table[patch, j], unit)}: p = {p:.2g}, {verdict}"
 

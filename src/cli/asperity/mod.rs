@@ -1,9 +1,7 @@
 //! `stiction asperity`: one asperity in scaled variables, or the asperities of a table, as CSV.
 
 mod si;
-mod table;
 
-use self::table::Table;
 use super::arguments::{not_negative, number};
 use super::failure::Failure;
 use super::source;
@@ -13,6 +11,8 @@ use crate::asperity::models::{Model, model};
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
 use crate::experiment::Error;
+use crate::input::table::{Row, Table};
+use crate::scene::echo::shortened;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -27,9 +27,10 @@ pub(super) struct AsperityArguments {
     /// Scaled approaches, negative before contact
     #[arg(long, num_args = 1.., required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
     pub delta: Vec<f64>,
-    /// CSV with the columns lambda,delta, or in SI with radius,reduced_modulus,work_of_adhesion,
-    /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness;
-    /// - for standard input. Of a table in SI the forces are put behind its own columns, SI too
+    /// CSV with the columns lambda,delta, or with radius,reduced_modulus,work_of_adhesion,
+    /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness, in SI
+    /// or in the unit that the name has, as `radius (nm)`; - for standard input. Of the latter the forces are put
+    /// behind its own columns, SI
     #[arg(long, value_name = "IN.csv")]
     pub table: Option<PathBuf>,
     /// History: approach or retraction
@@ -75,15 +76,15 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
         (Some(path), _) => {
             let shown =
                 if path.as_os_str() == "-" { "standard input".into() } else { path.to_string_lossy() };
-            let wrong = |problem: String| Failure::Usage(format!("{shown}: {problem}"));
-            let text = source::text(path, LONGEST_TABLE).map_err(wrong)?;
-            let table = Table::new(&text);
-            if si::NEEDED.iter().any(|name| table.column(name).is_some()) && !is_scaled(&table) {
+            let refused = |problem: String| Failure::Usage(format!("{shown}: {problem}"));
+            let text = source::text(path, LONGEST_TABLE).map_err(refused)?;
+            let table = Table::named(&text).map_err(refused)?;
+            if si::NEEDED.iter().any(|name| table.place(name).is_some()) && !is_scaled(&table) {
                 refuse_scaled(arguments)?;
-                let solved = si::solved(&table, &model, arguments.path, arguments.diagnostics);
-                return print(&solved.map_err(wrong)?);
+                let solved = si::solved(table, &model, arguments.path, arguments.diagnostics);
+                return print(&solved.map_err(refused)?);
             }
-            points(&table).map_err(wrong)?
+            points(table).map_err(refused)?
         }
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
         (None, None) => {
@@ -162,7 +163,7 @@ const SCALED: [&str; 2] = ["lambda", "delta"];
 
 /// Whether a table has one of the columns of scaled variables.
 fn is_scaled(table: &Table<'_>) -> bool {
-    SCALED.iter().any(|name| table.column(name).is_some())
+    SCALED.iter().any(|name| table.place(name).is_some())
 }
 
 /// Refuses options in scaled variables next to a table in SI.
@@ -186,17 +187,38 @@ fn refuse_scaled(arguments: &AsperityArguments) -> Result<(), Failure> {
 }
 
 /// λ and Δ of each row of a table that has them, in any order among others.
-fn points(table: &Table<'_>) -> Result<Vec<(f64, f64)>, String> {
-    let column = |name: &str| {
-        table.column(name).ok_or_else(|| {
+fn points(table: Table<'_>) -> Result<Vec<(f64, f64)>, String> {
+    let place = |name: &str| {
+        let place = table.place(name).ok_or_else(|| {
             let si = si::NEEDED.join(",");
             format!("line 1: no column `{name}`; the columns lambda,delta are needed, or in SI {si}")
-        })
+        })?;
+        match table.heads[place].unit {
+            None => Ok(place),
+            Some(_) => Err(format!("line 1: {name} is a number without a unit")),
+        }
     };
-    let places = (column(SCALED[0])?, column(SCALED[1])?);
-    let point =
-        |row: table::Row<'_>| Ok((row.number(places.0, SCALED[0])?, row.number(places.1, SCALED[1])?));
+    let places = (place(SCALED[0])?, place(SCALED[1])?);
+    let point = |row: Result<Row, String>| {
+        let row = row?;
+        Ok((field_number(&row, places.0, SCALED[0])?, field_number(&row, places.1, SCALED[1])?))
+    };
     table.rows().map(point).collect()
+}
+
+/// The number in a column of a row.
+fn field_number(row: &Row, place: usize, name: &str) -> Result<f64, String> {
+    row.number(place).map_err(|no| wrong(row, place, name, &format!("is {}", no.words())))
+}
+
+/// An error about the text in a column of a row.
+fn wrong(row: &Row, place: usize, name: &str, problem: &str) -> String {
+    at(row, &format!("{name} = `{}` {problem}", shortened(&row.fields[place])))
+}
+
+/// An error about a row.
+fn at(row: &Row, problem: &str) -> String {
+    format!("line {}: {problem}", row.line)
 }
 
 #[cfg(test)]
@@ -206,9 +228,12 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
     use std::time::{Duration, Instant};
 
-    const PIECES: [&str; 30] = [
+    const PIECES: [&str; 33] = [
         "0.9,-1\n",
         "1,2,3\r\n",
+        "-2.5,4\n",
+        "\"3\",5\r\n",
+        "# 6,7\n",
         " 1e3 , -0 ,\n",
         "nan,inf,1\n",
         "lambda",
@@ -245,19 +270,17 @@ mod tests {
     fn every_text_is_a_table_or_refused_in_a_line() {
         let pieces = proptest::collection::vec(proptest::sample::select(&PIECES[..]), 0..12);
         let header = proptest::sample::select(
-            &["", "lambda,delta\n", "delta, x ,lambda\r\n", "lambda,lambda,delta\n"][..],
+            &["", "lambda,delta\n", "delta, x ,Lambda\r\n", "lambda,lambda,delta\n"][..],
         );
         let config = Config { cases: 20_000, failure_persistence: None, ..Config::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
         let read = std::cell::Cell::new(0);
         let case = |(header, pieces): (&str, Vec<&str>)| {
             let text = header.to_owned() + &pieces.concat();
-            match points(&Table::new(&text)) {
+            match Table::named(&text).and_then(points) {
                 Ok(points) => {
-                    prop_assert_eq!(
-                        points.len(),
-                        text.lines().skip(1).filter(|line| !line.trim().is_empty()).count()
-                    );
+                    let rows = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
+                    prop_assert_eq!(points.len(), text.lines().skip(1).filter(rows).count());
                     read.set(read.get() + usize::from(!points.is_empty()));
                 }
                 Err(problem) => {
@@ -282,7 +305,7 @@ mod tests {
             [",".repeat(4_000_000), "\n".repeat(4_000_000), "1,2\n".repeat(1_000_000), "9".repeat(4_000_000)]
         {
             let begun = Instant::now();
-            let _ = points(&Table::new(&format!("lambda,delta\n{row}")));
+            let _ = Table::named(&format!("lambda,delta\n{row}")).and_then(points);
             assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
         }
     }

@@ -1,12 +1,24 @@
 //! Tables of asperities in SI: what each is made of and how far it is pressed, and the forces of that.
 
-use super::table::{Row, Table};
+use super::{at, field_number, wrong};
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{InnerState, Law, LawError, LawParameters, Path, Regime, SolvedAsperity, SolverStats};
+use crate::input::table::{Row, Table};
 use crate::scene::echo::shortened;
 use crate::scene::nearest;
+use crate::scene::units::{Dimension, parse};
 
+/// The dimensions of the columns that have units.
+const DIMENSIONS: [(&str, Dimension); 7] = [
+    ("radius", Dimension::Length),
+    ("reduced_modulus", Dimension::Pressure),
+    ("work_of_adhesion", Dimension::SurfaceEnergy),
+    ("equilibrium_spacing", Dimension::Length),
+    ("interference", Dimension::Length),
+    ("hardness", Dimension::Pressure),
+    ("lubricant_thickness", Dimension::Length),
+];
 /// The columns that have to be there.
 pub(super) const NEEDED: [&str; 5] =
     ["radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "interference"];
@@ -16,6 +28,14 @@ const OPTIONAL: [&str; 3] = ["hardness", "poisson_ratio", "lubricant_thickness"]
 const FOUND: &str = "adhesion_parameter,regime,adhesion_force,contact_force,external_force,contact_radius";
 /// Largest interference, as a multiple of the unit of the approach.
 const MOST: f64 = 1e100;
+
+/// A column of the table.
+#[derive(Clone, Copy)]
+struct Column {
+    place: usize,
+    /// 1 of its unit, SI.
+    unit: f64,
+}
 
 /// An asperity of a table, SI.
 #[derive(Clone, Copy, PartialEq)]
@@ -29,20 +49,18 @@ struct Tip {
 /// # Errors
 /// The problem, with its line and column.
 pub(super) fn solved(
-    table: &Table<'_>,
+    table: Table<'_>,
     model: &Model,
     path: Path,
     diagnostics: bool,
 ) -> Result<String, String> {
-    let columns = columns(table)?;
+    let columns = columns(&table)?;
     let cost = if diagnostics { ",iterations,safeguarded" } else { "" };
-    let mut text = format!("{},{FOUND}{cost}\n", table.header.join(","));
+    let header = line(table.heads.iter().map(|head| head.text.as_str()));
+    let mut text = format!("{header},{FOUND}{cost}\n");
     let mut known: Option<(Tip, Scale, Box<dyn Law>)> = None;
     for row in table.rows() {
-        if row.fields.len() != table.header.len() {
-            let (own, all) = (row.fields.len(), table.header.len());
-            return Err(row.at(&format!("has {own} fields, and the first line {all}")));
-        }
+        let row = row?;
         let (tip, interference) = read(&row, &columns)?;
         let (_, scale, law) = match known.take() {
             Some(same) if same.0 == tip => known.insert(same),
@@ -54,7 +72,7 @@ pub(super) fn solved(
         };
         if !(interference.abs() <= MOST * scale.length) {
             let problem = "is too large beside the unit of the approach";
-            return Err(row.wrong("interference", &interference.to_string(), problem));
+            return Err(at(&row, &format!("interference = `{interference}` {problem}")));
         }
         let solved = SolvedAsperity::new(law.as_ref(), interference);
         let numbers =
@@ -63,41 +81,68 @@ pub(super) fn solved(
         let regime = solved.regime.map_or("none", Regime::name);
         let SolverStats { evaluations, safeguarded, .. } = solved.stats;
         let cost = if diagnostics { format!(",{evaluations},{safeguarded}") } else { String::new() };
-        let given = row.fields.join(",");
+        let given = line(row.fields.iter());
         text += &format!("{given},{:.16e},{regime},{numbers}{cost}\n", scale.lambda);
     }
     Ok(text)
 }
 
-/// Places of the columns, the optional ones behind the others.
-fn columns(table: &Table<'_>) -> Result<[Option<usize>; NEEDED.len() + OPTIONAL.len()], String> {
+/// Fields as a line of CSV.
+fn line<'f>(fields: impl Iterator<Item = &'f str>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(fields).expect("memory takes any record");
+    let bytes = writer.into_inner().expect("memory takes any record");
+    String::from_utf8_lossy(&bytes).trim_end().to_owned()
+}
+
+/// The columns, the optional ones behind the others.
+fn columns(table: &Table<'_>) -> Result<[Option<Column>; NEEDED.len() + OPTIONAL.len()], String> {
     let known = || NEEDED.into_iter().chain(OPTIONAL);
-    if let Some(missing) = NEEDED.iter().find(|name| table.column(name).is_none()) {
+    if let Some(missing) = NEEDED.iter().find(|name| table.place(name).is_none()) {
         let (needed, optional) = (NEEDED.join(","), OPTIONAL.join(","));
         return Err(format!(
-            "line 1: no column `{missing}`; the columns {needed} are needed, in SI, and {optional} may be there"
+            "line 1: no column `{missing}`; the columns {needed} are needed, in SI or with a unit, and {optional} may \
+             be there"
         ));
     }
-    for (i, name) in table.header.iter().enumerate() {
-        if known().any(|known| known == *name) {
-            if table.header[..i].contains(name) {
-                return Err(format!("line 1: the column `{name}` is there twice"));
-            }
-        } else if let Some(meant) = nearest(name, known().filter(|known| table.column(known).is_none())) {
-            return Err(format!("line 1: unknown column `{}`; did you mean `{meant}`?", shortened(name)));
+    for (i, head) in table.heads.iter().enumerate() {
+        if known().any(|known| table.place(known) == Some(i)) {
+            continue;
+        }
+        if let Some(meant) = nearest(&head.name, known().filter(|known| table.place(known).is_none())) {
+            return Err(format!(
+                "line 1: unknown column `{}`; did you mean `{meant}`?",
+                shortened(&head.text)
+            ));
         }
     }
-    let mut places = known().map(|name| table.column(name));
-    Ok(std::array::from_fn(|_| places.next().flatten()))
+    let mut found = [None; NEEDED.len() + OPTIONAL.len()];
+    for (found, name) in found.iter_mut().zip(known()) {
+        *found = table.place(name).map(|place| column(table, place, name)).transpose()?;
+    }
+    Ok(found)
+}
+
+/// The column of a name.
+fn column(table: &Table<'_>, place: usize, name: &str) -> Result<Column, String> {
+    let Some(given) = &table.heads[place].unit else { return Ok(Column { place, unit: 1.0 }) };
+    let Some((_, dimension)) = DIMENSIONS.iter().find(|(known, _)| *known == name) else {
+        return Err(format!("line 1: {name} is a number without a unit"));
+    };
+    let unit = parse(&format!("1 {given}"), *dimension).map_err(|_| {
+        let (unit, of, units) = (shortened(given), dimension.name(), dimension.units());
+        format!("line 1: {name} ({unit}): the unit of {of} is needed: {units}")
+    })?;
+    Ok(Column { place, unit })
 }
 
 /// The asperity and the interference of a row.
-fn read(row: &Row<'_>, columns: &[Option<usize>]) -> Result<(Tip, f64), String> {
-    let number = |name: &str, column: usize, does: fn(f64) -> bool, needed: &str| {
-        let value = row.number(column, name)?;
+fn read(row: &Row, columns: &[Option<Column>]) -> Result<(Tip, f64), String> {
+    let number = |name: &str, column: Column, does: fn(f64) -> bool, needed: &str| {
+        let value = field_number(row, column.place, name)?;
         match value.is_finite() && does(value) {
-            true => Ok(value),
-            false => Err(row.wrong(name, row.field(column), &format!("will not do: {needed} is needed"))),
+            true => Ok(value * column.unit),
+            false => Err(wrong(row, column.place, name, &format!("will not do: {needed} is needed"))),
         }
     };
     let (places, optional) = columns.split_at(NEEDED.len());
@@ -110,7 +155,7 @@ fn read(row: &Row<'_>, columns: &[Option<usize>]) -> Result<(Tip, f64), String> 
         };
     }
     let given = |i: usize, does: fn(f64) -> bool, needed: &str| {
-        let column = optional[i].filter(|column| !row.field(*column).is_empty());
+        let column = optional[i].filter(|column| !row.fields[column.place].is_empty());
         column.map(|column| number(OPTIONAL[i], column, does, needed)).transpose()
     };
     let optional = [
@@ -119,7 +164,7 @@ fn read(row: &Row<'_>, columns: &[Option<usize>]) -> Result<(Tip, f64), String> 
         given(2, |value| value >= 0.0, "0 or a positive number")?,
     ];
     if optional[0].is_some() && optional[1].is_none() {
-        return Err(row.at("poisson_ratio is missing, which the hardness needs"));
+        return Err(at(row, "poisson_ratio is missing, which the hardness needs"));
     }
     let [radius, modulus, work, spacing, interference] = needed;
     Ok((Tip { needed: [radius, modulus, work, spacing], optional }, interference))
@@ -154,11 +199,11 @@ impl Tip {
     }
 }
 
-fn told(row: &Row<'_>, error: &LawError) -> String {
+fn told(row: &Row, error: &LawError) -> String {
     match error {
         LawError::Elastic(law) => {
-            row.at(&format!("hardness and poisson_ratio are missing, which the law {law} needs"))
+            at(row, &format!("hardness and poisson_ratio are missing, which the law {law} needs"))
         }
-        error => row.at(&error.to_string()),
+        error => at(row, &error.to_string()),
     }
 }

@@ -62,16 +62,20 @@ def told(function, *arguments, **named):
     [
         ("pull_off_force (uN)\n", "a header and a line"),
         ("surface.nominal_area (um^2)\n3\n", "no column has an outcome"),
-        ("pull_off_force (uX)\n3\n", "1 uX"),
-        ("pull_off_force (uN)\n3\nseven\n", "line 3, pull_off_force: seven is not a number"),
-        ('pull_off_force (uN)\n"3\n"\n4\n', "line 2: unexpected end of data; the quotation marks of a cell begin and end in one line"),
+        ("pull_off_force (uX)\n3\n", "line 1, column 1 (pull_off_force): uX is no unit"),
+        ("pull_off_force (uN)\n3\nseven\n", "line 3, column 1 (pull_off_force): seven is not a number"),
+        ('pull_off_force (uN)\n"3\n4\n', "line 2: unexpected end of data; the quotation marks of a cell begin and end it"),
         ('pull_off_force (uN)\n"3" 4\n', "line 2: "),
         ("pull_off_force (uN)\n" + "3" * 200_000 + "\n", "line 2: field larger than field limit"),
-        ("pull_off_force (uN)\n-3\n", "greater than 0; write `<`"),
+        ("pull_off_force (uN)\n4\n-3\n", "line 3, column 1 (pull_off_force): -3: a measured outcome has to be greater than 0; write `<`"),
+        ("pull_off_force (uN)\n-4\n<3\n", "all positive or all negative"),
+        ("pull_off_separation (nm)\n-3\n", "greater than 0"),
         ("pull_off_force (uN),pull_off_force_error (uN)\n3,-1\n", "a standard deviation of 0 or more"),
         ("pull_off_force (uN)\n3,4\n", "line 2: 2 cells"),
-        ("pull_off_force_error (uN),pull_off_separation (nm)\n3,4\n", "needs one pull_off_force"),
-        ("pull_off_force (uN),dissipated_energy (J)\n3,\n", "the column dissipated_energy is empty"),
+        ("pull_off_force_error (uN),pull_off_separation (nm)\n3,4\n", "needs a column pull_off_force"),
+        ("pull_off_force (uN),pull_off_force_error (nm)\n3,4\n", "needs a column pull_off_force, and both a unit of one kind"),
+        ("pull_off_force (uN),dissipated_energy (J)\n3,\n", "line 2, column 2 (dissipated_energy): nothing: a gap; fill it, or --missing drop"),
+        ("sample,note,pull_off_force (uN)\nA,good,3\n", "column 2 (note): a second column of labels"),
     ],
 )
 def test_a_wrong_line_of_data_is_refused_by_its_place(text, part, tmp_path):
@@ -88,6 +92,46 @@ def test_data_have_units_errors_limits_and_conditions(tmp_path):
     first, second = read.groups
     assert first.conditions == {"surface.nominal_area": "10 um^2"} and np.allclose(first.values[:, 0], [3e-6, 5e-7])
     assert first.kinds[:, 0].tolist() == [data.EXACT, data.BELOW] and second.kinds[0, 0] == data.ABOVE
+
+
+def test_forces_that_are_all_negative_are_taken_by_their_size(tmp_path):
+    """As instruments and Excel write them: semicolons, decimal commas, a column of samples, a limit of the other side."""
+    path = tmp_path / "data.csv"
+    path.write_bytes("Sample;Pull-off force (µN);pull_off_force_error_nN\r\nA1;-3,5;10\r\nB2;>-0,5;10\r\n".encode("cp1252"))
+    (group,) = data.read(path).groups
+    assert np.allclose(group.values[:, 0], [3.5e-6, 5e-7]) and np.allclose(group.errors[:, 0], 1e-8)
+    assert group.kinds[:, 0].tolist() == [data.EXACT, data.BELOW] and group.samples == ("A1", "B2")
+
+
+def test_gaps_are_not_measured_where_they_may_be(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text("pull_off_force (uN),pull_off_separation (nm)\n3,#N/A\n#REF!,n/a\n--,2\n4,3\n")
+    assert "line 3, column 1 (pull_off_force): #REF!: a gap" in told(data.read, path)
+    read = data.read(path, missing="drop")
+    (group,) = read.groups
+    assert group.lines == (2, 4, 5) and read.gaps == 4
+    assert group.kinds.tolist() == [[data.EXACT, data.MISSING], [data.MISSING, data.EXACT], [data.EXACT, data.EXACT]]
+    path.write_text("pull_off_force (uN),pull_off_separation (nm)\n3,\n4,\n")
+    assert "column 2 (pull_off_separation): nothing is in it; leave it out" in told(data.read, path, missing="drop")
+    assert "refuse or drop is needed" in told(data.read, path, missing="maybe")
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("pull_off_force\n3\n", "line 1, column 1 (pull_off_force): the unit is missing; pull_off_force (N) is needed"),
+        ("pull_off_force (nm)\n3\n", "nm is another unit; pull_off_force (N) is needed"),
+        ("pull_of_force (uN)\n3\n", "no outcome of this scene; did you mean pull_off_force?"),
+        ("pull_off_force (uN),surface.nominal_aria (um^2)\n3,5\n", "nominal_aria"),
+        ("pull_off_force (uN),material.work_of_adhesion (J/m^2)\n3,0.1\n", "a column of the data has its values, and the scene a prior"),
+        ("pull_off_force (uN),surface.nominal_area (nm)\n3,5\n", "nominal_area"),
+    ],
+)
+def test_what_is_wrong_with_data_is_said_before_patches_are_simulated(text, part, tmp_path, monkeypatch):
+    path = tmp_path / "data.csv"
+    path.write_text(text)
+    monkeypatch.setattr(posterior, "simulate", lambda *_, **__: pytest.fail("patches are simulated"))
+    assert part in told(infer, path, small())
 
 
 def test_every_number_of_a_patch_can_be_an_outcome():

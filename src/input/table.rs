@@ -249,8 +249,8 @@ impl Row {
 fn line_of<'t>(text: &'t str, record: &StringRecord) -> (usize, &'t str) {
     let (line, byte) = record.position().map_or((1, 0), |place| (place.line(), place.byte()));
     let rest = usize::try_from(byte).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
-    let lines = rest.split('\n').enumerate();
-    let (skipped, own) = lines.skip_while(|(_, line)| is_skipped(line)).next().unwrap_or((0, rest));
+    let mut lines = rest.split('\n').enumerate();
+    let (skipped, own) = lines.find(|(_, line)| !is_skipped(line)).unwrap_or((0, rest));
     (usize::try_from(line).unwrap_or(usize::MAX).saturating_add(skipped), own)
 }
 

@@ -233,9 +233,9 @@ def _grid(height_map: HeightMap) -> Grid:
     for size in height_map.pixel:
         if not _PIXELS[0] <= size <= _PIXELS[1]:
             raise SceneError(f"a pixel of {size:e} m is outside 1e-13..1e3 m; check its unit")
-    size = np.abs(heights)
-    if (size > _HIGHEST).any():
-        row, column = (int(place[0]) for place in np.nonzero(size > _HIGHEST))
+    beyond = np.abs(heights) > _HIGHEST
+    if beyond.any():
+        row, column = (int(place[0]) for place in np.nonzero(beyond))
         raise SceneError(
             f"row {row + 1}, column {column + 1}: the height is {heights[row, column]:g} m; finite ones up "
             "to 1e6 m, and NaN where it is missing, are needed"

@@ -1,8 +1,7 @@
 //! Files of results: their layouts, which are in HDF5, and how they are read back.
 //!
 //! They are written by [`RunResult::write`](crate::RunResult::write), [`sweep`](crate::sweep) and their kin,
-//! whole or not at all. What an interrupted run keeps and how height maps are read is here too, for the
-//! program.
+//! whole or not at all. What an interrupted run keeps is here too, for the program.
 
 pub mod asperities;
 pub(crate) mod attributes;

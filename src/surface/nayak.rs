@@ -87,11 +87,6 @@ impl Spectrum {
         (self.m0 * (1.0 - (1.5 - 1.5 * variance) / self.alpha())).sqrt()
     }
 
-    /// Standard deviation of the curvatures of summits, 1/m.
-    pub fn curvature_std(&self) -> f64 {
-        (square_deviate() - mean_deviate() * mean_deviate()).sqrt() * self.unit()
-    }
-
     /// Unit of curvature √((2/3)m₄), 1/m.
     fn unit(&self) -> f64 {
         (self.m4 / 1.5).sqrt()

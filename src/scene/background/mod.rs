@@ -17,7 +17,11 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 /// All forces, in the order of the reference.
-pub(crate) static FORCES: &[ForceTable] = &[van_der_waals::TABLE, electrostatic::TABLE];
+pub(crate) static FORCES: &[ForceTable] = &[
+    // A line each.
+    van_der_waals::TABLE,
+    electrostatic::TABLE,
+];
 
 /// The table of a force.
 pub(crate) struct ForceTable {

@@ -161,13 +161,13 @@ def read(path: Name) -> Table:
 
     Commas, semicolons or tabs are between columns; numbers have points, or commas where no commas are between
     columns. The text is in UTF-8, UTF-16 or Windows-1252. Cells may be quoted, and lines that begin with # are
-    comments, but for errors of spreadsheets. A column's unit is in brackets or behind its name: ``force (uN)``,
+    comments, but for errors of spreadsheets; below the names such a line with the cells of a row is refused. A column's unit is in brackets or behind its name: ``force (uN)``,
     ``force [uN]``, ``force uN``, ``force_uN``. Empty lines are left out, but among the rows of one column alone.
 
     Raises
     ------
     FileError
-        The file cannot be read, a row has another number of cells than the header, or two columns have one
+        The file cannot be read, a row begins with # or has another number of cells than the header, or two columns have one
         name.
     """
     text = _text(path)
@@ -201,7 +201,7 @@ def read_table(path: Name) -> xarray.Dataset:
     """Reads a table of another program, such as a spreadsheet: its numbers in SI units.
 
     Commas, semicolons or tabs between columns, points or commas in numbers, quoted cells and the usual encodings
-    are found; lines that begin with # are comments. A column's unit is in brackets or behind its name,
+    are found; lines that begin with # are comments, if they have not the cells of a row. A column's unit is in brackets or behind its name,
     ``radius (nm)`` or ``radius_nm``; without one its numbers are as they are.
 
     Parameters
@@ -297,15 +297,30 @@ def _separator(text: str) -> str:
 def _records(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
     """Lines, from 1, and cells of what is no comment; an empty line is a cell without anything in it."""
     lines, separator = text.rstrip(" \n").split("\n"), _separator(text)
-    place = 0
+    place, width = 0, 0
     while place < len(lines):
         line, taken = lines[place], 1
         if _is_blank(line):
             yield place + 1, [""]
-        elif not _is_comment(line) and not re.fullmatch(r"sep=.", line.strip()):
+        elif _is_comment(line):
+            _check_comment(f"{path}, line {place + 1}", line, separator, width)
+        elif not re.fullmatch(r"sep=.", line.strip()):
             cells, taken = _cells(path, lines[place : place + _MOST_LINES], place + 1, separator)
+            width = width or len(cells)
             yield place + 1, cells
         place += taken
+
+
+def _check_comment(where: str, line: str, separator: str, width: int) -> None:
+    """Refuses a comment that is a row, as its label or what a spreadsheet wrote for a number begins with #."""
+    if width == 1 and re.fullmatch(r"##+", line.strip()):
+        raise FileError(f"{where}: # alone, where a column was too narrow; write the number, or take the line out")
+    fewest, most = (text.count(separator) + 1 for text in (line.rstrip(f"{separator} "), line))
+    if width > 1 and fewest <= width <= most:
+        raise FileError(
+            f"{where}: begins with #, as a comment, and has the cells of a row; put quotes around the label, "
+            "or take the line out"
+        )
 
 
 def _cells(path: str, lines: list[str], number: int, separator: str) -> tuple[list[str], int]:

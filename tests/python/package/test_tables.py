@@ -141,6 +141,27 @@ def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
         assert f"{place}: {gap or 'nothing'}: a gap; fill it, or take the line out" in found
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("sample,x\nA1,2\n#2 (repeat),3\n", 3),
+        ("sample,x\n#1,2\n#2,3\n", 2),
+        ("sample;x;\r\n\r\n  #1;2,5;\r\n", 3),
+        ("sample\tx\nA1\t2\n#2\t3\t\t\n", 3),
+        ("sample,x\nA1,2\n#2,\n", 3),
+        ("x,y\n####,2\n3,4\n", 2),
+        ("x\n3\n#####\n4\n", 3),
+    ],
+)
+def test_a_row_that_begins_with_a_hash_is_not_dropped(text, line, tmp_path):
+    assert f"table.csv, line {line}: " in told(stiction.read_table, written(tmp_path, text))
+    # Quotes make it a row, and what has other cells is a comment.
+    text = '# a, b\nsample,x\n# of Monday\n"#1",2\n# two, three, four\n  "#2 (repeat)",3\n#\n'
+    table = stiction.read_table(written(tmp_path, text))
+    assert table.sample.values.tolist() == ["#1", "#2 (repeat)"] and table.x.values.tolist() == [2, 3]
+    assert stiction.read_table(written(tmp_path, "x\n3\n# note\n#\n#4\n5\n")).x.values.tolist() == [3, 5]
+
+
 def test_empty_lines_are_gaps_of_one_column_alone(tmp_path):
     found = told(stiction.read_table, written(tmp_path, "\nx\n1\n\n3\n\n\n"))
     assert "line 4, column 1 (x): nothing: a gap" in found

@@ -12,6 +12,7 @@ import xarray
 
 from . import program, quantities
 from .errors import SceneError
+from .tables import meant
 
 __all__ = ["asperity"]
 
@@ -26,6 +27,7 @@ _NUMBERS = {
     "poisson_ratio": ("1", "Poisson ratio of the softer body"),
     "lubricant_thickness": ("m", "thickness of the lubricant"),
 }
+_USUAL = {"m": "nm", "Pa": "GPa", "J/m^2": "mJ/m^2"}
 _OPTIONAL = ("hardness", "poisson_ratio", "lubricant_thickness")
 _RESULTS = {
     "adhesion_force": ("N", "adhesion force, attractive positive"),
@@ -39,16 +41,17 @@ _RESULTS = {
 
 def asperity(
     *,
-    radius: Any,
-    reduced_modulus: Any,
-    work_of_adhesion: Any,
-    equilibrium_spacing: Any,
-    interference: Any,
+    radius: Any = None,
+    reduced_modulus: Any = None,
+    work_of_adhesion: Any = None,
+    equilibrium_spacing: Any = None,
+    interference: Any = None,
     law: str = "hybrid",
     hardness: Any = None,
     poisson_ratio: Any = None,
     lubricant_thickness: Any = None,
     path: str = "approach",
+    **others: Any,
 ) -> xarray.Dataset:
     """Solves one asperity against a flat.
 
@@ -72,6 +75,8 @@ def asperity(
     lubricant_thickness : m, optional
     path : {"approach", "retraction"}
         Which solution where there are two.
+    **others
+        Refused by name: columns of a table that are no arguments.
 
     Returns
     -------
@@ -82,7 +87,7 @@ def asperity(
     Raises
     ------
     SceneError
-        An argument is wrong; the message names it.
+        An argument is wrong, missing or unknown, or a column has a unit of another dimension; the message names it.
 
     Examples
     --------
@@ -97,11 +102,13 @@ def asperity(
     '1.50'
     """
     given = locals()
+    _check_names(given, others)
     arrays: dict[str, xarray.DataArray] = {}
     for name, (unit, words) in _NUMBERS.items():
         value = given[name]
         if value is None and name in _OPTIONAL:
             continue
+        _check_unit(name, given, unit)
         try:
             value = value if unit == "1" else quantities.in_si(name, value, unit)
             array = _array(name, value)
@@ -125,6 +132,33 @@ def asperity(
     attributes = {"law": law, "path": path}
     scalars = {name: array for name, array in arrays.items() if array.ndim == 0}
     return xarray.Dataset(results, coords={**coordinates, **scalars}, attrs=attributes)
+
+
+def _check_names(given: dict[str, Any], others: dict[str, Any]) -> None:
+    """Refuses what is no argument, or no text where one is needed, and what is missing."""
+    for name in others:
+        guess = meant(name, _NUMBERS) or f'; leave it out, of a table by .drop_vars("{name}")'
+        raise SceneError(f"{name}: no argument of asperity{guess}")
+    for name in ("law", "path"):
+        if not isinstance(given[name], str):
+            raise SceneError(f"{name}: one text for all asperities is needed")
+    missing = [name for name in _NUMBERS if given[name] is None and name not in _OPTIONAL]
+    if missing:
+        units = ", ".join(f"{name} ({_NUMBERS[name][0]})" for name in missing)
+        raise SceneError(f"{missing[0]} is missing; needed besides what is given: {units}")
+
+
+def _check_unit(name: str, given: dict[str, Any], unit: str) -> None:
+    """Refuses an array of xarray with another unit, or with none where others have one."""
+    units = {key: str(given[key].attrs["units"]) for key in _NUMBERS if "units" in getattr(given[key], "attrs", {})}
+    own = units.get(name, unit)
+    if own in ("", "1") and not any(other not in ("", "1") for other in units.values()):
+        # Numbers in SI units, of which none is written.
+        return
+    if not quantities.of_one_dimension([own or "1", unit]):
+        problem = "has no unit, and other columns have theirs" if own in ("", "1") else f"has the unit {own}"
+        such = f"{unit} or a multiple is needed, such as {name} ({_USUAL.get(unit, unit)})"
+        raise SceneError(f"{name}: the column {problem}; {'a number without unit is needed' if unit == '1' else such}")
 
 
 def _table(arrays: dict[str, xarray.DataArray], broadcast: tuple[xarray.DataArray, ...]) -> str:

@@ -208,6 +208,43 @@ def test_a_table_is_of_asperities_and_of_heights(tmp_path):
     assert pull_offs[0] == pull_offs[1]
 
 
+ASPERITY = "radius (nm),reduced_modulus (GPa),work_of_adhesion (mJ/m^2),equilibrium_spacing (nm),interference (nm)"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "part"),
+    [
+        ("radius (nm)", "radius (GPa)", "radius: the column has the unit Pa; m or a multiple is needed, such as radius (nm)"),
+        ("radius (nm)", "radius", "radius: the column has no unit, and other columns have theirs; m or a multiple"),
+        ("radius (nm)", "radius (%)", "radius: the column has no unit"),
+        ("radius (nm)", "radus (nm)", "radus: no argument of asperity; did you mean radius?"),
+        ("radius (nm)", "temperature (K)", 'temperature: no argument of asperity; leave it out, of a table by .drop_vars("temperature")'),
+        ("radius (nm)", "", "row_name: no argument of asperity"),
+        ("radius (nm)", "law", "law: one text for all asperities is needed"),
+        ("radius (nm)", "hardness (GPa)", "radius is missing; needed besides what is given: radius (m)"),
+        ("interference (nm)", "poisson_ratio (nm)", "interference is missing"),
+    ],
+)  # fmt: skip
+def test_a_table_with_other_columns_is_no_table_of_asperities(old, new, part, tmp_path):
+    table = stiction.read_table(written(tmp_path, f"{ASPERITY.replace(old, new)}\n20,52,50,0.2,0.1\n"))
+    assert part in told(stiction.asperity, **table)
+
+
+def test_units_of_columns_are_those_of_arguments(tmp_path):
+    """N/m is an energy per area; a table without any unit is in SI; labels are left out by name."""
+    text = f"tip,{ASPERITY.replace('mJ/m^2', 'mN/m')},poisson_ratio\nA,20,52,50,0.2,0.1,0.3\n"
+    table = stiction.read_table(written(tmp_path, text))
+    assert "tip: no argument" in told(stiction.asperity, **table)
+    of = stiction.asperity(**table.drop_vars("tip"), hardness="5 GPa").external_force
+    plain = "radius,reduced_modulus,work_of_adhesion,equilibrium_spacing,interference\n20e-9,52e9,50e-3,0.2e-9,0.1e-9\n"
+    own = stiction.read_table(written(tmp_path, plain))
+    assert np.allclose(of, stiction.asperity(**own, hardness="5 GPa", poisson_ratio=0.3).external_force, rtol=1e-13)
+    table["poisson_ratio"].attrs["units"] = "Pa"
+    assert "poisson_ratio: the column has the unit Pa; a number without unit is needed" in told(
+        stiction.asperity, **table.drop_vars("tip"), hardness="5 GPa"
+    )
+
+
 def units():
     with (ROOT / "tests" / "data" / "units.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))

@@ -7,6 +7,7 @@ import difflib
 import itertools
 import os
 import re
+import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -190,10 +191,12 @@ def read(path: Name) -> Table:
     ):
         if name or any(cells):
             columns.append(Column(*_head(name), place, cells, table))
-    _check_names(str(path), header, columns)
+    _check_names(f"{path}, line {header}", names, columns)
     table.columns = tuple(columns)
     if _separator(text) != ",":
         table.comma = next(_commas(columns), "")
+    for column in columns:
+        _warn_of_thousands(column)
     return table
 
 
@@ -361,17 +364,36 @@ def _plain(name: str) -> str:
     return re.sub(r"[\s-]+", "_", name.strip().lower())
 
 
-def _check_names(path: str, header: int, columns: list[Column]) -> None:
+def _check_names(where: str, written: list[str], columns: list[Column]) -> None:
+    for place, text in enumerate(written, 1):
+        # As pandas has them.
+        numbered = re.fullmatch(r"(.*[^\d.].*)\.\d+", text)
+        if numbered is not None and numbered[1] in written:
+            raise FileError(f"{where}: column {place} is a second one of `{numbered[1]}`; leave one out")
     names: dict[str, int] = {}
     for column in columns:
         if column.name in names:
             raise FileError(
-                f"{path}, line {header}: the columns {names[column.name]} and {column.place} are both "
+                f"{where}: the columns {names[column.name]} and {column.place} are both "
                 f"`{column.name}`; leave one out"
             )
         if not column.name and column.place > 1:
-            raise FileError(f"{path}, line {header}: column {column.place} has no name")
+            raise FileError(f"{where}: column {column.place} has no name")
         names[column.name] = column.place
+
+
+def _warn_of_thousands(column: Column) -> None:
+    """Warns where what is read as the decimal point may stand between thousands: three digits are behind each."""
+    given = [row for row in range(len(column.cells)) if not column.is_gap(row)]
+    mark = "," if column.table.comma else "."
+    whole = rf"[-+−]?[1-9][0-9]{{0,2}}{re.escape(mark)}[0-9]{{3}}"
+    if len(given) >= 3 and all(re.fullmatch(whole, column.cells[row].lstrip("<> ")) for row in given):
+        cell = column.cells[given[0]].lstrip("<> ")
+        warnings.warn(
+            f"{column.where(given[0])}: {cell} is read as {float(cell.replace(mark, '.').replace('−', '-')):g}, not "
+            f"{cell.replace(mark, '')}; if {mark} is between thousands, write the numbers without it",
+            stacklevel=4,
+        )
 
 
 def _commas(columns: list[Column]) -> Iterator[str]:

@@ -162,6 +162,26 @@ def test_a_row_that_begins_with_a_hash_is_not_dropped(text, line, tmp_path):
     assert stiction.read_table(written(tmp_path, "x\n3\n# note\n#\n#4\n5\n")).x.values.tolist() == [3, 5]
 
 
+@pytest.mark.parametrize(
+    ("cells", "part"),
+    [
+        ("11.680 16.060 131.500", "line 2, column 1 (x): 11.680 is read as 11.68, not 11680; if . is between thousands"),
+        ("11,680 16,060 -1,500", "11,680 is read as 11.68, not 11680; if , is between thousands"),
+        ("11.680 16.060", ""),
+        ("11.680 16.060 1.5", ""),
+        ("0.680 16.060 1.500", ""),
+        ("1.680e3 1.060e3 1.500e3", ""),
+        ("1.680 1234.060 1.500", ""),
+    ],
+)
+def test_points_that_may_be_between_thousands_are_warned_of(cells, part, tmp_path, recwarn):
+    text = "x;y\n" + "".join(f"{cell};A\n" for cell in cells.split())
+    numbers = stiction.read_table(written(tmp_path, text)).x.values.tolist()
+    assert numbers == [float(cell.replace(",", ".")) for cell in cells.split()]
+    said = [str(one.message) for one in recwarn]
+    assert len(said) == bool(part) and all(part in one for one in said)
+
+
 def test_empty_lines_are_gaps_of_one_column_alone(tmp_path):
     found = told(stiction.read_table, written(tmp_path, "\nx\n1\n\n3\n\n\n"))
     assert "line 4, column 1 (x): nothing: a gap" in found

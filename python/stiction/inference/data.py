@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 #: What a number says: the outcome itself, an upper or a lower limit of it, nothing.
 EXACT, BELOW, ABOVE, MISSING = range(4)
 _ERROR = "_error"
+# Units that outcomes usually have.
+_USUAL = {"N": "nN", "m": "nm", "J": "fJ"}
 # A limit of a force that is negative in the file is one of its size.
 _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 # Columns of labels, also where these are numbers; the first of pandas has no name.
@@ -180,10 +182,9 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
         elif known is None:
             roles.outcomes[name] = column
         else:
-            guess = tables.meant(name, known)
+            guess = tables.meant(name, known) or f", which has {', '.join(known)}."
             raise FileError(
-                f"{column.title}: no outcome of this scene{guess or ', which has ' + ', '.join(known)}. "
-                "A key of the scene has its table before it, such as surface.nominal_area (um^2)"
+                f"{column.title}: no outcome of this scene{guess} A key of the scene has its table before it, such as surface.nominal_area (um^2)"
             )
     if len(roles.labels) > 1:
         raise FileError(
@@ -200,9 +201,11 @@ def _unit(column: Column, known: Mapping[str, str] | None) -> quantities.Unit:
     unit = column.measured_in()
     if known is not None and not quantities.of_one_dimension([unit.si, known[column.name]]):
         own = quantities.plain_unit(known[column.name])
+        if not column.unit:
+            such = f"{column.name} ({_USUAL.get(own, own)})"
+            raise FileError(f"{column.title}: the unit is missing; put it behind the name, such as {such}")
         such = f"{column.name} ({own})" if own else f"{column.name} without one"
-        problem = f"{column.unit} is another unit" if column.unit else "the unit is missing"
-        raise FileError(f"{column.title}: {problem}; {such} is needed")
+        raise FileError(f"{column.title}: {column.unit} is another unit; {such} is needed")
     return unit
 
 

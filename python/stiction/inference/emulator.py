@@ -40,6 +40,8 @@ _TAIL = 1e-3
 _FAR = 0.02
 # Standard deviations of the posterior within which patches count fully, to a Gaussian's shoulder.
 _NEAR = 3.0
+# Points of the priors at which patches are tried where data are off those in the middle, and how far they are off.
+_TRIED, _FAR_OFF = 16, 1e3
 
 
 @dataclass(frozen=True)
@@ -148,13 +150,36 @@ def try_out(priors: Priors, measured: Measurements) -> None:
     Raises
     ------
     SceneError
-        As `simulate`.
+        As `simulate`, or the data are more than a factor of 1000 off what patches have, also over the priors.
     """
     for group in measured.groups:
-        simulate(
-            priors, measured.outcomes, _middle(priors), units=measured.units, replicas=2, seed=1, floors=measured.floors,
-            conditions=group.conditions,
-        )  # fmt: skip
+        for values in (_middle(priors), design(priors, _TRIED, 1)):
+            patches = simulate(
+                priors, measured.outcomes, values, units=measured.units, replicas=2, seed=1,
+                floors=float(np.finfo(float).tiny), conditions=group.conditions,
+            )  # fmt: skip
+            problem = _far_off(group, measured, patches)
+            if not problem:
+                break
+        else:
+            raise SceneError(problem)
+
+
+def _far_off(group: Group, measured: Measurements, patches: Patches) -> str:
+    """What is wrong where the median of an outcome is far off that of all patches, or nothing."""
+    for j, (name, unit) in enumerate(zip(measured.outcomes, measured.units, strict=True)):
+        given = group.values[group.kinds[:, j] == EXACT, j]
+        if len(given) == 0:
+            continue
+        median = float(np.median(given))
+        low, high = (float(np.exp(end(patches.logs[:, :, j]))) for end in (np.min, np.max))
+        if not low / _FAR_OFF <= median <= high * _FAR_OFF:
+            own = f"at most {quantities.si(high, unit)}" if median > high else f"at least {quantities.si(low, unit)}"
+            return (
+                f"{name}: the median of the data is {quantities.si(median, unit)}, and trial patches over the priors have "
+                f"{own}; check the unit of the column"
+            )
+    return ""
 
 
 def _middle(priors: Priors) -> Array:

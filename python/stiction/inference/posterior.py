@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from .. import files, quantities, stored
 from .. import priors as scenes
-from ..errors import FileError, SceneError
+from ..errors import FileError, SceneError, StictionError
 from ..priors import Priors
 from ..scenes import Scene, named_files, toml
 from . import data as measurements
@@ -181,7 +181,7 @@ def infer(
     SceneError, FileError
         Scene, argument or data are wrong; the message says where. Nothing is written.
     StictionError
-        A simulation failed, or the chains do not agree.
+        A simulation failed, all simulated patches are alike, or the chains do not agree.
     """
     for name, value, low, high in (("end_error", end_error, 1e-3, 0.5), ("emulator_error", emulator_error, 0.01, 1.0)):
         if not low <= value <= high:
@@ -238,6 +238,7 @@ def _inferred(
         ]
 
     patches = simulated(design(priors, first, int(next(seeds))))
+    _check_scatter(measured, patches)
     random = np.random.default_rng(int(next(seeds)))
     centre: Array | None = None
     covariance: Array | None = None
@@ -259,6 +260,17 @@ def _inferred(
             patches = [one + two for one, two in zip(patches, more, strict=True)]
     chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)
     return _result(chains, priors, measured, emulator, random, share, sum(of.logs[:, :, 0].size for of in patches), batch)
+
+
+def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:
+    """Refuses outcomes of which all simulated patches have one value: no density can be fitted."""
+    for of in patches:
+        for name, unit, logs, floor in zip(measured.outcomes, measured.units, np.moveaxis(of.logs, 2, 0), measured.floors, strict=True):
+            if np.ptp(logs) == 0.0:
+                raise StictionError(
+                    f"{name}: all simulated patches are alike, {quantities.si(np.exp(logs.flat[0]), unit)}, and those below a tenth of the smallest "
+                    f"datum, {quantities.si(floor, unit)}, are set to it: check the unit of the column, and the priors"
+                )
 
 
 def _likelihood(emulator: Emulator, groups: tuple[Group, ...]) -> Callable[[Array], Array]:

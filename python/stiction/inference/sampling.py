@@ -137,6 +137,8 @@ def _spread(log_probability: Callable[[Array], Array], start: Array | None, walk
         return np.asarray(start[random.choice(len(start), walkers, replace=False)])
     z = random.standard_normal((2000, dimensions))
     logs = np.concatenate([log_probability(piece) for piece in np.array_split(z, 10)]) + 0.5 * (z**2).sum(axis=1)
+    if not np.isfinite(logs.max()):
+        raise StictionError("the density of the simulated patches is no number at the data: check the units of the data, and the priors")
     for power in 0.5 ** np.arange(12):
         weights = np.exp(power * (logs - logs.max()))
         if weights.sum() ** 2 / (weights**2).sum() > 2 * walkers:

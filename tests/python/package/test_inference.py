@@ -24,7 +24,7 @@ import arviz
 
 import stiction
 from stiction import priors, scenes
-from stiction.errors import FileError, SceneError
+from stiction.errors import FileError, SceneError, StictionError
 from stiction.inference import (
     Inference,
     check,
@@ -119,9 +119,13 @@ def test_gaps_are_not_measured_where_they_may_be(tmp_path):
 @pytest.mark.parametrize(
     ("text", "part"),
     [
-        ("pull_off_force\n3\n", "line 1, column 1 (pull_off_force): the unit is missing; pull_off_force (N) is needed"),
+        ("pull_off_force\n3\n", "line 1, column 1 (pull_off_force): the unit is missing; put it behind the name, such as pull_off_force (nN)"),
         ("pull_off_force (nm)\n3\n", "nm is another unit; pull_off_force (N) is needed"),
-        ("pull_of_force (uN)\n3\n", "no outcome of this scene; did you mean pull_off_force?"),
+        ("pull_of_force (uN)\n3\n", "no outcome of this scene; did you mean pull_off_force? A key"),
+        ("colour (uN)\n3\n", "no outcome of this scene, which has "),
+        ("pull_off_force (uN),pull_off_force (uN).1\n3,4\n", "line 1: column 2 is a second one of `pull_off_force (uN)`; leave one out"),
+        ("pull_off_force (N)\n1.1\n1.7\n", "pull_off_force: the median of the data is 1.400 N, and trial patches over the priors have at most "),
+        ("pull_off_force (pN)\n1.1\n", "the data is 1.100 pN, and trial patches over the priors have at least "),
         ("pull_off_force (uN),surface.nominal_aria (um^2)\n3,5\n", "nominal_aria"),
         ("pull_off_force (uN),material.work_of_adhesion (J/m^2)\n3,0.1\n", "a column of the data has its values, and the scene a prior"),
         ("pull_off_force (uN),surface.nominal_area (nm)\n3,5\n", "nominal_area"),
@@ -132,6 +136,14 @@ def test_what_is_wrong_with_data_is_said_before_patches_are_simulated(text, part
     path.write_text(text)
     monkeypatch.setattr(posterior, "simulate", lambda *_, **__: pytest.fail("patches are simulated"))
     assert part in told(infer, path, small())
+
+
+def test_patches_that_are_all_alike_have_no_density():
+    group = data.Group({}, np.full((3, 1), 2.0), np.zeros((3, 1)), np.zeros((3, 1), dtype=int))
+    measured = data.Measurements(("pull_off_force",), ("N",), (group,))
+    patches = emulator.Patches(np.ones((4, 1)), np.full((4, 5, 1), np.log(0.2)))
+    with pytest.raises(StictionError, match=r"all simulated patches are alike, 200\.0 mN"):
+        posterior._check_scatter(measured, [patches])
 
 
 def test_every_number_of_a_patch_can_be_an_outcome():

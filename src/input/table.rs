@@ -131,6 +131,13 @@ impl<'a> Table<'a> {
         while table.reader.read_record(&mut table.first).unwrap_or(false)
             && is_no_row(line_of(text, &table.first).1)
         {}
+        let names = line_of(text, &table.first).0;
+        if let Some(line) = hidden_row(text, names, table.first.len()) {
+            return Err(format!(
+                "line {line}: begins with #, as a comment, and has the cells of a row; put quotes around the label, \
+                 or take the line out"
+            ));
+        }
         if table.first.len() == 1 {
             let separator =
                 [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| table.first[0].contains(*c));
@@ -265,6 +272,20 @@ fn is_no_row(line: &str) -> bool {
     line.is_empty() || line.starts_with('#')
 }
 
+/// The line, from 1, of what would be a row below the first but that it begins with `#`. In a table of one column that
+/// is `#` alone, as spreadsheets write for a number in a narrow column.
+fn hidden_row(text: &str, first: usize, columns: usize) -> Option<usize> {
+    let is_row = |line: &str| {
+        let line = line.trim();
+        if columns > 1 {
+            line.starts_with('#') && line.split(',').count() == columns
+        } else {
+            columns == 1 && line.len() > 1 && line.chars().all(|c| c == '#')
+        }
+    };
+    text.lines().enumerate().skip(first).find(|(_, line)| is_row(line)).map(|(i, _)| i + 1)
+}
+
 /// Whether a line begins with the error of a spreadsheet, which is no comment.
 fn is_error_first(line: &str) -> bool {
     line.trim_start().starts_with('#') && is_error(line.split(',').next().unwrap_or_default().trim())
@@ -302,7 +323,9 @@ mod tests {
     fn plain_tables_of_other_programs_are_read() {
         let texts = [
             "\u{feff}height,note\r\n1,a\r\n2.5,b\r\n",
-            "# measured\nheight,note\n  # again, \"so\n1,a\n# \"and\n2.5,b\n",
+            "# measured\nheight,note\n  # again \"so\n1,a\n# \"and\n2.5,b\n",
+            "# a, b\nheight,note\n1,a\n# of Monday\n#\n# a, b, c\n2.5,\"#b\"\n",
+            "height\n1\n#\n# note\n2.5\n",
             "\"height\",\"note\"\n\"1\",\"a, b\"\n\n\"2.5\",b",
         ];
         for text in texts {
@@ -347,6 +370,9 @@ mod tests {
             ("height,note\n  #BEZUG!,2\n", "line 2: column 1 has a gap"),
             ("height,note\n\"1,2\n3,4\n", "line 2: a quotation mark is not closed in it"),
             ("height,note\n5_2.6,2\n", "line 2: not a number"),
+            ("height,note\n1,2\n  #2 (repeat),2\n", "line 3: begins with #, as a comment"),
+            ("# a\nheight,note\n#####,2\n", "line 3: begins with #, as a comment"),
+            ("height\n1\n#####\n", "line 3: begins with #, as a comment"),
         ] {
             let found = numbers(text).unwrap_err();
             assert!(found.starts_with(problem), "{text:?}: {found}");

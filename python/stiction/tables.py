@@ -317,7 +317,8 @@ def _records(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
 def _check_comment(where: str, line: str, separator: str, width: int) -> None:
     """Refuses a comment that is a row, as its label or what a spreadsheet wrote for a number begins with #."""
     if width == 1 and re.fullmatch(r"##+", line.strip()):
-        raise FileError(f"{where}: # alone, where a column was too narrow; write the number, or take the line out")
+        advice = "write the number, or take the line out"
+        raise FileError(f"{where}: # alone, where a column was too narrow; {advice}")
     fewest, most = (text.count(separator) + 1 for text in (line.rstrip(f"{separator} "), line))
     if width > 1 and fewest <= width <= most:
         raise FileError(

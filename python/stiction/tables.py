@@ -162,14 +162,14 @@ def read(path: Name) -> Table:
 
     Commas, semicolons or tabs are between columns; numbers have points, or commas where no commas are between
     columns. The text is in UTF-8, UTF-16 or Windows-1252. Cells may be quoted, and lines that begin with # are
-    comments, but for errors of spreadsheets; below the names such a line with the cells of a row is refused. A column's unit is in brackets or behind its name: ``force (uN)``,
-    ``force [uN]``, ``force uN``, ``force_uN``. Empty lines are left out, but among the rows of one column alone.
+    comments, but for errors of spreadsheets; below the names such a line with the cells of a row
+    is refused. A column's unit is in brackets or behind its name: ``force (uN)``, ``force [uN]``, ``force uN``, ``force_uN``. Empty lines are left out, but among the rows of one column alone.
 
     Raises
     ------
     FileError
-        The file cannot be read, a row begins with # or has another number of cells than the header, or two columns have one
-        name.
+        The file cannot be read, a row begins with # or has another number of cells than the header, or two
+        columns have one name.
     """
     text = _text(path)
     records = itertools.dropwhile(lambda record: record[1] == [""], _records(str(path), text))
@@ -384,7 +384,7 @@ def _check_names(where: str, written: list[str], columns: list[Column]) -> None:
 
 
 def _warn_of_thousands(column: Column) -> None:
-    """Warns where what is read as the decimal point may stand between thousands: three digits are behind each."""
+    """Warns where decimal points may stand between thousands: three digits are behind each."""
     given = [row for row in range(len(column.cells)) if not column.is_gap(row)]
     mark = "," if column.table.comma else "."
     whole = rf"[-+−]?[1-9][0-9]{{0,2}}{re.escape(mark)}[0-9]{{3}}"

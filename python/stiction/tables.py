@@ -7,7 +7,6 @@ import difflib
 import itertools
 import os
 import re
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -195,8 +194,6 @@ def read(path: Name) -> Table:
     table.columns = tuple(columns)
     if _separator(text) != ",":
         table.comma = next(_commas(columns), "")
-    for column in columns:
-        _warn_of_thousands(column)
     return table
 
 
@@ -320,7 +317,9 @@ def _check_comment(where: str, line: str, separator: str, width: int) -> None:
         advice = "write the number, or take the line out"
         raise FileError(f"{where}: # alone, where a column was too narrow; {advice}")
     fewest, most = (text.count(separator) + 1 for text in (line.rstrip(f"{separator} "), line))
-    if width > 1 and fewest <= width <= most:
+    others = (cell.strip('" ') for cell in line.split(separator)[1:])
+    has_number = any(re.fullmatch(_NUMBER.format("[.,]"), cell) for cell in others)
+    if width > 1 and fewest <= width <= most and (has_number or line.lstrip().startswith("##")):
         raise FileError(
             f"{where}: begins with #, as a comment, and has the cells of a row; put quotes around the label, "
             "or take the line out"
@@ -381,20 +380,6 @@ def _check_names(where: str, written: list[str], columns: list[Column]) -> None:
         if not column.name and column.place > 1:
             raise FileError(f"{where}: column {column.place} has no name")
         names[column.name] = column.place
-
-
-def _warn_of_thousands(column: Column) -> None:
-    """Warns where decimal points may stand between thousands: three digits are behind each."""
-    given = [row for row in range(len(column.cells)) if not column.is_gap(row)]
-    mark = "," if column.table.comma else "."
-    whole = rf"[-+−]?[1-9][0-9]{{0,2}}{re.escape(mark)}[0-9]{{3}}"
-    if len(given) >= 3 and all(re.fullmatch(whole, column.cells[row].lstrip("<> ")) for row in given):
-        cell = column.cells[given[0]].lstrip("<> ")
-        warnings.warn(
-            f"{column.where(given[0])}: {cell} is read as {float(cell.replace(mark, '.').replace('−', '-')):g}, not "
-            f"{cell.replace(mark, '')}; if {mark} is between thousands, write the numbers without it",
-            stacklevel=4,
-        )
 
 
 def _commas(columns: list[Column]) -> Iterator[str]:

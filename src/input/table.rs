@@ -272,13 +272,18 @@ fn is_no_row(line: &str) -> bool {
     line.is_empty() || line.starts_with('#')
 }
 
-/// The line, from 1, of what would be a row below the first but that it begins with `#`. In a table of one column that
-/// is `#` alone, as spreadsheets write for a number in a narrow column.
+/// The line, from 1, of a row below the first that begins with `#`: it has as many cells, and numbers among them or `##`,
+/// as spreadsheets write for a number in a narrow column.
 fn hidden_row(text: &str, first: usize, columns: usize) -> Option<usize> {
     let is_row = |line: &str| {
         let line = line.trim();
         if columns > 1 {
-            line.starts_with('#') && line.split(',').count() == columns
+            let mut cells = line.split(',');
+            let is_marked = cells.next().is_some_and(|first| first.starts_with('#'));
+            let is_number = |cell: &str| cell.trim_matches(['"', ' ']).parse::<f64>().is_ok();
+            is_marked
+                && line.split(',').count() == columns
+                && (line.starts_with("##") || cells.any(is_number))
         } else {
             columns == 1 && line.len() > 1 && line.chars().all(|c| c == '#')
         }
@@ -323,7 +328,7 @@ mod tests {
     fn plain_tables_of_other_programs_are_read() {
         let texts = [
             "\u{feff}height,note\r\n1,a\r\n2.5,b\r\n",
-            "# measured\nheight,note\n  # again \"so\n1,a\n# \"and\n2.5,b\n",
+            "# measured\nheight,note\n  # again, \"so\n1,a\n# \"and\n2.5,b\n",
             "# a, b\nheight,note\n1,a\n# of Monday\n#\n# a, b, c\n2.5,\"#b\"\n",
             "height\n1\n#\n# note\n2.5\n",
             "\"height\",\"note\"\n\"1\",\"a, b\"\n\n\"2.5\",b",

@@ -156,30 +156,10 @@ def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
 def test_a_row_that_begins_with_a_hash_is_not_dropped(text, line, tmp_path):
     assert f"table.csv, line {line}: " in told(stiction.read_table, written(tmp_path, text))
     # Quotes make it a row, and what has other cells is a comment.
-    text = '# a, b\nsample,x\n# of Monday\n"#1",2\n# two, three, four\n  "#2 (repeat)",3\n#\n'
+    text = '# a, b\nsample,x\n# of Monday, noon\n"#1",2\n# two, three, four\n  "#2 (repeat)",3\n#\n'
     table = stiction.read_table(written(tmp_path, text))
     assert table.sample.values.tolist() == ["#1", "#2 (repeat)"] and table.x.values.tolist() == [2, 3]
     assert stiction.read_table(written(tmp_path, "x\n3\n# note\n#\n#4\n5\n")).x.values.tolist() == [3, 5]
-
-
-@pytest.mark.parametrize(
-    ("cells", "part"),
-    [
-        ("11.680 16.060 131.500", "line 2, column 1 (x): 11.680 is read as 11.68, not 11680; if . is between thousands"),
-        ("11,680 16,060 -1,500", "11,680 is read as 11.68, not 11680; if , is between thousands"),
-        ("11.680 16.060", ""),
-        ("11.680 16.060 1.5", ""),
-        ("0.680 16.060 1.500", ""),
-        ("1.680e3 1.060e3 1.500e3", ""),
-        ("1.680 1234.060 1.500", ""),
-    ],
-)
-def test_points_that_may_be_between_thousands_are_warned_of(cells, part, tmp_path, recwarn):
-    text = "x;y\n" + "".join(f"{cell};A\n" for cell in cells.split())
-    numbers = stiction.read_table(written(tmp_path, text)).x.values.tolist()
-    assert numbers == [float(cell.replace(",", ".")) for cell in cells.split()]
-    said = [str(one.message) for one in recwarn]
-    assert len(said) == bool(part) and all(part in one for one in said)
 
 
 def test_empty_lines_are_gaps_of_one_column_alone(tmp_path):

@@ -9,6 +9,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from decimal import Decimal
 
 import numpy as np
 import pandas as pd
@@ -73,6 +74,8 @@ _ESRI_MISSING = -9999.0
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # The share of a step by which places of points may be off their grid.
 _OFF = 0.02
+# Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
+_ROUNDED, _SINGLE = 8, 1e-7
 
 
 class NoNumbers(SceneError):
@@ -422,21 +425,46 @@ def _counting(values: _Array) -> bool:
     return values.size > 1 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
 
 
-def _even(values: _Array) -> bool:
-    """Whether values rise or fall evenly."""
+def _half_digits(values: _Array) -> _Array:
+    """Half a unit of the last digit of each value, by the value with the most digits."""
+    numbers = [Decimal(int(one)) if one.is_integer() else Decimal(repr(one)) for one in values.tolist()]
+    decimals = max(-int(number.as_tuple().exponent) for number in numbers)
+    digits = max(len(number.as_tuple().digits) for number in numbers)
+    units = [
+        max(10.0**-decimals, 10.0 ** (number.adjusted() - digits + 1)) if number else 10.0**-decimals
+        for number in numbers
+    ]
+    return 0.5 * np.array(units)
+
+
+def _even(values: _Array) -> float | None:
+    """The step of values that rise or fall evenly, exactly or but for the rounding to their last digits."""
     steps = np.diff(values)
     if values.size < 4 or not np.all(np.isfinite(steps)) or steps[0] == 0.0:
-        return False
-    return bool(np.all(np.abs(steps - steps[0]) <= 1e-6 * abs(steps[0])))
+        return None
+    if np.all(np.abs(steps - steps[0]) <= 1e-6 * abs(steps[0])):
+        return float(steps[0])
+    # A few heights of a few digits may rise so by chance.
+    if values.size < _ROUNDED or not np.all(steps * np.sign(steps[0]) > 0.0):
+        return None
+    order = np.arange(values.size, dtype=float)
+    step, start = np.polyfit(order, values, 1)
+    off = np.abs(start + step * order - values)
+    return float(step) if np.all(off <= np.maximum(1.2 * _half_digits(values), _SINGLE * np.abs(values))) else None
 
 
 def _names(values: _Array) -> bool:
     """Whether the first row rises or falls evenly, as names and places do, and no other row does."""
-    if not _even(values[0]):
+    step = _even(values[0])
+    if step is None:
         return False
-    step = values[0, 1] - values[0, 0]
-    others = np.abs(np.diff(values[1:], axis=1) - step) <= 1e-6 * abs(step)
-    return not bool(others.all(axis=1).any())
+    likely = np.all(np.diff(values[1:], axis=1) * np.sign(step) > 0.0, axis=1)
+    for row in values[1:][likely]:
+        other = _even(row)
+        rounding = 2.0 * (_half_digits(values[0]).max() + _half_digits(row).max()) / values.shape[1]
+        if other is not None and abs(other - step) <= max(1e-6 * abs(step), rounding):
+            return False
+    return True
 
 
 def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, list[str]]:

@@ -262,6 +262,16 @@ def test_places_among_the_heights_are_refused(tmp_path):
             read_map(written(tmp_path, content), **GIVEN)
 
 
+@pytest.mark.parametrize("digits", [3, 4])
+def test_places_that_are_rounded_are_refused(tmp_path, digits):
+    """Pixels of 5 um/512, as um of a few digits."""
+    places = [f"{5.0 * i / 512:.{digits}f}" for i in range(10)]
+    down = [f"{place},{line}" for place, line in zip(places, rows(ROUGH, ",").splitlines(), strict=False)]
+    for lines, where in (([",".join(places), *rows(ROUGH, ",").splitlines()], "line 1"), (down, "column 1")):
+        with pytest.raises(SceneError, match=f"{where} goes evenly from"):
+            read_map(written(tmp_path, "\n".join(lines)), **GIVEN)
+
+
 @pytest.mark.parametrize("z", [0.5 * K + 0.25 * J, 1.0 * K, 1.0 * J, np.zeros((9, 9)), ROUGH])
 def test_heights_are_no_names(tmp_path, z):
     """A plane has rows and columns that rise evenly: all of them."""

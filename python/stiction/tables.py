@@ -161,8 +161,9 @@ def read(path: Name) -> Table:
 
     Commas, semicolons or tabs are between columns; numbers have points, or commas where no commas are between
     columns. The text is in UTF-8, UTF-16 or Windows-1252. Cells may be quoted, and lines that begin with # are
-    comments, but for errors of spreadsheets; below the names such a line with the cells of a row
-    is refused. A column's unit is in brackets or behind its name: ``force (uN)``, ``force [uN]``, ``force uN``, ``force_uN``. Empty lines are left out, but among the rows of one column alone.
+    comments, but for errors of spreadsheets; below the names such a line with the cells of a row is refused. A
+    column's unit is in brackets or behind its name: ``force (uN)``, ``force [uN]``, ``force uN``, ``force_uN``.
+    Empty lines are left out, but among the rows of one column alone.
 
     Raises
     ------
@@ -201,7 +202,8 @@ def read_table(path: Name) -> xarray.Dataset:
     """Reads a table of another program, such as a spreadsheet: its numbers in SI units.
 
     Commas, semicolons or tabs between columns, points or commas in numbers, quoted cells and the usual encodings
-    are found; lines that begin with # are comments, if they have not the cells of a row. A column's unit is in brackets or behind its name,
+    are found; lines that begin with # are comments, if they have not the cells of a row. A column's unit is in
+    brackets or behind its name,
     ``radius (nm)`` or ``radius_nm``; without one its numbers are as they are.
 
     Parameters

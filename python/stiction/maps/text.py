@@ -450,7 +450,11 @@ def _even(values: _Array) -> float | None:
     order = np.arange(values.size, dtype=float)
     step, start = np.polyfit(order, values, 1)
     off = np.abs(start + step * order - values)
-    return float(step) if np.all(off <= np.maximum(1.2 * _half_digits(values), _SINGLE * np.abs(values))) else None
+    return (
+        float(step)
+        if np.all(off <= np.maximum(1.2 * _half_digits(values), _SINGLE * np.abs(values)))
+        else None
+    )
 
 
 def _names(values: _Array) -> bool:

@@ -205,7 +205,7 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     of_profiles = moments(grid)
     found, area = summits(grid)
     if not len(found):
-        raise SceneError("no pixel is higher than its 8 neighbours: the map has no summit")
+        raise SceneError("no pixel and no plateau is higher than all around: the map has no summit")
     all_prominent = prominent(grid, found, steps.prominence)
     if not len(all_prominent):
         least = quantities.si(steps.prominence, "m")

@@ -76,7 +76,9 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
     )
     of_map = "the height map: a text, NPY, HDF5, netCDF; with `pip install "
-    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments")
+    parser.add_argument(
+        "map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments"
+    )
     for names, value, words in _HELP:
         parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
@@ -111,7 +113,9 @@ def _refuse_options_of_maps(given: argparse.Namespace) -> None:
         asked.append("level")
     if asked:
         options = ", ".join(f"--{name.replace('_', '-')}" for name in asked)
-        raise SceneError(f"{options}: {given.map} is a line scan, which has a spectrum, but no asperities; leave it out")
+        raise SceneError(
+            f"{options}: {given.map} is a line scan, which has a spectrum, but no asperities; leave it out"
+        )
 
 
 def _asperities(given: argparse.Namespace) -> None:

@@ -89,8 +89,8 @@ def spectral_moments(
     Parameters
     ----------
     source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
-        A map, as `find_asperities` takes it, or a line scan: an array of one dimension, a text with one column or with the
-        columns x and z, a line scan of an instrument.
+        A map, as `find_asperities` takes it, or a line scan: an array of one dimension, a text with one column
+        or with the columns x and z, a line scan of an instrument.
     pixel : float, str, or pair of them, optional
         Width, or width and height, of a pixel: numbers in m, or texts with a unit. Needed for arrays.
     height_unit : str, optional

@@ -59,7 +59,7 @@ class HeightMap:
     @property
     def is_line(self) -> bool:
         """Whether it is a line scan, of a single row."""
-        return self.heights.shape[0] == 1
+        return len(self.heights) == 1
 
 
 def read_map(

@@ -98,7 +98,9 @@ def profile_levelled(grid: Grid) -> Grid:
     for _ in range(2):
         heights = heights - np.polynomial.Polynomial.fit(places[known], heights[known], 1)(places)
     if not np.nanmax(np.abs(heights)) > grid.resolution:
-        raise SceneError("the levelled profile is flat: no height differs from the others by more than rounding")
+        raise SceneError(
+            "the levelled profile is flat: no height differs from the others by more than rounding"
+        )
     return replace(grid, heights=heights[np.newaxis])
 
 

@@ -1,6 +1,8 @@
 """Line scans: their spectral moments against closed forms, the map that one is cut from, and scenes."""
 
+import itertools
 import os
+import re
 import subprocess
 import sys
 
@@ -50,7 +52,7 @@ def test_a_sine_has_its_moments():
         np.testing.assert_allclose(found, exact * [1.0, part, part**2], rtol=1.0 / (100.0 * pixels))
         assert of.alpha == pytest.approx(of.m0 * of.m4 / of.m2**2, rel=1e-14)
         errors.append(1.0 - found[1:] / exact[1:])
-    for coarse, fine in zip(errors[:-1], errors[1:], strict=True):
+    for coarse, fine in itertools.pairwise(errors):
         np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.1)
 
 
@@ -75,30 +77,31 @@ def test_cuts_through_a_map_have_its_moments():
 @pytest.mark.parametrize("form", ["column", "line", "points", "header"])
 def test_the_line_of_a_scene_is_what_was_found(form, command, tmp_path):
     """Texts of every form; the program takes what the command prints, and has its numbers."""
-    z, pixel, _ = sine(12, 40)
-    z = 1e9 * (z + 1e-9 * np.random.default_rng(0).normal(size=z.size))
-    x = np.arange(z.size) * 1e9 * pixel
-    units = ("--pixel", "1 nm", "--height-unit", "nm")
+    z, pixel = np.loadtxt(MAP)[40], 30e-9
+    x = np.arange(z.size) * 30.0
+    units = ("--pixel", "30 nm", "--height-unit", "nm")
     if form == "points":
         table = "\n".join(f"{u:.1f}\t{v!r}" for u, v in zip(x.tolist(), z.tolist(), strict=True))
         (tmp_path / "profile.txt").write_text(f"x [nm]\tz [nm]\n{table}\n", encoding="utf-8")
         units = ()
     else:
-        head = f"# Width: {z.size} nm\n# Value units: nm\n" if form == "header" else ""
+        head = f"# Width: {30 * z.size} nm\n# Value units: nm\n" if form == "header" else ""
         rows = (" " if form == "line" else "\n").join(map(repr, z.tolist()))
         (tmp_path / "profile.txt").write_text(f"{head}{rows}\n", encoding="utf-8")
         units = () if form == "header" else units
     said = command("profile.txt", *units)
     of = stiction.spectral_moments(1e-9 * z, pixel=pixel)
-    assert f"\n  {of.toml}\n" in said and "480 heights over 479.0 nm" in said
+    assert f"\n  {of.toml}\n" in said and "192 heights over 5.730 µm" in said
     assert "maxima are few" in said.replace("\n                    ", " ")
     scene = (CONFIGS / "surfaces" / "spectrum.toml").read_text(encoding="utf-8")
     lines = [of.toml if line.startswith("spectrum") else line for line in scene.splitlines()]
     (tmp_path / "scene.toml").write_text("\n".join(lines), encoding="utf-8")
-    assert call(["check", str(tmp_path / "scene.toml")])
-    with stiction.run(tmp_path / "scene.toml", replicas=2, progress=False) as run:
-        scales = run.tree["scales"].dataset
-        assert float(scales["asperity_radius"]) == pytest.approx(of.radius, rel=1e-4)
+    checked = call(["check", str(tmp_path / "scene.toml")])
+    radius = re.search(r"1/mean curvature ([\d.]+) µm", checked)
+    assert float(radius[1]) == pytest.approx(1e6 * of.radius, rel=2e-4)
+    assert f"alpha = {of.alpha:.3f}" in checked
+    std = re.search(r"heights with standard deviation ([\d.]+) pm", checked)
+    assert float(std[1]) == pytest.approx(1e12 * of.height_std, rel=2e-4)
 
 
 def test_lines_of_surface_topography(tmp_path):
@@ -157,5 +160,5 @@ def test_lines_that_are_none_are_refused(source, said):
 def test_points_of_uneven_steps_are_refused(tmp_path):
     path = tmp_path / "points.txt"
     path.write_text("\n".join(f"{i * i} {i % 3}" for i in range(20)), encoding="utf-8")
-    with pytest.raises(stiction.SceneError, match="points.txt: .*even steps"):
+    with pytest.raises(stiction.SceneError, match=r"points.txt: .*even steps"):
         stiction.spectral_moments(path, pixel="1 nm", height_unit="nm")

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from .errors import FileError, SceneError, StictionError
 from .experiments import check, compare, integral, run, sweep
-from .maps import find_asperities
+from .maps import SpectralMoments, find_asperities, spectral_moments
 from .results import Asperities, CrossCheck, PullOff, Result, Run, Sweep, open_run
 from .single import asperity
 from .tables import read_table
@@ -22,6 +22,7 @@ __all__ = [
     "Result",
     "Run",
     "SceneError",
+    "SpectralMoments",
     "StictionError",
     "Sweep",
     "asperity",
@@ -32,6 +33,7 @@ __all__ = [
     "open_run",
     "read_table",
     "run",
+    "spectral_moments",
     "sweep",
 ]
 

@@ -116,12 +116,18 @@ def test_arrays_of_numpy(tmp_path, dtype, order):
     run = stiction(tmp_path / "map.npy", "--pixel", "2 nm,1 nm", "--height-unit", "pm", "--level", "none", "-o", tmp_path / "map.h5")
     assert run.returncode == 0, run.stderr
     with h5py.File(tmp_path / "map.h5") as file:
-        row, column = summits(z.astype(float))
-        assert row.size > 50
-        np.testing.assert_allclose(file["asperities/x"], (column + 0.5) * 2e-9, rtol=1e-14)
-        np.testing.assert_allclose(file["asperities/y"], (row + 0.5) * 1e-9, rtol=1e-14)
+        steps = {"x": 2e-9, "y": 1e-9}
+        place = {axis: file[f"asperities/{axis}"][()] / step - 0.5 for axis, step in steps.items()}
+        row, column = (np.rint(place[axis]).astype(int) for axis in "yx")
+        for axis, of in (("x", column), ("y", row)):
+            np.testing.assert_allclose(place[axis], of, rtol=0.0, atol=1e-12)
         heights = 1e-12 * (z.astype(float) - z.astype(float).mean())
         np.testing.assert_allclose(file["asperities/height"], heights[row, column], rtol=1e-9, atol=1e-24)
+        # All pixels that are higher than their neighbours, and one of each plateau.
+        found, alone = set(zip(row, column)), set(zip(*summits(z.astype(float))))
+        assert len(alone) > 50 and alone <= found and len(found - alone) == 3
+        around = scipy.ndimage.maximum_filter(z.astype(float), size=3)
+        assert all(z[place] == around[place] for place in found)
         assert file["surface/m0"][()] == pytest.approx(np.mean(heights**2), rel=1e-12)
 
 

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import StictionError
+from ..errors import SceneError, StictionError
 from ..terminal import ended
 from .figure import draw
 from .file import write
 from .level import LEVELS, ROWS
+from .moments import line_scan
 from .reading import read_map
-from .summary import summary
+from .summary import of_line, summary
 from .surface import check_outputs, found_on, steps_of
 
 __all__ = ["main"]
@@ -70,11 +71,14 @@ _KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "-
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction asperities",
-        description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for.",
+        description="Find the asperities of a measured surface: a summary, and one HDF5 file if asked for. Of a "
+        "line scan the spectral moments.",
         epilog=_EPILOG,
     )
     of_map = "the height map: a text, NPY, HDF5, netCDF; with `pip install "
-    parser.add_argument("map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments")
+    parser.add_argument(
+        "map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments"
+    )
     for names, value, words in _HELP:
         parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
@@ -101,6 +105,19 @@ def _as_options(message: str) -> str:
     return re.sub(options, lambda found: f"--{found[1].replace('_', '-')} ", message)
 
 
+def _refuse_options_of_maps(given: argparse.Namespace) -> None:
+    """A line scan has no asperities to write, and takes no step of maps."""
+    names = ("output", "mask", "level_rows", "smooth", "prominence", "min_distance", "cutoffs", "figure")
+    asked = [name for name in names if getattr(given, name) is not None]
+    if given.level != "plane":
+        asked.append("level")
+    if asked:
+        options = ", ".join(f"--{name.replace('_', '-')}" for name in asked)
+        raise SceneError(
+            f"{options}: {given.map} is a line scan, which has a spectrum, but no asperities; leave it out"
+        )
+
+
 def _asperities(given: argparse.Namespace) -> None:
     steps = steps_of(
         given.level, given.level_rows, smooth=given.smooth, prominence=given.prominence,
@@ -109,8 +126,12 @@ def _asperities(given: argparse.Namespace) -> None:
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
     height_map = read_map(
         given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.channel,
-        factor=given.factor, mask=given.mask,
+        factor=given.factor, mask=given.mask, lines=True,
     )  # fmt: skip
+    if height_map.is_line:
+        _refuse_options_of_maps(given)
+        print(of_line(line_scan(height_map, str(given.map)), given.map))
+        return
     surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
     if given.output is not None:
         write(given.output, surface, given.height_unit or "", force=given.force, inputs=[given.map])

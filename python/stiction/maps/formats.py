@@ -486,8 +486,6 @@ def _instrument(path: Path, channel: str | None) -> Raw:
 
 def _of_channel(channel: Any) -> Raw:
     """The map of a channel of SurfaceTopography."""
-    if channel.dim == 1:
-        raise SceneError(f"its channel {channel.name} is a line: {text.LINE_SCAN}")
     # A size is needed to ask for the heights of a file that does not say it.
     unknown = channel.physical_sizes is None
     raw = from_topography(
@@ -501,7 +499,7 @@ def _of_channel(channel: Any) -> Raw:
         raw.unit = lateral if channel.is_height_channel else channel.data_unit
     scale = metres(str(lateral))
     if scale is not None and not unknown:
-        raw.pixel = (float(channel.pixel_size[0]) * scale, float(channel.pixel_size[1]) * scale)
+        raw.pixel = _pixel(channel, scale)
     return raw
 
 
@@ -511,16 +509,21 @@ def from_topography(name: str, topography: Any) -> Raw:
     Raises
     ------
     SceneError
-        It is a line scan, or uneven.
+        It is a line scan with uneven steps.
     """
-    if topography.dim != 2:
-        raise SceneError(f"{name}: {text.LINE_SCAN}")
+    if not topography.is_uniform:
+        raise SceneError(f"{name}: is a line scan with uneven steps; only even ones are read")
     raw = from_array(name, topography.heights().T)
     raw.unit = topography.unit
     scale = metres(str(raw.unit))
-    width, height = (float(size) for size in topography.pixel_size)
     if scale is not None:
-        raw.pixel = (width * scale, height * scale)
+        raw.pixel = _pixel(topography, scale)
     elif raw.unit is None:
         raw.unsaid = "the topography has no unit"
     return raw
+
+
+def _pixel(of: Any, scale: float) -> tuple[float, float]:
+    """Width and height of a pixel, m; a line scan has the steps for both."""
+    sizes = np.atleast_1d(np.asarray(of.pixel_size, dtype=float)) * scale
+    return float(sizes[0]), float(sizes[-1])

@@ -51,12 +51,16 @@ class Grid:
         Heights that differ by no more, m, are equally high.
     border : pair of int
         Rows and columns along each side that have no part in summits and moments.
+    measured : array (ny, nx), optional
+        Heights by which pixels are higher than others or equally high, m, where those are in steps that
+        levelling has tilted; by default `heights`.
     """
 
     heights: Any
     pixel: tuple[float, float]
     resolution: float
     border: tuple[int, int] = (0, 0)
+    measured: Any = None
 
     @property
     def steps(self) -> tuple[float, float]:
@@ -129,7 +133,22 @@ def levelled(grid: Grid, level: str) -> Grid:
         heights -= _fitted(heights, level)
     if not np.nanmax(np.abs(heights)) > grid.resolution:
         raise SceneError("the levelled map is flat: no height differs from the others by more than rounding")
-    return replace(grid, heights=heights)
+    in_steps = _tilt(grid.heights - heights) < _step(grid)
+    return replace(grid, heights=heights, measured=grid.heights if in_steps else None)
+
+
+def _tilt(surface: Any) -> float:
+    """The largest step of a smooth surface from a pixel to any of its neighbours, m."""
+    return sum(float(np.nanmax(np.abs(np.diff(surface, axis=axis)), initial=0.0)) for axis in (0, 1))
+
+
+def _step(grid: Grid) -> float:
+    """The smallest step between neighbouring pixels that is no rounding, m."""
+    least = np.inf
+    for axis in (0, 1):
+        rises = np.abs(np.diff(grid.heights, axis=axis))
+        least = min(least, float(np.min(rises, initial=np.inf, where=rises > grid.resolution)))
+    return least
 
 
 def _fitted(heights: Any, level: str) -> Any:
@@ -177,8 +196,8 @@ def _equal(heights: Any) -> Iterator[str]:
         share = max(share, int(np.count_nonzero(heights[one] == heights[other])) / max(pairs, 1))
     if share > _NOTED:
         yield (
-            f"{100.0 * share:.1f} % of neighbouring pixels are equally high: plateaus are no summits, and "
-            "steps of height make false ones"
+            f"{100.0 * share:.1f} % of neighbouring pixels are equally high: steps of height make summits "
+            "too sharp or too blunt, unless a cut-off smooths over some steps"
         )
 
 

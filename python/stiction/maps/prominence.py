@@ -35,7 +35,7 @@ def prominences(heights: Any, row: Any, column: Any) -> Any:
     heights : array (ny, nx)
         Heights, m; NaN where one is missing.
     row, column : array of int (summits,)
-        Pixels that are higher than their neighbours.
+        Pixels that are higher than their neighbours; of a plateau the highest one, the first of such.
     """
     basins, peaks = _basins(heights)
     tree = _tree(_passes(heights, basins), peaks.size)

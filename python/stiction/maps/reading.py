@@ -56,6 +56,11 @@ class HeightMap:
     warnings: list[str] = field(default_factory=list)
     channel: str = ""
 
+    @property
+    def is_line(self) -> bool:
+        """Whether it is a line scan, of a single row."""
+        return len(self.heights) == 1
+
 
 def read_map(
     source: Any,
@@ -65,6 +70,7 @@ def read_map(
     channel: str | int | None = None,
     factor: Any = None,
     mask: Any = None,
+    lines: bool = False,
 ) -> HeightMap:
     """Reads a height map.
 
@@ -86,6 +92,8 @@ def read_map(
         count or other unit, such as ``"0.5 nm"`` or ``"12 nm/V"``.
     mask : array_like or path, optional
         Where it is not 0 (True) heights are left out as missing, in the shape of the map.
+    lines : bool
+        Whether a line scan is read too, as a map of a single row; otherwise it is refused.
 
     Returns
     -------
@@ -106,7 +114,9 @@ def read_map(
     ((192, 192), (3e-08, 3e-08), 'polished.txt')
     """
     called, raw = _read(source, None if channel is None else str(channel))
-    if np.ndim(raw.heights) != 2 or min(raw.heights.shape) < 2:
+    if lines and sum(length > 1 for length in np.shape(raw.heights)) == 1:
+        raw.heights = np.reshape(raw.heights, (1, -1))
+    elif np.ndim(raw.heights) != 2 or min(raw.heights.shape) < 2:
         raise SceneError(f"{called}: {_not_two(raw.heights.shape)}")
     if mask is not None:
         raw.heights = np.where(_mask(mask, raw.heights.shape), np.nan, raw.heights)

@@ -70,7 +70,7 @@ def smoothed(grid: Grid, cutoff: float) -> Grid:
         np.divide(heights, _convolved(known.astype(float), kernels), out=heights, where=known)
         heights[~known] = np.nan
     down, along = (math.ceil(_BORDER * cutoff / step * (1.0 - 1e-12)) for step in grid.steps)
-    return replace(grid, heights=heights, border=(down, along))
+    return replace(grid, heights=heights, border=(down, along), measured=None)
 
 
 def _kernel(cutoff: float) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import SceneError
 from .level import Grid
 
-__all__ = ["Equivalent", "Moments", "equivalent", "moments"]
+__all__ = ["Equivalent", "Moments", "equivalent", "moments", "profile_levelled"]
 
 # σ_s² = (1 − 0.8968/α) m₀ (Bush, Gibson and Thomas 1975; McCool 1987).
 _SUMMIT_VARIANCE = 0.8968
@@ -57,7 +57,8 @@ class Moments:
 
 
 def moments(grid: Grid) -> Moments:
-    """The moments of a levelled map within its border, from differences of neighbouring pixels.
+    """The moments of a levelled map within its border, or of a line scan, a map of a single row, from
+    differences of neighbouring pixels.
 
     Raises
     ------
@@ -69,14 +70,38 @@ def moments(grid: Grid) -> Moments:
     m0, third, fourth = square.mean(), np.dot(square, known) / known.size, np.dot(square, square) / known.size
     slopes, curvatures = [], []
     for axis, step in enumerate(grid.steps):
+        if grid.inner.shape[axis] == 1:
+            continue
         rises = np.diff(grid.inner, axis=axis)
         slopes.append(_mean_square(rises) / (step * step))
         curvatures.append(_mean_square(np.diff(rises, axis=axis)) / (step * step) / (step * step))
-    m4 = 0.5 * (curvatures[0] + curvatures[1])
-    if not (slopes[0] + slopes[1] > 0.0 and m4 > 0.0):
+    m4 = 0.5 * (curvatures[0] + curvatures[-1])
+    if not (slopes[0] + slopes[-1] > 0.0 and m4 > 0.0):
         raise SceneError("the levelled map is flat: no height differs from the others by more than rounding")
     skewness, kurtosis = third / (m0 * math.sqrt(m0)), fourth / (m0 * m0) - 3.0
-    return Moments(float(m0), slopes[0], slopes[1], m4, float(skewness), float(kurtosis))
+    return Moments(float(m0), slopes[0], slopes[-1], m4, float(skewness), float(kurtosis))
+
+
+def profile_levelled(grid: Grid) -> Grid:
+    """A line scan, a map of a single row, less the straight line of least squares through its known heights.
+
+    Raises
+    ------
+    SceneError
+        Fewer than two heights are known, or nothing is left.
+    """
+    heights, places = grid.heights[0], np.arange(grid.heights.size)
+    known = ~np.isnan(heights)
+    if np.count_nonzero(known) < 2:
+        raise SceneError("fewer than two heights are known, and they do not determine a straight line")
+    # The second fit, of what the first has left, takes its rounding away.
+    for _ in range(2):
+        heights = heights - np.polynomial.Polynomial.fit(places[known], heights[known], 1)(places)
+    if not np.nanmax(np.abs(heights)) > grid.resolution:
+        raise SceneError(
+            "the levelled profile is flat: no height differs from the others by more than rounding"
+        )
+    return replace(grid, heights=heights[np.newaxis])
 
 
 def _known(values: Any) -> Any:

@@ -13,9 +13,10 @@ import numpy as np
 from .. import quantities
 from .ellipsoids import forces_of_spheres
 from .level import LEVELS, ROWS
+from .moments import LineScan, in_numbers
 from .surface import AtCutoff, Surface
 
-__all__ = ["summary"]
+__all__ = ["of_line", "summary"]
 
 # Columns behind a label.
 _WIDTH = 60
@@ -37,6 +38,33 @@ def summary(surface: Surface, path: str | Path, output: Path | None = None) -> s
     if output is not None:
         parts.append(iter([f"  {'written':<18}{output}"]))
     return "\n\n".join("\n".join(lines) for part in parts if (lines := list(part)))
+
+
+def of_line(line: LineScan, path: str | Path) -> str:
+    """The moments of a line scan, and the surface that has them."""
+    of, theirs = line.moments, in_numbers(line.moments)
+    m0, m2, m4 = (_power(value, 4) for value in (of.m0, of.m2, of.m4))
+    shape = f"skewness {of.skewness:.3f}, excess kurtosis {of.excess_kurtosis:.3f}"
+    rows = [
+        ("line scan", f"{line.count} heights over {_m(line.length)}"),
+        *([("missing", f"{line.missing} heights")] if line.missing else []),
+        ("levelled", "less the straight line of least squares"),
+        ("heights", f"standard deviation {_m(math.sqrt(of.m0))}, {shape}"),
+        ("moments", f"m0 = {m0} m^2, m2 = {m2}, m4 = {m4} /m^2, alpha = {_pure(of.alpha)}"),
+        *(("warning", warning) for warning in line.warnings),
+    ]
+    parameters = [
+        ("density", f"{_pure(1e-12 * theirs.density)} /um^2"),
+        ("1/mean curvature", _m(theirs.radius)),
+        ("mean height", _m(theirs.height_mean)),
+        ("height std", _m(theirs.height_std)),
+    ]
+    parts = [
+        [str(path), *(shown for row in rows for shown in _row(*row))],
+        ["  the isotropic surface of these moments:", *(s for row in parameters for s in _row(*row))],
+        ["  in a scene, below [surface]:", f"  {theirs.toml}"],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in parts)
 
 
 def _row(label: str, text: str) -> Iterator[str]:

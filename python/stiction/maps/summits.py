@@ -1,4 +1,4 @@
-"""Summits: pixels that are higher than their 8 neighbours (Greenwood 1984)."""
+"""Summits: pixels, or plateaus of equally high ones, that are higher than all around (Greenwood 1984)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .prominence import prominences
 
 __all__ = ["Measured", "Summits", "apart", "measured", "prominent", "summits"]
 
-_AROUND = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=bool)
+_AROUND = np.ones((3, 3), dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -24,13 +24,15 @@ class Summits:
     Attributes
     ----------
     row, column : array of int (summits,)
-        Their pixels.
+        Their pixels, of plateaus the one nearest to the middle.
     height : array (summits,)
         Height above the mean plane of the surface, m.
     curvature_y, curvature_x : array (summits,)
-        −∂²z/∂y² and −∂²z/∂x² by the pixels on either side, 1/m; positive.
+        −∂²z/∂y² and −∂²z/∂x² by the first lower pixels on either side, 1/m; positive.
     curvature_xy : array (summits,)
         −∂²z/∂x∂y by the pixels at the corners, 1/m.
+    peak : array of int (summits,)
+        Places, row by row, of the highest pixels of their plateaus.
     prominence : array (summits,), optional
         Height above the key saddle, m, where a least one is asked for.
     """
@@ -41,6 +43,7 @@ class Summits:
     curvature_y: Any
     curvature_x: Any
     curvature_xy: Any
+    peak: Any
     prominence: Any = None
 
     def __len__(self) -> int:
@@ -80,37 +83,98 @@ class Summits:
 
 
 def summits(grid: Grid) -> tuple[Summits, float]:
-    """The pixels that are higher than each of their 8 neighbours by more than rounding, and the area
-    searched, m².
+    """The plateaus of equally high pixels, most of a single one, whose neighbours are all lower by more than
+    rounding, and the area searched, m².
 
-    Pixels of the border and those next to a missing height are not compared, and their area does not count.
-    Plateaus of equally high pixels are no summits."""
-    z, within = grid.heights, grid.within(1)
-    is_missing = np.isnan(z)
-    around = ndimage.maximum_filter(
-        np.where(is_missing, np.inf, z) if is_missing.any() else z, footprint=_AROUND
-    )[within]
-    compared = np.isfinite(around) & ~is_missing[within]
-    row, column = np.nonzero(compared & (z[within] - around > grid.resolution))
-    row, column = row + within[0].start, column + within[1].start
+    A summit is at the pixel that is nearest to the middle of its plateau; of equally near ones the first, row
+    by row. Its curvatures are by the first pixels beyond the plateau along x and y. Pixels of the border and
+    those next to a missing height are not compared, and their area does not count."""
+    z = grid.heights
+    found, area = _plateaus(grid)
+    row, column = found.row, found.column
     height = z[row, column]
-    dx, dy = grid.pixel
+    up, down, left, right = (_edge(found, *way) for way in ((-1, 0), (1, 0), (0, -1), (0, 1)))
+    dy, dx = grid.steps
 
-    def bend(before: Any, after: Any) -> Any:
-        return (height - before) + (height - after)
+    def bend(before: Any, after: Any, steps: tuple[Any, Any]) -> Any:
+        falls = (height - before) / steps[0] + (height - after) / steps[1]
+        return 2.0 * falls / (steps[0] + steps[1])
 
-    rising = (z[row - 1, column - 1] - z[row - 1, column + 1]) + (
-        z[row + 1, column + 1] - z[row + 1, column - 1]
+    rising = (z[row - up, column - left] - z[row - up, column + right]) + (
+        z[row + down, column + right] - z[row + down, column - left]
     )
-    found = Summits(
+    of_map = Summits(
         row=row,
         column=column,
         height=height,
-        curvature_y=bend(z[row - 1, column], z[row + 1, column]) / (dy * dy),
-        curvature_x=bend(z[row, column - 1], z[row, column + 1]) / (dx * dx),
-        curvature_xy=-0.25 * rising / (dx * dy),
+        curvature_y=bend(z[row - up, column], z[row + down, column], (up, down)) / (dy * dy),
+        curvature_x=bend(z[row, column - left], z[row, column + right], (left, right)) / (dx * dx),
+        # Beyond a plateau a corner may be missing, and tells nothing.
+        curvature_xy=-np.nan_to_num(rising) / ((up + down) * (left + right)) / (dx * dy),
+        peak=found.peak,
     )
-    return found, float(np.count_nonzero(compared) * dy * dx)
+    return of_map, area
+
+
+@dataclass(frozen=True)
+class _Plateaus:
+    """Plateaus that are summits, row by row: the pixel nearest to the middle of each, the place of its
+    highest pixel, and its label among `labels` of all pixels."""
+
+    labels: Any
+    own: Any
+    row: Any
+    column: Any
+    peak: Any
+
+
+def _plateaus(grid: Grid) -> tuple[_Plateaus, float]:
+    """The summits, and the area searched, m²."""
+    z = grid.heights if grid.measured is None else grid.measured
+    is_missing = np.isnan(z)
+    z = np.where(is_missing, np.inf, z) if is_missing.any() else z
+    around = ndimage.maximum_filter(z, size=3)
+    is_compared = np.zeros(z.shape, dtype=bool)
+    is_compared[grid.within(1)] = np.isfinite(around[grid.within(1)])
+    is_top = is_compared & (z >= around - grid.resolution)
+    labels, count = ndimage.label(is_top, _AROUND)
+    # A plateau is none where it goes on in pixels that have a higher neighbour or are not compared.
+    beyond = ndimage.maximum_filter(np.where(is_top, -np.inf, z), size=3)
+    is_whole = np.ones(count + 1, dtype=bool)
+    is_whole[labels[is_top & (beyond >= z - grid.resolution)]] = False
+    is_whole[0] = False
+    places = np.flatnonzero(is_whole[labels])
+    own = labels.ravel()[places]
+    row, column = np.divmod(places, labels.shape[1])
+    sizes = np.maximum(np.bincount(own, minlength=count + 1), 1)
+    away = [
+        (of - (np.bincount(own, of, minlength=count + 1) / sizes)[own]) * step
+        for of, step in zip((row, column), grid.steps, strict=True)
+    ]
+    middle = _least(own, away[0] ** 2 + away[1] ** 2)
+    peak = places[_least(own, -grid.heights.ravel()[places])]
+    order = np.argsort(places[middle])
+    middle, peak = middle[order], peak[order]
+    found = _Plateaus(labels, own[middle], row[middle], column[middle], peak)
+    return found, float(np.count_nonzero(is_compared) * grid.steps[0] * grid.steps[1])
+
+
+def _least(own: Any, values: Any) -> Any:
+    """Where each label has its least value, the first of equal ones; in the order of the labels."""
+    order = np.lexsort((values, own))
+    return order[np.flatnonzero(np.diff(own[order], prepend=0))]
+
+
+def _edge(found: _Plateaus, down: int, along: int) -> Any:
+    """How many pixels it is from each summit to the first one beyond its plateau, along a direction."""
+    steps, inside = np.ones(found.own.size, dtype=np.intp), np.arange(found.own.size)
+    while inside.size:
+        beyond = found.labels[
+            found.row[inside] + down * steps[inside], found.column[inside] + along * steps[inside]
+        ]
+        inside = inside[beyond == found.own[inside]]
+        steps[inside] += 1
+    return steps
 
 
 def prominent(grid: Grid, found: Summits, least: float | None) -> Summits:
@@ -118,7 +182,8 @@ def prominent(grid: Grid, found: Summits, least: float | None) -> Summits:
     None."""
     if least is None:
         return found
-    found = replace(found, prominence=prominences(grid.heights, found.row, found.column))
+    peaks = np.unravel_index(found.peak, grid.heights.shape)
+    found = replace(found, prominence=prominences(grid.heights, *peaks))
     return found[found.prominence >= least]
 
 

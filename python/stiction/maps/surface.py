@@ -19,7 +19,18 @@ from .smooth import cutoff_series, smoothed
 from .spectrum import Equivalent, Moments, equivalent, moments
 from .summits import Measured, Summits, apart, measured, prominent, summits
 
-__all__ = ["AtCutoff", "Steps", "Surface", "check_outputs", "found_on", "steps_of"]
+__all__ = [
+    "FEWEST_PIXELS",
+    "AtCutoff",
+    "Steps",
+    "Surface",
+    "check_outputs",
+    "far_from_theory",
+    "found_on",
+    "grid_of",
+    "steps_of",
+    "wrong_unit",
+]
 
 # Endings of pictures.
 PICTURES = (".png", ".pdf", ".svg")
@@ -31,7 +42,7 @@ _ROUNDINGS = 64.0
 _MOST_CUTOFFS = 100
 # Fewer pixels from one maximum of a profile to the next leave summits unresolved; fewer summits their
 # density.
-_FEWEST_PIXELS, _FEWEST_SUMMITS = 10.0, 100
+FEWEST_PIXELS, _FEWEST_SUMMITS = 10.0, 100
 # Skewness and excess kurtosis of heights that are far from Gaussian, ratio of slopes of a lay, least α.
 _SKEWNESS, _KURTOSIS, _ANISOTROPIC, _LEAST_ALPHA = 0.3, 0.6, 1.5, 1.5
 # Root mean square slopes of surfaces, torn ones and polished optics included, and of most surfaces.
@@ -186,7 +197,7 @@ def found_on(height_map: HeightMap, steps: Steps, called: str = "map", *, keep: 
 
 
 def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
-    grid = _grid(height_map)
+    grid = grid_of(height_map)
     warnings = flaws(grid.heights)
     stages = {"as measured": grid} if keep else {}
     if steps.level_rows is not None:
@@ -205,7 +216,7 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     of_profiles = moments(grid)
     found, area = summits(grid)
     if not len(found):
-        raise SceneError("no pixel is higher than its 8 neighbours: the map has no summit")
+        raise SceneError("no pixel and no plateau is higher than all around: the map has no summit")
     all_prominent = prominent(grid, found, steps.prominence)
     if not len(all_prominent):
         least = quantities.si(steps.prominence, "m")
@@ -222,11 +233,19 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     return surface
 
 
-def _grid(height_map: HeightMap) -> Grid:
-    """The map with what decides which heights are equal, if it is one."""
+def grid_of(height_map: HeightMap) -> Grid:
+    """The map, or the line scan of a single row, with what decides which heights are equal, if it is one.
+
+    Raises
+    ------
+    SceneError
+        It has too few heights, or ones or pixels that are too large or too small.
+    """
     heights = height_map.heights
     rows, columns = heights.shape
-    if min(rows, columns) < SMALLEST:
+    if rows == 1 and columns < SMALLEST:
+        raise SceneError(f"the line scan has {columns} heights; at least {SMALLEST} are needed")
+    if 1 < rows < SMALLEST or columns < SMALLEST:
         raise SceneError(
             f"the map has {rows} rows and {columns} columns; at least {SMALLEST} of each are needed"
         )
@@ -267,32 +286,46 @@ def _series(grid: Grid, steps: Steps) -> list[AtCutoff]:
 def _caveats(surface: Surface) -> Iterator[str]:
     """Assumptions of the parameters that the surface does not meet: number and consequence."""
     of, count = surface.moments, len(surface.summits)
-    yield from _wrong_unit(math.sqrt(of.m2))
+    yield from wrong_unit(math.sqrt(of.m2))
     largest = max(surface.grid.pixel)
-    if (pixels := of.wavelength / largest) < _FEWEST_PIXELS:
+    if (pixels := of.wavelength / largest) < FEWEST_PIXELS:
         radius = surface.measured.radius / largest
         yield (
-            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {_FEWEST_PIXELS:g}: "
+            f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {FEWEST_PIXELS:g}: "
             f"pixels are too coarse for the summits, which have a radius of {radius:.2f} pixels"
         )
     if count < _FEWEST_SUMMITS:
         yield f"{count} summits are few: their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
-    if abs(of.skewness) > _SKEWNESS or abs(of.excess_kurtosis) > _KURTOSIS:
-        yield (
-            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis "
-            f"{of.excess_kurtosis:.2f}), which the parameters from moments take for granted"
-        )
+    yield from _not_gaussian(of)
     ratio = of.slope_x / of.slope_y if of.slope_y else math.inf
     if not 1.0 / _ANISOTROPIC <= ratio <= _ANISOTROPIC:
         yield (
             f"mean square slopes along x and y differ {ratio:.2f} times: the parameters from moments are of "
             "isotropic surfaces"
         )
+    yield from _narrow(of)
+
+
+def far_from_theory(of: Moments) -> Iterator[str]:
+    """Assumptions of the parameters from moments that a line scan does not meet."""
+    yield from _not_gaussian(of)
+    yield from _narrow(of)
+
+
+def _not_gaussian(of: Moments) -> Iterator[str]:
+    if abs(of.skewness) > _SKEWNESS or abs(of.excess_kurtosis) > _KURTOSIS:
+        yield (
+            f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis "
+            f"{of.excess_kurtosis:.2f}), which the parameters from moments take for granted"
+        )
+
+
+def _narrow(of: Moments) -> Iterator[str]:
     if of.alpha < _LEAST_ALPHA:
         yield f"alpha = {of.alpha:.3f}, but that of a random isotropic surface is at least 1.5"
 
 
-def _wrong_unit(slope: float) -> Iterator[str]:
+def wrong_unit(slope: float) -> Iterator[str]:
     """Slopes that no surface has, where heights or pixels are in a wrong unit, and the factor that would make
     them usual."""
     if _SLOPES[0] <= slope <= _SLOPES[1]:

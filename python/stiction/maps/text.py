@@ -254,7 +254,7 @@ class _Reader:
         found = _AXIS.findall(line)
         axes = [_AXES.get(name.lower()) for name, _ in found]
         units = [unit for _, unit in found]
-        if not {"x", "y", "z"} <= set(axes) or block.lines:
+        if not ({"x", "y", "z"} <= set(axes) or axes == ["x", "z"]) or block.lines:
             return False
         # The column of names of rows of pandas has none itself.
         unnamed = self.dialect.columns - len(axes)
@@ -269,21 +269,22 @@ class _Reader:
         numbers, header = list(block.lines), block.header
         names_of_columns = self._short_names(numbers)
         columns = self.dialect.columns
-        if (len(numbers) == 1 or columns < 3) and "width" not in header:
-            raise SceneError(f"has {columns} numbers on each of {len(numbers)} lines: {LINE_SCAN}")
+        is_line = len(numbers) == 1 or columns == 1 or (columns == 2 and "width" not in header)
         self._check_lengths(numbers)
         values = self._numbers(numbers)
         warnings = self.warnings
-        are_points = block.axes is not None or (columns == 3 and "width" not in header)
+        are_points = not is_line and (block.axes is not None or (columns == 3 and "width" not in header))
         if "scale" in header:
             values *= _number_of(header["scale"])
             header["unit"] = "m"
-        if not are_points:
+        if not are_points and not is_line:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
             warnings += said
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
+        if is_line:
+            return _line(values, header, warnings)
         if not are_points:
             return _grid(values, header, warnings)
         if block.axes is not None:
@@ -511,6 +512,23 @@ def _grid(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMa
     if sizes[0] is not None and sizes[1] is not None:
         pixel = (sizes[0] / columns, sizes[1] / rows)
     return TextMap(values, pixel, header.get("unit"), header.get("channel"), warnings, header.get("cell", ""))
+
+
+def _line(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+    """A line scan: heights in one column or on one line, or two columns, places with even steps and heights."""
+    if len(values) == 1 or values.shape[1] == 1:
+        heights, width = values.ravel(), _length_of(header.get("width", ""))
+        step = None if width is None else width / heights.size
+    else:
+        index, step = _places(values[:, 0], "x")
+        heights = np.full(int(index.max()) + 1, np.nan)
+        if np.unique(index).size < index.size or index.size < heights.size / 2:
+            raise SceneError("its points x, z have no even steps: only regular line scans are read")
+        heights[index] = values[:, 1]
+        unit = metres(header.get("lateral", ""))
+        step = None if unit is None else step * unit
+    pixel = None if step is None else (step, step)
+    return TextMap(heights, pixel, header.get("unit") or None, header.get("channel"), warnings)
 
 
 def _length_of(text: str) -> float | None:

@@ -23,7 +23,7 @@ def test_examples_do_what_they_say(name, monkeypatch):
     "name",
     sorted(
         set(stiction.__all__)
-        & {"run", "sweep", "compare", "integral", "asperity", "find_asperities"}
+        & {"run", "sweep", "compare", "integral", "asperity", "find_asperities", "spectral_moments"}
     ),
 )
 def test_functions_have_an_example(name):

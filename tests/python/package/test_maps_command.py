@@ -299,7 +299,7 @@ def test_a_picture_has_the_map_after_each_step(command):
         "smoothed",
         "prominent",
     ]
-    assert titles[-1] == f"prominent: {count} summits" and titles[0] == "as measured: 203 summits"
+    assert titles[-1] == f"prominent: {count} summits" and titles[0] == "as measured: 206 summits"
     before = os.listdir()
     assert "figure" in command(MAP, "--figure", "steps.tiff", code=2)
     assert "steps.svg: exists" in command(MAP, "--figure", "steps.svg", code=2)

@@ -4,10 +4,12 @@ level by level."""
 import itertools
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from conftest import ROOT
+from scipy import ndimage
 
 from stiction import SceneError
 from stiction.maps.ellipsoids import forces_of_spheres, hertz_radius
@@ -238,14 +240,81 @@ def test_a_summit_is_higher_than_all_eight():
         2e9, rel=1e-15
     )
     assert found.radius[0] == pytest.approx(1.0 / 1.25e9, rel=1e-15)
-    # Each of the neighbours can take it away, by being as high: a plateau is no summit.
+    # Each of the neighbours can take it away, by being higher.
     for i in range(2, 5):
         for j in range(3, 6):
             if (i, j) != (3, 4):
-                assert len(summits(raised((3, 4, 1e-9), (i, j, 1e-9)))[0]) == 0
+                assert pixels_of(summits(raised((3, 4, 1e-9), (i, j, 1.1e-9)))[0]) == [(i, j)]
     # What is higher by rounding only is not higher.
-    assert len(summits(raised((3, 4, 1.0), (3, 5, 1.0 - 1e-15)))[0]) == 0
-    assert len(summits(raised((3, 4, 1.0), (3, 5, 1.0 - 1e-13)))[0]) == 1
+    for below in (1e-15, 1e-13):
+        found, _ = summits(raised((3, 4, 1.0), (3, 5, 1.0 - below)))
+        assert pixels_of(found) == [(3, 4)]
+        # On the right one falls by 1 over two pixels, 2 (1/1 + 1/2)/(1 + 2), the other by nothing over one.
+        assert found.curvature_x[0] == pytest.approx(1e18, rel=1e-12)
+        assert found.peak[0] == 3 * 10 + 4
+
+
+def plateaus_one_by_one(z, pixel):
+    """Summits by their definition: every pixel spreads over its equals, and all others around are lower.
+    The pixel of each and its curvatures along y and x and across, by the parabola through three points and
+    the saddle through four."""
+    dx, dy = pixel
+    known = np.pad(np.ones([count - 2 for count in z.shape], dtype=bool), 1) & ~np.isnan(z)
+    seen, found = set(), []
+    for place in np.ndindex(*z.shape):
+        if place in seen or np.isnan(z[place]):
+            continue
+        plateau, ahead = set(), [place]
+        while ahead:
+            one = ahead.pop()
+            if one not in plateau:
+                plateau.add(one)
+                ahead += [other for other in around(one, z.shape) if z[other] == z[place]]
+        seen |= plateau
+        outer = {other for one in plateau for other in around(one, z.shape)} - plateau
+        if not all(known[one] for one in plateau) or not all(z[one] < z[place] for one in outer):
+            continue
+        middle = [Fraction(sum(one[axis] for one in plateau), len(plateau)) for axis in (0, 1)]
+        i, j = min(
+            sorted(plateau),
+            key=lambda one: ((one[0] - middle[0]) * dy) ** 2 + ((one[1] - middle[1]) * dx) ** 2,
+        )
+        up, down = (next(n for n in range(1, 99) if (i + way * n, j) not in plateau) for way in (-1, 1))
+        left, right = (next(n for n in range(1, 99) if (i, j + way * n) not in plateau) for way in (-1, 1))
+        y, x = np.array([-up, 0, down]) * dy, np.array([-left, 0, right]) * dx
+        bends = [
+            -2.0 * np.linalg.solve(np.vander(at), [z[before], z[i, j], z[after]])[0]
+            for at, before, after in (
+                (y, (i - up, j), (i + down, j)),
+                (x, (i, j - left), (i, j + right)),
+            )
+        ]
+        ends = np.array([(v, u) for v in (y[0], y[2]) for u in (x[0], x[2])])
+        corners = [z[i + n, j + m] for n in (-up, down) for m in (-left, right)]
+        terms = np.column_stack([np.ones(4), ends, ends[:, 0] * ends[:, 1]])
+        found.append((i, j, *bends, -np.linalg.solve(terms, corners)[3]))
+    return np.array(found).reshape(-1, 5)
+
+
+@pytest.mark.parametrize("levels", [3, 6, 12])
+def test_a_plateau_is_one_summit(levels):
+    """Small maps of few levels, with missing heights: every summit by its definition."""
+    rng, pixel, seen = np.random.default_rng(levels), (1.0, 2.0), 0
+    for trial in range(150):
+        z = ndimage.gaussian_filter(rng.normal(size=(13, 15)), 0.5 * (trial % 3))
+        z = np.round((z - z.min()) / np.ptp(z) * (levels - 0.5))
+        z[rng.random(z.shape) < 0.01] = np.nan
+        found, _ = summits(grid(z, pixel))
+        expected = plateaus_one_by_one(z, pixel)
+        order = np.lexsort((expected[:, 1], expected[:, 0]))
+        expected = expected[order]
+        assert pixels_of(found) == [(int(i), int(j)) for i, j in expected[:, :2]]
+        np.testing.assert_allclose(found.curvature_y, expected[:, 2], rtol=1e-12)
+        np.testing.assert_allclose(found.curvature_x, expected[:, 3], rtol=1e-12)
+        across = np.nan_to_num(expected[:, 4])
+        np.testing.assert_allclose(found.curvature_xy, across, atol=1e-12)
+        seen += len(found)
+    assert seen > 200
 
 
 @pytest.mark.parametrize(
@@ -338,8 +407,10 @@ def test_prominence_is_by_its_definition(levels):
         z = rng.integers(0, levels, (9, 11)).astype(float)
         z[rng.random(z.shape) < 1 / 23] = np.nan
         found, _ = summits(grid(z))
-        own = prominences(z, found.row, found.column)
-        assert own.tolist() == [flooded(z, place) for place in pixels_of(found)]
+        # Of a plateau the first pixel is the highest one.
+        peaks = np.unravel_index(found.peak, z.shape)
+        own = prominences(z, *peaks)
+        assert own.tolist() == [flooded(z, place) for place in zip(*peaks, strict=True)]
         assert (own > 0.0).all()
         seen += own.size
     assert seen > 50
@@ -526,6 +597,75 @@ def test_an_egg_box_is_approached_with_second_order():
         np.testing.assert_allclose(np.log2(coarse / fine), 2.0, atol=0.02)
     # cos(0.3 kdx) + cos(0.2 kdx) = 2 − (0.09 + 0.04)(kdx)²/2.
     assert of[-1][0] == pytest.approx(-0.0325 * (2.0 * math.pi / 96.0) ** 2, rel=1e-3)
+
+
+@pytest.mark.parametrize(("fall", "mean"), [(40.0, 3.6), (4.0, 1.55), (0.4, 1.02), (0.04, 1.0)])
+def test_paraboloids_in_steps_of_height(fall, mean):
+    """z = h − r²/2R of R = 1 pixel, its top anywhere, in steps of q = `fall` times dx²/2R, at any height
+    within a step. Rounding moves every height by at most q/2, so that a second difference over a and b
+    pixels is off by at most 2q/(ab dx²), which falls to 0 with q. The mean curvatures are on the page."""
+    rng, curvatures = np.random.default_rng(0), []
+    x, y = places((61, 61), (1.0, 1.0))
+    q = 0.5 * fall
+    for _ in range(200):
+        square = (x - 30.0 - rng.uniform(-0.5, 0.5)) ** 2 + (y - 30.0 - rng.uniform(-0.5, 0.5)) ** 2
+        z = q * np.round((np.maximum(200.0 - 0.5 * square, 0.0) + q * rng.random()) / q)
+        found, _ = summits(grid(z, (1.0, 1.0)))
+        assert len(found) == 1
+        i, j = int(found.row[0]), int(found.column[0])
+        for bend, profile, at in ((found.curvature_x[0], z[i], j), (found.curvature_y[0], z[:, j], i)):
+            top = np.flatnonzero(profile == profile.max())
+            a, b = at - top[0] + 1, top[-1] - at + 1
+            assert abs(bend - 1.0) <= 2.0 * q / (a * b) * (1.0 + 1e-12)
+        curvatures.append(found.mean_curvature[0])
+    scatter = np.std(curvatures) / math.sqrt(200)
+    assert abs(np.mean(curvatures) - mean) < max(3.0 * scatter, 0.005)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.05, 0.02, 0.01, 0.001])
+@pytest.mark.parametrize(("tilt", "level"), [(0.0, "none"), (1e-4, "plane")])
+def test_an_egg_box_in_steps_keeps_its_summits(share, tilt, level):
+    """One summit in a period squared, whatever the step of the heights, with a tilt of them, too; with a
+    filter over the steps they have their radius again."""
+    a, period, pixels = 2e-9, 480e-9, 48
+    pixel, k = period / pixels, 2.0 * math.pi / period
+    x, y = places((5 * pixels + 2, 5 * pixels + 2), (pixel, pixel))
+    z = a * (np.cos(k * (x + 0.3 * pixel - period / 2)) + np.cos(k * (y + 0.2 * pixel - period / 2)))
+    z += tilt * (x + 2.0 * y)
+    step = share * 4.0 * a
+    in_steps = step * np.round(z / step)
+    found = found_in(in_steps, (pixel, pixel), level=level)
+    assert len(found.summits) == 25
+    exact = found_in(z, (pixel, pixel), level=level)
+    at, of = (np.array(pixels_of(one.summits)) for one in (found, exact))
+    off = np.abs(at[:, None] - of[None]).max(axis=2).min(axis=1)
+    # A plateau is as wide as the crest within a step, and its middle as far off as a tilt moves it.
+    wide = math.sqrt(2.0 * step / a) / (k * pixel)
+    assert off.max() <= 1.0 + wide
+    if share <= 0.02:
+        smooth, clean = (found_in(of, (pixel, pixel), level=level, smooth=10 * pixel) for of in (in_steps, z))
+        assert smooth.measured.radius / clean.measured.radius == pytest.approx(1.0, abs=0.06)
+
+
+def test_a_tilt_does_not_part_a_plateau():
+    """A plateau in steps of 1 that levelling tilts by 0.01 a pixel is one summit, with the curvatures of the
+    map before; a tilt above the step leaves no pixels that are equally high."""
+    x, y = places((30, 30), (1.0, 1.0))
+    hill = np.round(np.maximum(6.0 - 0.1 * ((x - 14.0) ** 2 + (y - 14.0) ** 2), 0.0))
+    flat, _ = summits(grid(hill, (1.0, 1.0)))
+    slight, steep = (levelled(grid(hill + of, (1.0, 1.0)), "plane") for of in (0.0, 1.3 * x + 0.7 * y))
+    assert slight.measured is not None and steep.measured is None
+    # An uneven hill has a tilt of its own.
+    uneven = hill + np.where(x > 25.0, 1.0, 0.0)
+    level = levelled(grid(uneven, (1.0, 1.0)), "plane")
+    assert len(set(level.heights[hill == 6.0])) > 1
+    found, _ = summits(level)
+    here = (found.row == flat.row[0]) & (found.column == flat.column[0])
+    assert here.sum() == 1 and len(flat) == 1
+    np.testing.assert_allclose(found.curvature_x[here], flat.curvature_x, rtol=1e-12)
+    np.testing.assert_allclose(found.curvature_y[here], flat.curvature_y, rtol=1e-12)
+    own = prominences(level.heights, *np.unravel_index(found.peak, hill.shape))[here]
+    assert own[0] == pytest.approx(6.0, abs=1.0)
 
 
 def test_directions_are_not_mixed_up():

@@ -164,7 +164,7 @@ _DIMENSIONS = (
         "N/m": 0, "mN/m": -3, "uN/m": -6, "kN/m": 3, "MN/m": 6, "N/mm": 3, "N/um": 6, "nN/nm": 0,
     }),
     _Dimension("J/m^2", "joule/meter**2", {"J/m^2": 0, "mJ/m^2": -3, "uJ/m^2": -6}),
-    _Dimension("N", "newton", {"N": 0, "mN": -3, "uN": -6, "nN": -9, "pN": -12, "kN": 3}),
+    _Dimension("N", "newton", {"N": 0, "mN": -3, "uN": -6, "nN": -9, "pN": -12, "fN": -15, "kN": 3}),
     _Dimension("J", "joule", {
         "J": 0, "mJ": -3, "uJ": -6, "nJ": -9, "pJ": -12, "fJ": -15, "aJ": -18, "zJ": -21,
     }),

@@ -62,7 +62,7 @@ const UNITS: &[Row] = &[
     (
         Dimension::Force,
         ["a force", "N"],
-        &[("N", 0), ("mN", -3), ("uN", -6), ("nN", -9), ("pN", -12), ("kN", 3)],
+        &[("N", 0), ("mN", -3), ("uN", -6), ("nN", -9), ("pN", -12), ("fN", -15), ("kN", 3)],
     ),
     (
         Dimension::Stiffness,

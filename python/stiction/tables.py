@@ -319,9 +319,9 @@ def _check_comment(where: str, line: str, separator: str, width: int) -> None:
         advice = "write the number, or take the line out"
         raise FileError(f"{where}: # alone, where a column was too narrow; {advice}")
     fewest, most = (text.count(separator) + 1 for text in (line.rstrip(f"{separator} "), line))
-    others = (cell.strip('" ') for cell in line.split(separator)[1:])
-    has_number = any(re.fullmatch(_NUMBER.format("[.,]"), cell) for cell in others)
-    if width > 1 and fewest <= width <= most and (has_number or line.lstrip().startswith("##")):
+    others = [cell.strip('" ') for cell in line.split(separator)[1:]]
+    is_row = any(re.fullmatch(_NUMBER.format("[.,]"), cell) for cell in others) or not any(others)
+    if width > 1 and fewest <= width <= most and (is_row or line.lstrip().startswith("##")):
         raise FileError(
             f"{where}: begins with #, as a comment, and has the cells of a row; put quotes around the label, "
             "or take the line out"

@@ -272,18 +272,16 @@ fn is_no_row(line: &str) -> bool {
     line.is_empty() || line.starts_with('#')
 }
 
-/// The line, from 1, of a row below the first that begins with `#`: it has as many cells, and numbers among them or `##`,
-/// as spreadsheets write for a number in a narrow column.
+/// The line, from 1, of a row below the first that begins with `#`: it has as many cells, and behind the first numbers or
+/// nothing, or `##`, as spreadsheets write for a number in a narrow column.
 fn hidden_row(text: &str, first: usize, columns: usize) -> Option<usize> {
     let is_row = |line: &str| {
         let line = line.trim();
         if columns > 1 {
-            let mut cells = line.split(',');
-            let is_marked = cells.next().is_some_and(|first| first.starts_with('#'));
-            let is_number = |cell: &str| cell.trim_matches(['"', ' ']).parse::<f64>().is_ok();
-            is_marked
-                && line.split(',').count() == columns
-                && (line.starts_with("##") || cells.any(is_number))
+            let others = line.split(',').skip(1).map(|cell| cell.trim_matches(['"', ' ']));
+            let is_row =
+                others.clone().any(|cell| cell.parse::<f64>().is_ok()) || others.clone().all(str::is_empty);
+            line.starts_with('#') && others.count() + 1 == columns && (line.starts_with("##") || is_row)
         } else {
             columns == 1 && line.len() > 1 && line.chars().all(|c| c == '#')
         }
@@ -375,6 +373,7 @@ mod tests {
             ("height,note\n  #BEZUG!,2\n", "line 2: column 1 has a gap"),
             ("height,note\n\"1,2\n3,4\n", "line 2: a quotation mark is not closed in it"),
             ("height,note\n5_2.6,2\n", "line 2: not a number"),
+            ("height,note\n1,2\n#2,\n", "line 3: begins with #, as a comment"),
             ("height,note\n1,2\n  #2 (repeat),2\n", "line 3: begins with #, as a comment"),
             ("# a\nheight,note\n#####,2\n", "line 3: begins with #, as a comment"),
             ("height\n1\n#####\n", "line 3: begins with #, as a comment"),

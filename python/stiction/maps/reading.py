@@ -167,6 +167,8 @@ def _mask(mask: Any, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         values = formats.from_path(Path(mask), None).heights
     else:
         values = formats.from_array("mask", mask).heights
+    if shape == (1, values.size):
+        values = values.reshape(shape)
     if values.shape != shape:
         given, needed = (" x ".join(str(length) for length in one) for one in (values.shape, shape))
         raise SceneError(f"mask: has the shape {given}, and the map {needed}")

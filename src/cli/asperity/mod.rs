@@ -228,12 +228,13 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
     use std::time::{Duration, Instant};
 
-    const PIECES: [&str; 33] = [
+    const PIECES: [&str; 34] = [
         "0.9,-1\n",
         "1,2,3\r\n",
         "-2.5,4\n",
         "\"3\",5\r\n",
         "# 6,7\n",
+        "# six\n",
         " 1e3 , -0 ,\n",
         "nan,inf,1\n",
         "lambda",
@@ -272,7 +273,7 @@ mod tests {
         let header = proptest::sample::select(
             &["", "lambda,delta\n", "delta, x ,Lambda\r\n", "lambda,lambda,delta\n"][..],
         );
-        let config = Config { cases: 20_000, failure_persistence: None, ..Config::default() };
+        let config = Config { cases: 30_000, failure_persistence: None, ..Config::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
         let read = std::cell::Cell::new(0);
         let case = |(header, pieces): (&str, Vec<&str>)| {

@@ -131,11 +131,12 @@ def test_missing_heights_are_left_out():
         (("--smooth", "9 nm", "--cutoffs", "4"), "--smooth, --cutoffs"),
         (("--prominence", "1 nm", "--min-distance", "9 nm"), "--prominence, --min-distance"),
         (("--level-rows", "median"), "--level-rows"),
-        (("--mask", "line.npy"), "--mask"),
+        (("--mask", "mask.npy"), "--mask"),
     ],
 )
 def test_options_of_maps_are_refused(options, named, command):
     np.save("line.npy", sine(8)[0])
+    np.save("mask.npy", np.zeros(sine(8)[0].size))
     before = os.listdir()
     said = command("line.npy", "--pixel", "1 nm", "--height-unit", "m", *options, code=2)
     assert f"{named}: line.npy is a line scan, which has a spectrum, but no asperities" in said

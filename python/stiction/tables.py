@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import difflib
 import itertools
@@ -17,7 +18,7 @@ import xarray
 from . import quantities
 from .errors import FileError
 
-__all__ = ["Column", "Table", "meant", "read", "read_table"]
+__all__ = ["Column", "Table", "decoded", "meant", "read", "read_table"]
 
 Name = str | os.PathLike[str]
 
@@ -28,6 +29,8 @@ _NO_TEXTS = {
     b"\x89HDF": "is an HDF5 file, not a table",
     b"\x1f\x8b": "is compressed; unpack it",
 }
+# Characters that no text has.
+_CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
 # What people write where nothing was measured, in small letters.
 _GAPS = {"", "na", "n/a", "nan", "<na>", "null", "none", "-", "--", "---", "–", "—"}
 # What spreadsheets write there, in any language: #N/A, #NV, #REF!, #NOM?
@@ -260,22 +263,46 @@ def _text(path: Name) -> str:
     for beginning, what in _NO_TEXTS.items():
         if content.startswith(beginning):
             raise FileError(f"{path}: {what}")
-    for encoding in _encodings(content):
+    text = decoded(content)
+    if text is None:
+        raise FileError(f"{path}: cannot be read as text in UTF-8, UTF-16 or Windows-1252")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def decoded(data: bytes, *, any_bytes: bool = False) -> str | None:
+    """The text of a file by its byte order mark, as UTF-16, UTF-8 or Windows-1252; None if it is no text.
+
+    With `any_bytes` a text may have bytes that Windows-1252 leaves out, read as Latin-1.
+
+    Examples
+    --------
+    >>> decoded("1\\t2".encode("utf-16")), decoded("5 µm".encode("cp1252")), decoded(b"\\x00\\x01\\x02")
+    ('1\\t2', '5 µm', None)
+    """
+    coding: str | None = None
+    for mark, name in (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    ):
+        if data.startswith(mark):
+            coding = name
+    beginning = data[:4096]
+    if coding is None and b"\0" in beginning:
+        # Texts of UTF-16 without a mark have a NUL in every other byte.
+        odd, even = beginning[1::2].count(0), beginning[0::2].count(0)
+        if max(odd, even) < 4 * min(odd, even) + len(beginning) // 4:
+            return None
+        coding = "utf-16-le" if odd > even else "utf-16-be"
+    if coding is None and len(data.translate(None, _CONTROLS)) < len(data):
+        return None
+    for name in (coding,) if coding else ("utf-8", "cp1252", *(["latin-1"] if any_bytes else [])):
         try:
-            text = content.decode(encoding)
+            text = data.decode(name)
         except UnicodeDecodeError:
             continue
-        if "\0" not in text:
-            return text.replace("\r\n", "\n").replace("\r", "\n")
-    raise FileError(f"{path}: cannot be read as text in UTF-8, UTF-16 or Windows-1252")
-
-
-def _encodings(content: bytes) -> tuple[str, ...]:
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return ("utf-16",)
-    if b"\0" in content[:64]:
-        return ("utf-16-be",) if content[:1] == b"\0" else ("utf-16-le",)
-    return "utf-8-sig", "cp1252"
+        return text.rstrip("\x1a")
+    return None
 
 
 def _is_blank(line: str) -> bool:

@@ -70,8 +70,8 @@ def _infer(given: argparse.Namespace) -> None:
         files.check(path, force=given.force, inputs=inputs)
     if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
         raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
-    # Errors are reported before minutes are spent.
-    for scene in (given.scene, *given.model):
+    # Errors are reported before minutes are spent on others.
+    for scene in given.model:
         posterior.checked(given.data, scene, given.missing)
     options = {"missing": given.missing, "seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
     results = {}

@@ -12,6 +12,8 @@ import numpy as np
 
 from .. import files
 from .layout import FORMAT, VARIABLES, VERSION
+from .spectrum import Equivalent
+from .summits import Measured
 from .surface import Surface
 
 __all__ = ["write"]
@@ -121,7 +123,7 @@ def _values(surface: Surface) -> dict[str, dict[str, Any]]:
         "map": {"height": surface.grid.heights},
         "surface": _of_surface(surface),
         "measured": _of_measured(surface),
-        "equivalent": _of_equivalent(surface),
+        "equivalent": _parameters(surface.equivalent),
     }
     if surface.series:
         values["cutoffs"] = _of_series(surface)
@@ -167,24 +169,15 @@ def _of_surface(surface: Surface) -> dict[str, Any]:
     return {name: getattr(surface.moments, name) for name in names}
 
 
+def _parameters(of: Measured | Equivalent) -> dict[str, Any]:
+    """The numbers of an equivalent surface, counted or by theory."""
+    names = ("density", "radius", "height_mean", "height_std")
+    return {f"asperity_{name}": getattr(of, name) for name in names}
+
+
 def _of_measured(surface: Surface) -> dict[str, Any]:
-    of = surface.measured
-    return {
-        "asperity_density": of.density,
-        "asperity_radius": of.radius,
-        "asperity_height_mean": of.height_mean,
-        "asperity_height_std": of.height_std,
-        "asperity_curvature_std": of.curvature_std,
+    return _parameters(surface.measured) | {
+        "asperity_curvature_std": surface.measured.curvature_std,
         "curvature_ratio_median": surface.shape.ratio,
         "saddle_count": np.uint64(surface.shape.saddles),
-    }
-
-
-def _of_equivalent(surface: Surface) -> dict[str, Any]:
-    of = surface.equivalent
-    return {
-        "asperity_density": of.density,
-        "asperity_radius": of.radius,
-        "asperity_height_mean": of.height_mean,
-        "asperity_height_std": of.height_std,
     }

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 import xarray
 
-from .. import files, quantities, stored
+from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
 from .lengths import metres
@@ -433,7 +433,7 @@ def extra(module: str) -> Any:
 
 def _text_or_instrument(path: Path, channel: str | None) -> Raw:
     data = path.read_bytes() if path.stat().st_size <= _MOST_BYTES else b"\0"
-    content = text.decoded(data)
+    content = tables.decoded(data, any_bytes=True)
     if content is None:
         return _instrument(path, channel)
     if _TEXT_OF_INSTRUMENTS.search(content[:_BEGINNING]):

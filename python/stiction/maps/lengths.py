@@ -12,14 +12,14 @@ import numpy as np
 from .. import quantities
 from ..errors import SceneError
 
-__all__ = ["Factor", "factor", "length", "metres", "pixel_size", "power_of_ten"]
+__all__ = ["PIXELS", "Factor", "factor", "length", "metres", "pixel_size", "power_of_ten"]
 
 _SYMBOLS = {"f": -15, "p": -12, "n": -9, "u": -6, "\u03bc": -6, "~": -6, "m": -3, "c": -2, "": 0, "k": 3}
 _WORDS = {"femto": -15, "pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "": 0, "kilo": 3}
 _ANGSTROM = {"\u00e5", "angstrom", "\u00e5ngstr\u00f6m"}
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?"
-# Sizes of pixels, m, that a map may have.
-_SMALLEST, _LARGEST = 1e-13, 1e3
+#: Smallest and largest size of a pixel, m, that a map may have.
+PIXELS = (1e-13, 1e3)
 
 
 @dataclass
@@ -128,9 +128,9 @@ def pixel_size(value: Any) -> tuple[float, float]:
     if len(sizes) not in (1, 2):
         raise SceneError(f"pixel = {value!r}: a width, or a width and a height, is needed")
     for size in sizes:
-        if not _SMALLEST <= size <= _LARGEST:
+        if not PIXELS[0] <= size <= PIXELS[1]:
             raise SceneError(
-                f"pixel = {value!r}: a pixel is between {_SMALLEST:g} and {_LARGEST:g} m; numbers are in m, "
+                f"pixel = {value!r}: a pixel is between {PIXELS[0]:g} and {PIXELS[1]:g} m; numbers are in m, "
                 'a text has its unit, such as "10 nm"'
             )
     return sizes[0], sizes[-1]

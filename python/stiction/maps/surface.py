@@ -13,6 +13,7 @@ import numpy as np
 from .. import files, quantities
 from ..errors import SceneError
 from .ellipsoids import Shape, shape
+from .lengths import PIXELS
 from .level import LEVELS, ROWS, SMALLEST, Grid, flaws, levelled, offset_lines, rows_levelled
 from .reading import HeightMap
 from .smooth import cutoff_series, smoothed
@@ -34,8 +35,8 @@ __all__ = [
 
 # Endings of pictures.
 PICTURES = (".png", ".pdf", ".svg")
-# Largest height of either sign, m, and pixels, m.
-_HIGHEST, _PIXELS = 1e6, (1e-13, 1e3)
+# Largest height of either sign, m.
+_HIGHEST = 1e6
 # Roundings of the largest height within which heights are equal: levelling does not keep them apart.
 _ROUNDINGS = 64.0
 # Most cut-offs of a series: a page has no room for more.
@@ -250,7 +251,7 @@ def grid_of(height_map: HeightMap) -> Grid:
             f"the map has {rows} rows and {columns} columns; at least {SMALLEST} of each are needed"
         )
     for size in height_map.pixel:
-        if not _PIXELS[0] <= size <= _PIXELS[1]:
+        if not PIXELS[0] <= size <= PIXELS[1]:
             raise SceneError(f"a pixel of {size:e} m is outside 1e-13..1e3 m; check its unit")
     beyond = np.abs(heights) > _HIGHEST
     if beyond.any():

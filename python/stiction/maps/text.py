@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import io
 import re
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from .lengths import metres, power_of_ten
 
-__all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "decoded", "read"]
+__all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
 
 _Array = NDArray[np.float64]
 
@@ -28,8 +27,6 @@ _MISSING = frozenset({
     "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na",
     "#nv", "1.#qnan", "-1.#ind", "1.#ind", "<na>",
 })  # fmt: skip
-# Characters that no text has.
-_CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
 _SPELLINGS = sorted(
     {spelt(mark) for mark in _MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
 )
@@ -124,40 +121,6 @@ class _Dialect:
         if self.separator is None:
             return len(line.split())
         return line.count(self.separator) + 1 - (self.trailing and line.rstrip(" ")[-1:] == self.separator)
-
-
-def decoded(data: bytes) -> str | None:
-    """The text of a file by its byte order mark, as UTF-16, UTF-8 or Windows-1252; None if it is no text.
-
-    Examples
-    --------
-    >>> decoded("1\\t2".encode("utf-16")), decoded("5 µm".encode("cp1252")), decoded(b"\\x00\\x01\\x02")
-    ('1\\t2', '5 µm', None)
-    """
-    coding: str | None = None
-    for mark, name in (
-        (codecs.BOM_UTF8, "utf-8-sig"),
-        (codecs.BOM_UTF16_LE, "utf-16"),
-        (codecs.BOM_UTF16_BE, "utf-16"),
-    ):
-        if data.startswith(mark):
-            coding = name
-    beginning = data[:4096]
-    if coding is None and b"\0" in beginning:
-        # Texts of UTF-16 without a mark have a NUL in every other byte.
-        odd, even = beginning[1::2].count(0), beginning[0::2].count(0)
-        if max(odd, even) < 4 * min(odd, even) + len(beginning) // 4:
-            return None
-        coding = "utf-16-le" if odd > even else "utf-16-be"
-    if coding is None and len(data.translate(None, _CONTROLS)) < len(data):
-        return None
-    for name in (coding,) if coding else ("utf-8", "cp1252", "latin-1"):
-        try:
-            text = data.decode(name)
-        except UnicodeDecodeError:
-            continue
-        return text.rstrip("\x1a")
-    return None
 
 
 def read(text: str, channel: str | None = None) -> TextMap:

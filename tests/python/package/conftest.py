@@ -1,6 +1,8 @@
 """Results of every kind, computed once by the program from the shipped scenes with few replicas."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -83,3 +85,19 @@ def result(tmp_path_factory):
         return stiction.open_run(path)
 
     return get
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch):
+    """Runs `stiction asperities` in an empty folder; its lines have at most 80 columns."""
+    monkeypatch.chdir(tmp_path)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+
+    def run(*arguments, code=0):
+        words = [sys.executable, "-m", "stiction.maps", *map(str, arguments)]
+        done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8", env=environment)
+        assert done.returncode == code, done.stderr
+        assert all(len(line) <= 80 for line in done.stdout.splitlines()[1:])
+        return done.stderr if code else done.stdout
+
+    return run

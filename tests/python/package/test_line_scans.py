@@ -3,8 +3,6 @@
 import itertools
 import os
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -14,21 +12,6 @@ import stiction
 from stiction.program import call
 
 MAP = CONFIGS / "maps" / "polished.txt"
-
-
-@pytest.fixture
-def command(tmp_path, monkeypatch):
-    """Runs the command in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-
-    def run(*arguments, code=0):
-        words = [sys.executable, "-m", "stiction.maps", *map(str, arguments)]
-        done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8", env=environment)
-        assert done.returncode == code, done.stderr
-        return done.stderr if code else done.stdout
-
-    return run
 
 
 def sine(pixels, periods=200):

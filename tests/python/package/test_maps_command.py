@@ -22,22 +22,6 @@ MAP = CONFIGS / "maps" / "polished.txt"
 UNITS = ("--pixel", "30 nm", "--height-unit", "nm")
 
 
-@pytest.fixture
-def command(tmp_path, monkeypatch):
-    """Runs the command in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-
-    def run(*arguments, code=0):
-        words = [sys.executable, "-m", "stiction.maps", *map(str, arguments)]
-        done = subprocess.run(words, capture_output=True, text=True, encoding="utf-8", env=environment)
-        assert done.returncode == code, done.stderr
-        assert all(len(line) <= 80 for line in done.stdout.splitlines()[1:])
-        return done.stderr if code else done.stdout
-
-    return run
-
-
 def unbroken(text):
     return " ".join(text.split())
 

@@ -19,6 +19,7 @@ import xarray
 from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
+from .channels import named
 from .lengths import metres
 
 __all__ = [
@@ -29,7 +30,6 @@ __all__ = [
     "from_path",
     "from_pint",
     "from_topography",
-    "named",
 ]
 
 # Most pixels of a map that is read.
@@ -55,8 +55,8 @@ class Raw:
     """What a source says of a map.
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
-    is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
-    unit belongs to the numbers.
+    is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
+    be wrong, and `fixed` that the unit belongs to the numbers.
     """
 
     heights: Any
@@ -65,6 +65,7 @@ class Raw:
     channel: str = ""
     assumed: str | None = None
     unsaid: str = ""
+    doubt: str = ""
     fixed: bool = False
     warnings: list[str] = field(default_factory=list)
 
@@ -185,30 +186,6 @@ def _numpy_archive(path: Path, channel: str | None) -> Raw:
 def _no_channel(channel: str | None) -> None:
     if channel is not None:
         raise SceneError(f"channel = {channel!r}: this file has a single map, without a name")
-
-
-def named(channel: str | None, names: list[str], what: str, called: str = "") -> str:
-    """The channel of a name or number, or the only one; messages begin with `called`.
-
-    Raises
-    ------
-    SceneError
-        None is named, or there is none of the name; the message lists them.
-    """
-    listed = ", ".join(f"{number}: {name}" for number, name in enumerate(names[:40]))
-    if channel is None and len(names) == 1:
-        return names[0]
-    if channel is None:
-        raise SceneError(
-            f"{called}has {len(names)} {what}s that may be maps; name the channel, one of {listed}"
-            if names
-            else f"{called}has no {what} of two dimensions that holds numbers"
-        )
-    if channel in names:
-        return channel
-    if channel.isdecimal() and int(channel) < len(names):
-        return names[int(channel)]
-    raise SceneError(f"{called}has no {what} {channel}; it has {listed or 'none that may be a map'}")
 
 
 def from_array(name: str, values: Any) -> Raw:
@@ -449,10 +426,10 @@ def _text_or_instrument(path: Path, channel: str | None) -> Raw:
         if path.suffix.lower() in _TEXTS:
             raise
         return _instrument(path, channel)
-    unsaid = f"its cellsize {found.cell} has no unit" if found.cell and found.pixel is None else ""
     return Raw(
-        found.heights, found.pixel, found.unit, found.channel or "", unsaid=unsaid, warnings=found.warnings
-    )
+        found.heights, found.pixel, found.unit, found.channel or "", unsaid=found.unsaid, doubt=found.doubt,
+        warnings=found.warnings,
+    )  # fmt: skip
 
 
 def _instrument(path: Path, channel: str | None) -> Raw:

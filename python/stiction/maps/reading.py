@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import quantities
 from ..errors import SceneError
 from . import formats, lengths, text
+from .channels import named
 from .formats import Raw
 
 __all__ = ["HeightMap", "read_map"]
@@ -136,7 +137,7 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
         return str(source), formats.from_path(Path(source), channel)
     if isinstance(source, xarray.Dataset):
         maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
-        name = formats.named(channel, maps, "variable", "map: ")
+        name = named(channel, maps, "variable", "map: ")
         raw = formats.from_data_array("map", source[name], "m")
         raw.channel = name
     elif channel is not None:
@@ -182,14 +183,16 @@ def _in_metres(
     missing: list[str] = []
     advice: list[str] = []
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
-    if size is None:
+    if pixel is None and raw.doubt:
+        raw.warnings.append(raw.doubt)
+    if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')
     scale = _scale(called, raw, *heights)
     if scale is None:
         missing.append("in which unit its heights are")
         advice.append('height_unit="nm"')
-    if size is None or scale is None:
+    if missing or size is None or scale is None:
         raise SceneError(
             f"{called}: does not say {', nor '.join(missing)}; give {' and '.join(advice)}"
             if raw.assumed is None

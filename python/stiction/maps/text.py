@@ -14,7 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from .. import quantities
 from ..errors import SceneError
+from .channels import numbered
 from .lengths import metres, power_of_ten
 
 __all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
@@ -30,14 +32,24 @@ _MISSING = frozenset({
 _SPELLINGS = sorted(
     {spelt(mark) for mark in _MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
 )
-_COMMENTS = ("#", "%", "//")
-# An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!.
-_SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*")
+# A comment, and what it says.
+_COMMENT = re.compile(r"\s*(?:#|%|//)[#%/ ]*(.*)")
+# An error of a spreadsheet as a whole cell, which a row may begin with: #N/A, #REF!, #DIV/0!; #####.
+_SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*|#+")
+# A line of empty cells.
+_EMPTY = re.compile(r'[\s;,"]*')
+_WEB_PAGE = re.compile(r"\s*(?:<\?xml[^>]*>\s*|<!--.*?-->\s*)*<(?:!doctype\s+html|html|head|body)\b", re.I | re.S)
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
 # What decimal commas show somewhere, and commas of thousands nowhere.
 _DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
-# Lines, cells of a line and characters that a dialect is found by.
-_SAMPLE, _CELLS, _SHOWN = 200, 40, 200
+# What is behind a decimal comma, a line of numbers with one, with commas and blanks between them, and how many
+# minus signs before decimal commas are no chance.
+_BEHIND = re.compile(r"\d+([eE][-+]?\d+)?")
+_PAIRS = re.compile(rf"\s*[-+]?\d+,{_BEHIND.pattern}(?:,\s+[-+]?\d+,{_BEHIND.pattern})+[\s,]*")
+_SIGNED = 8
+# Lines and cells of a line that a dialect is found by.
+_SAMPLE, _CELLS = 200, 40
+_REGULAR = "only regular lists of points are read"
 LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
 
 # Labels of headers. Gwyddion translates its own.
@@ -69,8 +81,10 @@ _AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 _ESRI_MISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
-# The share of a step by which places of points may be off their grid.
-_OFF = 0.02
+# The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
+_OFF, _OFF_ROUNDED = 0.02, 0.5
+# Pixels of other sides than that are not square.
+_SQUARE = 0.01
 # Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
 _ROUNDED, _SINGLE = 8, 1e-7
 
@@ -81,23 +95,46 @@ class NoNumbers(SceneError):
 
 @dataclass
 class TextMap:
-    """What a text says: heights in `unit` and the pixel in m, as far as it says them; `cell` has no unit."""
+    """What a text says: heights in `unit` and the pixel in m, as far as it says them.
+
+    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong.
+    """
 
     heights: _Array
     pixel: tuple[float, float] | None = None
     unit: str | None = None
     channel: str | None = None
     warnings: list[str] = field(default_factory=list)
-    cell: str = ""
+    unsaid: str = ""
+    doubt: str = ""
 
 
 @dataclass
 class _Block:
-    """The rows of one map, by the numbers of their lines, below what the header has said so far."""
+    """The rows of one map, by the numbers of their lines, below what its header says, and on which lines."""
 
-    header: dict[str, str]
+    header: dict[str, str] = field(default_factory=dict)
+    said_on: dict[str, int] = field(default_factory=dict)
     axes: list[str | None] | None = None
     lines: list[int] = field(default_factory=list)
+
+    def says(self, said: dict[str, str], line: int) -> None:
+        self.header |= said
+        self.said_on |= dict.fromkeys(said, line)
+
+
+@dataclass
+class _Places:
+    """Which row or column of a grid each value is on, and their distance; `rounded` says that they are, if so."""
+
+    name: str
+    index: NDArray[np.intp]
+    step: float
+    rounded: str = ""
+
+    @property
+    def count(self) -> int:
+        return int(self.index.max()) + 1
 
 
 @dataclass
@@ -138,23 +175,13 @@ def read(text: str, channel: str | None = None) -> TextMap:
     SceneError
         It is no map; the message has line and column.
     """
+    if _WEB_PAGE.match(text):
+        raise SceneError("is a web page, not a map: a page that asks for a login, or shows the file, was saved")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").replace("−", "-").split("\n")
     reader = _Reader(lines)
-    return reader.map(_chosen(reader.blocks(), channel))
-
-
-def _chosen(blocks: list[_Block], channel: str | None) -> _Block:
+    blocks = reader.blocks()
     names = [block.header.get("channel", f"map {number}") for number, block in enumerate(blocks)]
-    listed = ", ".join(f"{number}: {name}" for number, name in enumerate(names))
-    if channel is None:
-        if len(blocks) > 1:
-            raise SceneError(f"has {len(blocks)} maps; name the channel, one of {listed}")
-        return blocks[0]
-    if channel in names:
-        return blocks[names.index(channel)]
-    if channel.isdecimal() and int(channel) < len(blocks):
-        return blocks[int(channel)]
-    raise SceneError(f"has no channel {channel}; it has {listed}")
+    return reader.map(blocks[numbered(channel, names, "channel")])
 
 
 class _Reader:
@@ -163,54 +190,63 @@ class _Reader:
     def __init__(self, lines: list[str]) -> None:
         self.lines = lines
         self.warnings: list[str] = []
-        self.dialect = _dialect(
-            [line for line in lines if line.strip() and not line.lstrip().startswith(_COMMENTS)]
-        )
+        written = [line for line in lines if line.strip()]
+        self.dialect = _dialect([line for line in written if not _COMMENT.match(line)] or written)
 
     def blocks(self) -> list[_Block]:
         """The maps of the text. Every line between numbers is a row, and every line as long as rows are."""
-        header: dict[str, str] = {}
-        blocks = [_Block(header)]
+        blocks = [_Block()]
+        # Lines without a number, which are rows if one follows: borders of a sheet are none.
+        empty: list[int] = []
         for number, line in enumerate(self.lines):
-            plain = line.strip()
-            if not plain:
-                continue
             block = blocks[-1]
-            if self._is_comment(plain):
-                said = _said(plain.lstrip("#%/ "))
-                self._is_axes(plain.lstrip("#%/ "), block)
+            comment = _COMMENT.fullmatch(line)
+            if _EMPTY.fullmatch(line):
+                if line.strip() or self.dialect.count(line) == self.dialect.columns:
+                    empty.append(number)
+            elif comment and self._is_comment(number, comment[1], bool(block.lines)):
+                said = _said(comment[1])
                 if "channel" in said and block.lines:
-                    header = {}
-                    blocks.append(_Block(header))
-                header |= said
-                continue
-            if not block.lines and self._is_header(number, line, block):
-                header |= _said(plain)
-                continue
-            block.lines.append(number)
+                    blocks.append(_Block())
+                self._is_axes(comment[1], blocks[-1])
+                blocks[-1].says(said, number + 1)
+            elif not block.lines and self._is_header(line, block):
+                block.says(_said(line), number + 1)
+            else:
+                block.lines += [*(empty if block.lines else []), number]
+                empty = []
         blocks = [block for block in blocks if block.lines]
         if not blocks:
-            raise NoNumbers("holds no row of numbers; a text has a row of the map on each line")
+            first = next((line.strip() for line in self.lines if line.strip()), "")
+            begins = f"; it begins with `{_shown(first)}`" if first else ", but blanks"
+            raise NoNumbers(f"holds no row of numbers{begins}: a text has a row of the map on each line")
         return blocks
 
-    def _is_comment(self, line: str) -> bool:
-        if not line.startswith(_COMMENTS):
+    def _is_comment(self, number: int, comment: str, below: bool) -> bool:
+        """Whether a line is a comment; `below` the first row one with the cells of a row is none, and refused."""
+        cells, behind = (self.dialect.cells(line) for line in (self.lines[number], comment))
+        others = len(cells) == self.dialect.columns and all(_is_value(cell) for cell in cells[1:])
+        error = others and _SHEET_ERROR.fullmatch(cells[0]) is not None
+        if error and cells[0].strip("#"):
             return False
-        cells = self.dialect.cells(line)
-        row = len(cells) == self.dialect.columns and _SHEET_ERROR.fullmatch(cells[0]) is not None
-        return not (row and all(_is_value(cell) for cell in cells[1:]))
+        values = [cell for cell in behind if _is_value(cell)]
+        is_row = len(behind) == self.dialect.columns and 2 * len(values) > len(behind) and _any_number(values)
+        if (below and (error or is_row)) or (self.dialect.separator and error and _any_number(cells)):
+            raise SceneError(
+                f"line {number + 1}, column 1: `{_shown(self.lines[number])}` begins as comments do, and has the cells of a row; "
+                "write the number, or nan for a missing height, or take the line out"
+            )
+        return True
 
-    def _is_header(self, number: int, line: str, block: _Block) -> bool:
+    def _is_header(self, line: str, block: _Block) -> bool:
         """Whether a line before the rows belongs to the header; numbers are never taken for one."""
         if self._is_axes(line, block):
             return True
         cells = self.dialect.cells(line)
         if len(cells) == self.dialect.columns:
             return False
-        if all(_is_value(cell) for cell in cells) and any(_NUMBER.fullmatch(cell) for cell in cells):
-            # Names of columns that count, above rows that begin with the name of a row, are looked at later.
-            return False
-        return True
+        # Names of columns that count, above rows that begin with the name of a row, are looked at later.
+        return not (all(_is_value(cell) for cell in cells) and _any_number(cells))
 
     def _is_axes(self, line: str, block: _Block) -> bool:
         """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
@@ -231,30 +267,46 @@ class _Reader:
         """The map of a block: a grid, or points on one."""
         numbers, header = list(block.lines), block.header
         names_of_columns = self._short_names(numbers)
-        columns = self.dialect.columns
-        is_line = len(numbers) == 1 or columns == 1 or (columns == 2 and "width" not in header)
         self._check_lengths(numbers)
         values = self._numbers(numbers)
-        warnings = self.warnings
+        if block.axes is None:
+            values = self._within_borders(values, numbers)
+        columns = values.shape[1]
+        is_line = len(numbers) == 1 or columns == 1 or (columns == 2 and "width" not in header)
         are_points = not is_line and (block.axes is not None or (columns == 3 and "width" not in header))
         if "scale" in header:
             values *= _number_of(header["scale"])
             header["unit"] = "m"
-        if not are_points and not is_line:
+        if is_line or are_points:
+            values = values[[not _EMPTY.fullmatch(self.lines[number]) for number in numbers]]
+        else:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
-            warnings += said
+            self.warnings += said
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
-        if is_line:
-            return _line(values, header, warnings)
-        if not are_points:
-            return _grid(values, header, warnings)
-        if block.axes is not None:
+        if block.axes is not None and are_points:
             if block.axes[0] is None and not _counting(values[:, 0]):
                 raise SceneError(f"its header names {columns - 1} columns, and there are {columns}")
             values = values[:, [block.axes.index(axis) for axis in ("x", "y", "z")]]
-        return _points(values, header, warnings)
+        found = (_line if is_line else _points if are_points else _grid)(values, block)
+        found.unit, found.channel = header.get("unit") or None, header.get("channel")
+        found.warnings = self.warnings + found.warnings
+        return found
+
+    def _within_borders(self, values: _Array, numbers: list[int]) -> _Array:
+        """The values without columns of empty cells at the borders; a height that is written nan is no empty cell."""
+
+        def is_empty(column: int) -> bool:
+            rows = (self.dialect.cells(self.lines[number]) for number in numbers)
+            return bool(np.isnan(values[:, column]).all()) and not any(cells[column] for cells in rows)
+
+        left, right = 0, values.shape[1]
+        while right > 1 and is_empty(right - 1):
+            right -= 1
+        while left < right - 1 and is_empty(left):
+            left += 1
+        return values[:, left:right]
 
     def _short_names(self, numbers: list[int]) -> bool:
         """Takes away a first line that has a cell fewer than the rows and counts: the names of columns."""
@@ -290,7 +342,11 @@ class _Reader:
             separator = "\t"
             rows = ("\t".join(self.dialect.cells(self.lines[number])) for number in numbers)
         body = "\n".join(rows).encode()
-        decimal = "," if separator != "," and b"," in body and b"." not in body else "."
+        decimal = "," if separator != "," and body.count(b",") > body.count(b".") else "."
+        if separator == "," and b"." not in body:
+            self._check_commas(numbers)
+        if decimal == "," and b"." in body:
+            self._refuse(numbers, decimal)
         if decimal == "," and not _DECIMALS.search(body):
             self.warnings.append(
                 "its commas are read as decimal ones: if they part thousands, leave them out"
@@ -310,6 +366,17 @@ class _Reader:
         self._check_finite(values, numbers)
         return values
 
+    def _check_commas(self, numbers: list[int]) -> None:
+        """Refuses decimal commas in numbers that commas separate: every second number is no whole one."""
+        some = numbers[:: max(1, len(numbers) // _SAMPLE)]
+        halves = _are_halves([self.dialect.cells(self.lines[number]) for number in some])
+        if halves or all(_PAIRS.fullmatch(self.lines[number]) for number in some):
+            raise SceneError(
+                f"line {numbers[0] + 1}: its commas look like decimal ones, and separate the numbers, too: "
+                f"`{_shown(self.lines[numbers[0]])}`; write decimal points, or separate the numbers by semicolons "
+                "or tabs"
+            )
+
     def _check_finite(self, values: _Array, numbers: list[int]) -> None:
         rows, columns = np.nonzero(np.isinf(values))
         if rows.size:
@@ -319,16 +386,16 @@ class _Reader:
             )
 
     def _refuse(self, numbers: list[int], decimal: str) -> None:
-        """Names the first cell that is not a number."""
+        """Names the first cell that is not a number, if there is one."""
+        points, other = ("commas", ".") if decimal == "," else ("points", ",")
         for number in numbers:
             for column, cell in enumerate(self.dialect.cells(self.lines[number])):
-                if _is_value(cell) and (decimal == "," or "," not in cell):
+                is_number = _NUMBER.fullmatch(cell) is not None
+                if cell.lower() in _MISSING or (is_number and other not in cell):
                     continue
                 advice = "names of columns and other lines that are no rows begin with #"
-                if "," in cell and _NUMBER.fullmatch(cell):
-                    advice = (
-                        "there are decimal points, too; decimal commas have to be in all numbers or in none"
-                    )
+                if is_number:
+                    advice = f"there are decimal {points}, too; decimal commas have to be in all numbers or in none"
                 elif number > numbers[0] or column > 0:
                     advice = "nan is a missing height; " + advice
                 raise SceneError(
@@ -336,12 +403,33 @@ class _Reader:
                 )
 
 
-def _shown(cell: str) -> str:
-    return cell if len(cell) <= 40 else cell[:40] + "..."
+def _shown(text: str) -> str:
+    """The beginning of a text, as it can be printed."""
+    begins = "".join(one if one.isprintable() else "\ufffd" for one in text[:60])
+    return begins if len(text) <= 60 else begins + "..."
 
 
 def _is_value(cell: str) -> bool:
     return cell.lower() in _MISSING or _NUMBER.fullmatch(cell) is not None
+
+
+def _any_number(cells: list[str]) -> bool:
+    return any(_NUMBER.fullmatch(cell) for cell in cells)
+
+
+def _are_halves(rows: list[list[str]]) -> bool:
+    """Whether cells are, by turns, numbers up to a decimal comma and what is behind it."""
+    whole, behind = ([cell for row in rows for cell in row[first::2]] for first in (0, 1))
+    found = [_BEHIND.fullmatch(cell) for cell in behind]
+    if len(whole) != len(behind) or not all(found) or not all(re.fullmatch(r"[-+]?\d+", one) for one in whole):
+        return False
+    if all(one[1] for one in found if one):
+        return True
+    padded = any(re.match(r"0\d", one) for one in behind) and not any(re.match(r"[-+]?0\d", one) for one in whole)
+    # Columns of a map have minus signs where their neighbours have.
+    signed = [column for row in rows for column, cell in enumerate(row) if cell[0] == "-"]
+    signs = len(signed) >= _SIGNED and len(set(signed)) > 2
+    return len({len(one) for one in behind}) == 1 and (padded or signs)
 
 
 def _number_of(text: str) -> float:
@@ -379,8 +467,8 @@ def _has_numbers(dialect: _Dialect, line: str) -> bool:
 
 
 def _said(line: str) -> dict[str, str]:
-    """What counts of a line of a header."""
-    found = {name: pattern.fullmatch(line) for name, pattern in _HEADER.items()}
+    """What counts of a line of a header, without the separators that spreadsheets fill it up with."""
+    found = {name: pattern.fullmatch(line.strip(" \t;,")) for name, pattern in _HEADER.items()}
     return {name: value[1].strip() for name, value in found.items() if value is not None}
 
 
@@ -463,35 +551,44 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
     return values, []
 
 
-def _grid(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+def _grid(values: _Array, block: _Block) -> TextMap:
     rows, columns = values.shape
+    header, on = block.header, block.said_on
     for name, count in (("rows", rows), ("columns", columns)):
         stated = _number_of(header.get(name, ""))
         if not np.isnan(stated) and stated != count:
             raise SceneError(f"its header says {stated:g} {name}, and there are {count}")
-    sizes = [_length_of(header.get(name, "")) for name in ("width", "height")]
-    cell = _length_of(header.get("cell", ""))
-    pixel = (cell, cell) if cell is not None else None
-    if sizes[0] is not None and sizes[1] is not None:
-        pixel = (sizes[0] / columns, sizes[1] / rows)
-    return TextMap(values, pixel, header.get("unit"), header.get("channel"), warnings, header.get("cell", ""))
+    found = TextMap(values)
+    cell, width, height = (_length_of(header.get(name, "")) for name in ("cell", "width", "height"))
+    if width is not None and height is not None:
+        sides = (width / columns, height / rows)
+        found.pixel = sides
+        if abs(sides[0] / sides[1] - 1.0) > _SQUARE:
+            shown = " x ".join(quantities.si(side, "m") for side in sides)
+            found.doubt = (
+                f"the header's width and height (lines {on['width']} and {on['height']}) make pixels of {shown}, "
+                f"not square, of {columns} columns and {rows} rows: if the scan was aborted, pixel (--pixel) has to "
+                "say the true ones; rows that are wrapped have to be joined; an instrument may have such pixels"
+            )
+    elif cell is not None:
+        found.pixel = (cell, cell)
+    elif "cell" in header:
+        found.unsaid = f"its cellsize {header['cell']} has no unit"
+    return found
 
 
-def _line(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+def _line(values: _Array, block: _Block) -> TextMap:
     """A line scan: heights in one column or on one line, or two columns, places with even steps and heights."""
     if len(values) == 1 or values.shape[1] == 1:
-        heights, width = values.ravel(), _length_of(header.get("width", ""))
-        step = None if width is None else width / heights.size
-    else:
-        index, step = _places(values[:, 0], "x")
-        heights = np.full(int(index.max()) + 1, np.nan)
-        if np.unique(index).size < index.size or index.size < heights.size / 2:
-            raise SceneError("its points x, z have no even steps: only regular line scans are read")
-        heights[index] = values[:, 1]
-        unit = metres(header.get("lateral", ""))
-        step = None if unit is None else step * unit
-    pixel = None if step is None else (step, step)
-    return TextMap(heights, pixel, header.get("unit") or None, header.get("channel"), warnings)
+        width = _length_of(block.header.get("width", ""))
+        step = None if width is None else width / values.size
+        return TextMap(values.ravel(), None if step is None else (step, step))
+    x = _places(values[:, 0], "x")
+    heights = np.full(x.count, np.nan)
+    if np.unique(x.index).size < x.index.size or x.index.size < heights.size / 2:
+        raise SceneError("its points x, z have no even steps: only regular line scans are read")
+    heights[x.index] = values[:, 1]
+    return _placed(heights, block, x, x)
 
 
 def _length_of(text: str) -> float | None:
@@ -504,35 +601,42 @@ def _length_of(text: str) -> float | None:
     return value if value > 0.0 else None
 
 
-def _points(values: _Array, header: dict[str, str], warnings: list[str]) -> TextMap:
+def _points(values: _Array, block: _Block) -> TextMap:
     """Points x, y, z on a grid as a map: y from row to row, x along the rows, both rising."""
-    places, steps = [], []
-    for axis, name in enumerate("xy"):
-        index, step = _places(values[:, axis], name)
-        places.append(index)
-        steps.append(step)
-    x, y = places
-    shape = (int(y.max()) + 1, int(x.max()) + 1)
-    if len(x) < shape[0] * shape[1] / 2 or min(shape) < 2:
+    x, y = (_places(values[:, axis], name) for axis, name in enumerate("xy"))
+    shape = (y.count, x.count)
+    points, places = len(values), x.count * y.count
+    if points < places / 2 or min(shape) < 2:
         raise SceneError(
-            f"its {len(x)} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; only regular lists"
-            " of points are read"
+            f"its {points} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; {_REGULAR}"
         )
+    for axis in (x, y):
+        if axis.rounded and points != places:
+            raise SceneError(f"its points x, y, z are no grid: {axis.name} has no even steps; {_REGULAR}")
     heights = np.full(shape, np.nan)
     taken = np.zeros(shape, dtype=bool)
-    taken[y, x] = True
-    if taken.sum() != len(x):
-        raise SceneError(f"{len(x) - int(taken.sum())} of its points x, y, z have the place of another one")
-    heights[y, x] = values[:, 2]
-    unit = metres(header.get("lateral", ""))
-    pixel = None if unit is None else (steps[0] * unit, steps[1] * unit)
-    if len(x) < taken.size:
-        warnings.append(f"{taken.size - len(x)} of {taken.size} places of the grid have no point: missing")
-    return TextMap(heights, pixel, header.get("unit") or None, header.get("channel"), warnings)
+    taken[y.index, x.index] = True
+    if taken.sum() != points:
+        raise SceneError(f"{points - int(taken.sum())} of its points x, y, z have the place of another one")
+    heights[y.index, x.index] = values[:, 2]
+    found = _placed(heights, block, x, y)
+    if points < places:
+        found.warnings.append(f"{places - points} of {places} places of the grid have no point: missing")
+    return found
 
 
-def _places(values: _Array, name: str) -> tuple[NDArray[np.intp], float]:
-    """Which row or column of a grid each value is on, and their distance."""
+def _placed(heights: _Array, block: _Block, x: _Places, y: _Places) -> TextMap:
+    """Heights with the steps of their places as pixel, if these have a unit."""
+    unit = metres(block.header.get("lateral", ""))
+    found = TextMap(heights, None if unit is None else (x.step * unit, y.step * unit))
+    found.unsaid = x.rounded or y.rounded
+    if found.unsaid:
+        found.warnings.append(f"{found.unsaid}: taken as the even ones of the pixel")
+    return found
+
+
+def _places(values: _Array, name: str) -> _Places:
+    """The rows or columns of a grid that values are on."""
     if not np.all(np.isfinite(values)):
         raise SceneError(f"a point x, y, z has no {name}")
     known = np.unique(values)
@@ -543,9 +647,11 @@ def _places(values: _Array, name: str) -> tuple[NDArray[np.intp], float]:
     step = float(np.median(steps[steps > 0.2 * steps.max()]))
     index = (values - known[0]) / step
     rounded = np.rint(index)
-    if np.abs(index - rounded).max() > max(_OFF, 1e-6 * rounded.max()) or rounded.max() >= 1 << 26:
-        raise SceneError(
-            f"its points x, y, z are no grid: {name} has no even steps; only regular lists of points are read"
-        )
-    step = float((known[-1] - known[0]) / rounded.max())
-    return rounded.astype(np.intp), step
+    if np.abs(index - rounded).max() <= max(_OFF, 1e-6 * rounded.max()) and rounded.max() < 1 << 26:
+        return _Places(name, rounded.astype(np.intp), float((known[-1] - known[0]) / rounded.max()))
+    # All places of a grid, each as its own value with few digits.
+    step = float((known[-1] - known[0]) / steps.size)
+    if np.abs(known - known[0] - step * np.arange(known.size)).max() > _OFF_ROUNDED * step:
+        raise SceneError(f"its points x, y, z are no grid: {name} has no even steps; {_REGULAR}")
+    said = f"its {name} is rounded, to steps of {steps.min():.4g} to {steps.max():.4g}"
+    return _Places(name, np.searchsorted(known, values), step, said)

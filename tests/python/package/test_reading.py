@@ -334,7 +334,7 @@ def test_several_maps_of_a_text_have_names(tmp_path):
     of = "# Channel: {}\n# Width: 90 nm\n# Height: 90 nm\n# Value units: nm\n{}\n"
     assert_summit(written(tmp_path, of.format("Z", rows()) + "# Channel: none\n"))
     path = written(tmp_path, of.format("Z", rows()) + of.format("Phase", rows(ROUGH[:9, :9])))
-    with pytest.raises(SceneError, match="has 2 maps; name the channel, one of 0: Z, 1: Phase"):
+    with pytest.raises(SceneError, match="has 2 channels that may be maps; name the channel, one of 0: Z, 1: Phase"):
         read_map(path)
     assert_summit(path, channel="Z")
     assert stiction.find_asperities(path, channel="Z").attrs["map"] == "scan.txt"

@@ -1,0 +1,288 @@
+"""Texts of height maps that spreadsheets and instruments have damaged: nothing vanishes, nothing is taken for what it is not."""
+
+import re
+
+import numpy as np
+import pytest
+from test_reading import GIVEN, HEADERS, PIXEL, ROUGH, Z, assert_read, points, rows, written
+
+from stiction import SceneError
+from stiction.maps.command import main
+from stiction.maps.reading import read_map
+
+HEADER = HEADERS["Gwyddion"]
+# The lines of the map, with semicolons.
+LINES = rows(separator=";").splitlines()
+
+
+def refused(tmp_path, content, said, **options):
+    with pytest.raises(SceneError, match=said) as caught:
+        read_map(written(tmp_path, content), **(options or GIVEN))
+    return str(caught.value)
+
+
+# Rows behind #.
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ",", " "])
+@pytest.mark.parametrize("mark", ["#####", "##", "#", "#1.5", "# 1.5", "#1.2.3", "%1.5", "//1.5", "#12.Mrz"])
+@pytest.mark.parametrize("line", [1, 4, 8])
+def test_a_row_behind_a_mark_of_comments_is_refused(tmp_path, separator, mark, line):
+    if separator == " " and mark in ("#", "##", "#####"):
+        mark += "1.5"
+    lines = rows(separator=separator).splitlines()
+    lines[line] = mark + separator + lines[line].split(separator, 1)[1]
+    said = refused(tmp_path, HEADER + "\n".join(lines), rf"scan\.txt: line {line + 5}, column 1: `")
+    assert "cells of a row" in said
+
+
+@pytest.mark.parametrize("first", [1, 9])
+def test_cells_that_were_too_narrow_are_refused_from_the_first_row_on(tmp_path, first):
+    lines = [f"#####;{line.split(';', 1)[1]}" for line in LINES[:first]] + LINES[first:]
+    refused(tmp_path, "\n".join(lines), r"line 1, column 1: `#####;")
+    lines = [f"2;#####;{line.split(';', 2)[2]}" for line in LINES]
+    refused(tmp_path, "\n".join(lines), r"line 1, column 2: `#####` is not a number")
+
+
+def test_a_column_of_numbers_has_no_row_behind_a_mark(tmp_path):
+    column = "1\n2\n4\n{}\n3\n"
+    for mark in ("#####", "#7", "# 7"):
+        refused(tmp_path, column.format(mark), rf"line 4, column 1: `{mark}`", **GIVEN, lines=True)
+    banner = "#####\n# of heights\n#####\n" + column.format("# the second half") + "# the end"
+    read = read_map(written(tmp_path, banner), **GIVEN, lines=True)
+    np.testing.assert_allclose(read.heights, [[1e-9, 2e-9, 4e-9, 3e-9]])
+
+
+def test_sentences_and_headers_stay_comments(tmp_path):
+    before = "########\n# 1 2 3 4 5 6 7 8 9\n#a b c d e f g h i\n"
+    between = "# the second half of the scan\n## one two three four five six seven eight\n% half\n#\n//\n####\n"
+    lines = rows(separator=" ").splitlines()
+    assert_read(written(tmp_path, before + "\n".join([*lines[:4], between, *lines[4:], "# the end"])), **GIVEN)
+    padded = HEADER.replace("\n", ";;;;;;;;\n")
+    assert_read(written(tmp_path, padded + "\n".join(LINES)))
+
+
+# Empty rows and columns.
+
+EMPTY = {";": ";" * 8, "\t": "\t" * 8, ",": "," * 8}
+
+
+@pytest.mark.parametrize("separator", EMPTY)
+def test_empty_rows_are_borders_or_missing_heights(tmp_path, separator):
+    lines, empty = rows(separator=separator).splitlines(), EMPTY[separator]
+    assert_read(written(tmp_path, "\n".join([empty, empty, HEADER + empty, *lines, empty, "", empty])))
+    read = read_map(written(tmp_path, "\n".join([*lines[:4], empty, *lines[5:]])), **GIVEN)
+    assert np.isnan(read.heights[4]).all() and np.isnan(read.heights).sum() == 9
+    np.testing.assert_allclose(np.delete(read.heights, 4, axis=0), 1e-9 * np.delete(Z, 4, axis=0))
+
+
+@pytest.mark.parametrize("separator", EMPTY)
+@pytest.mark.parametrize(("left", "right"), [(0, 1), (0, 3), (1, 0), (2, 2)])
+def test_empty_columns_at_the_border_are_none(tmp_path, separator, left, right):
+    lines = [
+        separator * left + line + separator * right for line in rows(separator=separator).splitlines()
+    ]
+    assert_read(written(tmp_path, HEADER + "\n".join(lines)))
+    # An empty row is as long.
+    lines.append(separator * (8 + left + right))
+    assert_read(written(tmp_path, HEADER + "\n".join(lines)))
+
+
+def test_heights_that_are_written_as_missing_are_pixels(tmp_path):
+    z = Z.copy()
+    z[0] = z[:, 8] = np.nan
+    read = read_map(written(tmp_path, HEADER + rows(z, ";")))
+    np.testing.assert_array_equal(np.isnan(read.heights), np.isnan(z))
+    assert read.pixel == pytest.approx((PIXEL, PIXEL)) and read.warnings == []
+    # Neither is an empty column between others a border.
+    lines = [f"{line[: line.index(';')]};{line[line.index(';') :]}" for line in LINES]
+    assert np.isnan(read_map(written(tmp_path, "\n".join(lines)), **GIVEN).heights[:, 1]).all()
+
+
+def test_empty_rows_among_points_are_left_out(tmp_path):
+    lines = [line.replace(" ", "\t") for line in points()]
+    for empty in ("\t\t", ""):
+        content = "\n".join(line + ("\n" + empty) * (k % 9 == 8) for k, line in enumerate(lines))
+        assert_read(written(tmp_path, content), **GIVEN)
+
+
+# Pixels of a header.
+
+
+def test_pixels_that_are_not_square_are_warned_of(tmp_path, capsys):
+    """An aborted scan of 6 of 9 rows, and rows that are wrapped."""
+    aborted = HEADER + "\n".join(LINES[:6])
+    read = read_map(written(tmp_path, aborted))
+    assert read.pixel == pytest.approx((10e-9, 15e-9))
+    (said,) = read.warnings
+    for part in ("10.00 nm x 15.00 nm", "not square", "lines 2 and 3", "6 rows", "aborted", "wrapped", "--pixel"):
+        assert part in said
+    wrapped = HEADER + "\n".join(rows(separator=" ").replace("\n", " ").split(" ")).replace("\n", " ")
+    cells = wrapped[len(HEADER) :].split()
+    wrapped = HEADER + "\n".join(" ".join(cells[k : k + 3]) for k in range(0, 81, 3))
+    (said,) = read_map(written(tmp_path, wrapped)).warnings
+    assert "30.00 nm x 3.333 nm" in said and "27 rows" in said
+    # Who gives the pixel has answered it.
+    given = read_map(written(tmp_path, aborted), pixel="10 nm,15 nm")
+    assert given.warnings == []
+    (said,) = read_map(written(tmp_path, aborted), pixel="10 nm").warnings
+    assert said.startswith("pixel is 10.00 nm x 10.00 nm, and the map says 10.00 nm x 15.00 nm")
+    assert main([str(written(tmp_path, aborted)), "--level", "none"]) == 0
+    assert "not square" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(("height", "warned"), [("90.8 nm", 0), ("89.2 nm", 0), ("91.5 nm", 1), ("88.5 nm", 1)])
+def test_pixels_are_square_to_a_percent(tmp_path, height, warned):
+    header = HEADER.replace("# Height: 90 nm", f"# Height: {height}")
+    assert len(read_map(written(tmp_path, header + "\n".join(LINES))).warnings) == warned
+
+
+# Decimal commas between commas.
+
+
+def decimal_commas(z, digits, separator=",", form="f"):
+    return "\n".join(
+        separator.join(f"{height:.{digits}{form}}".replace(".", ",") for height in row) for row in z
+    )
+
+
+@pytest.mark.parametrize("z", [Z, Z + 10.0, ROUGH, 3.0 * ROUGH + 40.0])
+@pytest.mark.parametrize("header", [HEADER, ""])
+def test_decimal_commas_between_commas_are_refused(tmp_path, z, header):
+    for content in (
+        *(decimal_commas(z, digits, ", ") for digits in (1, 2, 4)),
+        *(decimal_commas(z, digits) for digits in ((1, 2, 4) if z.min() < 0.0 else (2, 4))),
+        decimal_commas(1e-9 * z, 4, ",", "e"),
+    ):
+        said = refused(tmp_path, header + content, r"line \d+: its commas look like decimal ones")
+        assert "semicolons" in said and "points" in said
+
+
+INTEGERS = {
+    "counts": lambda random: random.integers(0, 10, (40, 30)),
+    "two digits": lambda random: random.integers(10, 100, (40, 30)),
+    "four digits": lambda random: random.integers(1000, 10000, (40, 30)),
+    "bytes": lambda random: random.integers(0, 256, (40, 30)),
+    "16 bits": lambda random: random.integers(0, 65536, (40, 30)),
+    "signs": lambda random: random.integers(-9, 10, (40, 30)),
+    "a few signs": lambda random: random.integers(-1, 50, (40, 30)),
+    "one negative column": lambda random: random.integers(0, 10, (40, 30)) - 20 * (np.arange(30) == 4),
+    "a negative edge": lambda random: random.integers(0, 10, (40, 30)) - 20 * (np.arange(30) < 1),
+    "a mask": lambda random: random.integers(0, 2, (40, 30)),
+    "small": lambda random: random.integers(0, 10, (4, 4)),
+    "four columns": lambda random: random.integers(0, 10, (40, 4)) - np.array([20, 0, 20, 0]),
+}
+
+
+@pytest.mark.parametrize("kind", INTEGERS)
+@pytest.mark.parametrize("separator", [",", ", "])
+def test_whole_numbers_between_commas_are_no_decimals(tmp_path, kind, separator):
+    for seed in range(5):
+        z = INTEGERS[kind](np.random.default_rng(seed))
+        np.savetxt(tmp_path / "scan.csv", z, fmt="%d", delimiter=separator)
+        read = read_map(tmp_path / "scan.csv", **GIVEN)
+        np.testing.assert_allclose(read.heights, 1e-9 * z, rtol=1e-14)
+
+
+def test_other_whole_numbers_are_no_decimals(tmp_path):
+    z = np.random.default_rng(3).normal(scale=0.6, size=(40, 30))
+    for form in ("%.0f", "%03.0f", "%+.0f", "%05.0f"):
+        np.savetxt(tmp_path / "scan.csv", 10.0 * z, fmt=form, delimiter=",")
+        np.testing.assert_allclose(read_map(tmp_path / "scan.csv", **GIVEN).heights, 1e-9 * np.round(10.0 * z))
+    places = "\n".join(f"{x},{x % 7}" for x in range(-40, 41))
+    assert read_map(written(tmp_path, places), **GIVEN, lines=True).heights.shape == (1, 81)
+    listed = "\n".join(f"{x},{y},{(x * y) % 9}" for x in range(-5, 5) for y in range(10))
+    assert read_map(written(tmp_path, listed), **GIVEN).heights.shape == (10, 10)
+
+
+# One mark of decimals.
+
+
+@pytest.mark.parametrize(("cell", "said"), [("12.Mrz", "is not a number"), ("1.7", "there are decimal commas, too")])
+def test_the_other_mark_is_where_it_is(tmp_path, cell, said):
+    lines = rows(Z + 0.25, ";", ",").splitlines()
+    lines[5] = ";".join([*lines[5].split(";")[:5], cell, *lines[5].split(";")[6:]])
+    refused(tmp_path, "\n".join(lines), rf"line 6, column 6: `{re.escape(cell)}` {said}|`{re.escape(cell)}`.*{said}")
+    lines = [line.replace(",", ".") for line in rows(Z + 0.25, ";", ",").splitlines()]
+    lines[5] = ";".join([*lines[5].split(";")[:5], "1,7", *lines[5].split(";")[6:]])
+    refused(tmp_path, "\n".join(lines), "line 6, column 6: `1,7` is not a number; there are decimal points, too")
+
+
+def test_marks_of_missing_heights_have_points(tmp_path):
+    read = read_map(written(tmp_path, rows(Z + 0.25, ";", ",").replace("5,25", "1.#QNAN")), **GIVEN)
+    assert np.argwhere(np.isnan(read.heights)).tolist() == [[4, 4]]
+
+
+# Places that are rounded.
+
+
+def rounded(separator=" ", header="", pixel=0.00977, digits=3, columns=12, count=9):
+    z = np.resize(Z, (count, columns))
+    lines = [
+        separator.join([f"{i * pixel:.{digits}f}", f"{j * pixel:.{digits}f}", f"{z[j, i]:g}"])
+        for i in range(columns)
+        for j in range(count)
+    ]
+    return header + "\n".join(lines), z
+
+
+def test_rounded_places_need_their_pixel(tmp_path):
+    for header, separator in (("", " "), ("x (um),y (um),z (nm)\n", ",")):
+        content, z = rounded(separator, header)
+        said = refused(tmp_path, content, 'pixel="10 nm"', height_unit="nm")
+        assert "0.009 to 0.01" in said and "rounded" in said
+        read = read_map(written(tmp_path, content), pixel="9.77 nm", height_unit="nm")
+        np.testing.assert_allclose(read.heights, 1e-9 * z)
+        assert read.pixel == (9.77e-9, 9.77e-9)
+    # The unit of x and y says that it is another pixel.
+    (said, *_) = [one for one in read_map(written(tmp_path, content), pixel="30 nm").warnings if "and the map says" in one]
+    assert "30.00 nm" in said
+
+
+def test_rounded_places_of_a_line_need_their_pixel(tmp_path):
+    content = "\n".join(f"{0.00977 * i:.3f} {(7 * i) % 5}" for i in range(40))
+    refused(tmp_path, content, "how large its pixels are .*rounded", height_unit="nm", lines=True)
+    read = read_map(written(tmp_path, content), pixel="9.77 nm", height_unit="nm", lines=True)
+    np.testing.assert_allclose(read.heights, 1e-9 * np.array([[(7 * i) % 5 for i in range(40)]]))
+
+
+def test_rounded_places_are_a_whole_grid(tmp_path):
+    content, _ = rounded()
+    lines = content.splitlines()
+    refused(tmp_path, "\n".join(lines[1:]), "are no grid: [xy] has no even steps")
+    refused(tmp_path, "\n".join([*lines, lines[3]]), "no grid|the place of another one")
+    # Steps that double are no rounded ones.
+    uneven = "\n".join(f"{2**i} {j} {i + j}" for i in range(8) for j in range(8))
+    refused(tmp_path, uneven, "no grid: x has no even steps")
+
+
+# What is no map.
+
+
+@pytest.mark.parametrize("content", ["<!DOCTYPE html>\n<html>1 2 3</html>", "<html><body>404</body></html>",
+                                     '\n<?xml version="1.0"?>\n<!-- a login -->\n<HTML lang="en">\n'])  # fmt: skip
+@pytest.mark.parametrize("name", ["scan.txt", "scan.spm", "scan.html"])
+def test_a_web_page_is_no_map(tmp_path, content, name):
+    with pytest.raises(SceneError, match="is a web page, not a map"):
+        read_map(written(tmp_path, content, name), **GIVEN)
+
+
+@pytest.mark.parametrize(
+    ("content", "shown"),
+    [
+        ("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n", "`version https://git-lfs.github.com/spec/v1`"),
+        ("\n \n" + 300 * "words ", "`words words .*\\.\\.\\.`"),
+        ("1.5 nm;2.5 nm;3.5 nm;4.5 nm\n" * 4, "`1\\.5 nm;2\\.5 nm"),
+        ("a\x0cb\u200b\n", "`a\ufffdb\ufffd`"),
+        ("\n  \n\t\n", "holds no row of numbers, but blanks"),
+    ],
+)  # fmt: skip
+def test_the_first_line_of_what_has_no_numbers_is_shown(tmp_path, content, shown):
+    said = refused(tmp_path, content, shown)
+    assert "holds no row of numbers" in said and len(said) < 300 + len(str(tmp_path))
+
+
+def test_channels_of_one_name_have_numbers(tmp_path):
+    path = written(tmp_path, HEADER + rows() + HEADER + rows(ROUGH[:9, :9]))
+    np.testing.assert_allclose(read_map(path, channel=1).heights, 1e-9 * ROUGH[:9, :9])
+    np.testing.assert_allclose(read_map(path, channel=0).heights, 1e-9 * Z)

@@ -78,7 +78,9 @@ def _m(length: float) -> str:
 
 
 def _power(value: float, digits: int) -> str:
-    """A number in powers of ten."""
+    """A number in powers of ten; – for one that is not known."""
+    if not math.isfinite(value):
+        return "–"
     mantissa, exponent = f"{value:.{digits}e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -17,20 +16,15 @@ from numpy.typing import NDArray
 from .. import quantities
 from ..errors import SceneError
 from .channels import numbered
-from .lengths import metres, power_of_ten
+from .dialect import MISSING, NUMBER, any_number, dialect_of, is_value
+from .lengths import length, metres
 
 __all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
 
 _Array = NDArray[np.float64]
 
-# What instruments, spreadsheets and programs write where there is no height. All else that is no number is
-# refused.
-_MISSING = frozenset({
-    "", "-", "--", "---", "*", "nan", "-nan", "na", "n/a", "null", "none", "bad", "missing", "#n/a", "#na",
-    "#nv", "1.#qnan", "-1.#ind", "1.#ind", "<na>",
-})  # fmt: skip
 _SPELLINGS = sorted(
-    {spelt(mark) for mark in _MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
+    {spelt(mark) for mark in MISSING for spelt in (str, str.upper, str.title)} | {"NaN", "-NaN"}
 )
 # A comment, and what it says.
 _COMMENT = re.compile(r"\s*(?:#|%|//)[#%/ ]*(.*)")
@@ -38,17 +32,11 @@ _COMMENT = re.compile(r"\s*(?:#|%|//)[#%/ ]*(.*)")
 _SHEET_ERROR = re.compile(r"#[^\W\d][^\s:]*|#+")
 # A line of empty cells.
 _EMPTY = re.compile(r'[\s;,"]*')
-_WEB_PAGE = re.compile(r"\s*(?:<\?xml[^>]*>\s*|<!--.*?-->\s*)*<(?:!doctype\s+html|html|head|body)\b", re.I | re.S)
-_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:inity)?", re.IGNORECASE)
+_WEB_PAGE = re.compile(
+    r"\s*(?:<\?xml[^>]*>\s*|<!--.*?-->\s*)*<(?:!doctype\s+html|html|head|body)\b", re.I | re.S
+)
 # What decimal commas show somewhere, and commas of thousands nowhere.
 _DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
-# What is behind a decimal comma, a line of numbers with one, with commas and blanks between them, and how many
-# minus signs before decimal commas are no chance.
-_BEHIND = re.compile(r"\d+([eE][-+]?\d+)?")
-_PAIRS = re.compile(rf"\s*[-+]?\d+,{_BEHIND.pattern}(?:,\s+[-+]?\d+,{_BEHIND.pattern})+[\s,]*")
-_SIGNED = 8
-# Lines and cells of a line that a dialect is found by.
-_SAMPLE, _CELLS = 200, 40
 _REGULAR = "only regular lists of points are read"
 LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
 
@@ -78,7 +66,7 @@ _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
 _MOST_AXES = 6
 _AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
-_ESRI_MISSING = -9999.0
+_ESRIMISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
@@ -137,29 +125,6 @@ class _Places:
         return int(self.index.max()) + 1
 
 
-@dataclass
-class _Dialect:
-    """`separator` is None for blanks; `columns` is how many cells most lines have."""
-
-    separator: str | None
-    columns: int = 0
-    trailing: bool = False
-
-    def cells(self, line: str) -> list[str]:
-        """The cells of a line, without quotes and blanks around them."""
-        if self.separator is None:
-            return [cell.strip('"') for cell in line.split()]
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=self.separator), [])]
-        return cells[:-1] if self.trailing and cells and cells[-1] == "" else cells
-
-    def count(self, line: str) -> int:
-        if '"' in line:
-            return len(self.cells(line))
-        if self.separator is None:
-            return len(line.split())
-        return line.count(self.separator) + 1 - (self.trailing and line.rstrip(" ")[-1:] == self.separator)
-
-
 def read(text: str, channel: str | None = None) -> TextMap:
     """The map, or the one of the channel, that a text has.
 
@@ -176,7 +141,7 @@ def read(text: str, channel: str | None = None) -> TextMap:
         It is no map; the message has line and column.
     """
     if _WEB_PAGE.match(text):
-        raise SceneError("is a web page, not a map: a page that asks for a login, or shows the file, was saved")
+        raise SceneError("is a web page, not a map: of a login or a download; save the file that it leads to")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").replace("−", "-").split("\n")
     reader = _Reader(lines)
     blocks = reader.blocks()
@@ -191,7 +156,7 @@ class _Reader:
         self.lines = lines
         self.warnings: list[str] = []
         written = [line for line in lines if line.strip()]
-        self.dialect = _dialect([line for line in written if not _COMMENT.match(line)] or written)
+        self.dialect = dialect_of([line for line in written if not _COMMENT.match(line)] or written)
 
     def blocks(self) -> list[_Block]:
         """The maps of the text. Every line between numbers is a row, and every line as long as rows are."""
@@ -225,16 +190,16 @@ class _Reader:
     def _is_comment(self, number: int, comment: str, below: bool) -> bool:
         """Whether a line is a comment; `below` the first row one with the cells of a row is none, and refused."""
         cells, behind = (self.dialect.cells(line) for line in (self.lines[number], comment))
-        others = len(cells) == self.dialect.columns and all(_is_value(cell) for cell in cells[1:])
+        others = len(cells) == self.dialect.columns and all(is_value(cell) for cell in cells[1:])
         error = others and _SHEET_ERROR.fullmatch(cells[0]) is not None
         if error and cells[0].strip("#"):
             return False
-        values = [cell for cell in behind if _is_value(cell)]
-        is_row = len(behind) == self.dialect.columns and 2 * len(values) > len(behind) and _any_number(values)
-        if (below and (error or is_row)) or (self.dialect.separator and error and _any_number(cells)):
+        values = [cell for cell in behind if is_value(cell)]
+        is_row = len(behind) == self.dialect.columns and 2 * len(values) > len(behind) and any_number(values)
+        if (below and (error or is_row)) or (self.dialect.separator and error and any_number(cells)):
             raise SceneError(
-                f"line {number + 1}, column 1: `{_shown(self.lines[number])}` begins as comments do, and has the cells of a row; "
-                "write the number, or nan for a missing height, or take the line out"
+                f"line {number + 1}, column 1: `{_shown(self.lines[number])}` begins as comments do, and has the "
+                "cells of a row; write the number, or nan for a missing height, or take the line out"
             )
         return True
 
@@ -246,7 +211,7 @@ class _Reader:
         if len(cells) == self.dialect.columns:
             return False
         # Names of columns that count, above rows that begin with the name of a row, are looked at later.
-        return not (all(_is_value(cell) for cell in cells) and _any_number(cells))
+        return not (all(is_value(cell) for cell in cells) and any_number(cells))
 
     def _is_axes(self, line: str, block: _Block) -> bool:
         """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
@@ -283,7 +248,7 @@ class _Reader:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
             self.warnings += said
         if header.get("missing") or "cell" in header:
-            missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
+            missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRIMISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
         if block.axes is not None and are_points:
             if block.axes[0] is None and not _counting(values[:, 0]):
@@ -327,7 +292,7 @@ class _Reader:
             if count == self.dialect.columns:
                 continue
             cells = self.dialect.cells(self.lines[number])
-            words = [cell for cell in cells if not _is_value(cell)]
+            words = [cell for cell in cells if not is_value(cell)]
             what = f"`{_shown(words[0])}` is not a number" if words else f"has {count} numbers"
             raise SceneError(
                 f"line {number + 1}: {what}, and most lines have {self.dialect.columns} numbers; "
@@ -343,8 +308,12 @@ class _Reader:
             rows = ("\t".join(self.dialect.cells(self.lines[number])) for number in numbers)
         body = "\n".join(rows).encode()
         decimal = "," if separator != "," and body.count(b",") > body.count(b".") else "."
-        if separator == "," and b"." not in body:
-            self._check_commas(numbers)
+        if b"." not in body and self.dialect.has_decimal_commas([self.lines[number] for number in numbers]):
+            raise SceneError(
+                f"line {numbers[0] + 1}: its commas look like decimal ones, and separate the numbers, too: "
+                f"`{_shown(self.lines[numbers[0]])}`; write decimal points, or separate the numbers by semicolons "
+                "or tabs"
+            )
         if decimal == "," and b"." in body:
             self._refuse(numbers, decimal)
         if decimal == "," and not _DECIMALS.search(body):
@@ -366,17 +335,6 @@ class _Reader:
         self._check_finite(values, numbers)
         return values
 
-    def _check_commas(self, numbers: list[int]) -> None:
-        """Refuses decimal commas in numbers that commas separate: every second number is no whole one."""
-        some = numbers[:: max(1, len(numbers) // _SAMPLE)]
-        halves = _are_halves([self.dialect.cells(self.lines[number]) for number in some])
-        if halves or all(_PAIRS.fullmatch(self.lines[number]) for number in some):
-            raise SceneError(
-                f"line {numbers[0] + 1}: its commas look like decimal ones, and separate the numbers, too: "
-                f"`{_shown(self.lines[numbers[0]])}`; write decimal points, or separate the numbers by semicolons "
-                "or tabs"
-            )
-
     def _check_finite(self, values: _Array, numbers: list[int]) -> None:
         rows, columns = np.nonzero(np.isinf(values))
         if rows.size:
@@ -390,8 +348,8 @@ class _Reader:
         points, other = ("commas", ".") if decimal == "," else ("points", ",")
         for number in numbers:
             for column, cell in enumerate(self.dialect.cells(self.lines[number])):
-                is_number = _NUMBER.fullmatch(cell) is not None
-                if cell.lower() in _MISSING or (is_number and other not in cell):
+                is_number = NUMBER.fullmatch(cell) is not None
+                if cell.lower() in MISSING or (is_number and other not in cell):
                     continue
                 advice = "names of columns and other lines that are no rows begin with #"
                 if is_number:
@@ -409,61 +367,10 @@ def _shown(text: str) -> str:
     return begins if len(text) <= 60 else begins + "..."
 
 
-def _is_value(cell: str) -> bool:
-    return cell.lower() in _MISSING or _NUMBER.fullmatch(cell) is not None
-
-
-def _any_number(cells: list[str]) -> bool:
-    return any(_NUMBER.fullmatch(cell) for cell in cells)
-
-
-def _are_halves(rows: list[list[str]]) -> bool:
-    """Whether cells are, by turns, numbers up to a decimal comma and what is behind it."""
-    whole, behind = ([cell for row in rows for cell in row[first::2]] for first in (0, 1))
-    found = [_BEHIND.fullmatch(cell) for cell in behind]
-    if len(whole) != len(behind) or not all(found) or not all(re.fullmatch(r"[-+]?\d+", one) for one in whole):
-        return False
-    if all(one[1] for one in found if one):
-        return True
-    padded = any(re.match(r"0\d", one) for one in behind) and not any(re.match(r"[-+]?0\d", one) for one in whole)
-    # Columns of a map have minus signs where their neighbours have.
-    signed = [column for row in rows for column, cell in enumerate(row) if cell[0] == "-"]
-    signs = len(signed) >= _SIGNED and len(set(signed)) > 2
-    return len({len(one) for one in behind}) == 1 and (padded or signs)
-
-
 def _number_of(text: str) -> float:
     """The number that a text begins with, be it with a decimal comma; NaN without one."""
     found = re.match(r"\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)", text)
     return float(found[1].replace(",", ".")) if found else np.nan
-
-
-def _dialect(lines: list[str]) -> _Dialect:
-    """How the cells of lines are separated, and how many most have, by the last lines: headers come first."""
-    best, most, rows = _Dialect(None), 0, []
-    for dialect in (_Dialect("\t"), _Dialect(";"), _Dialect(","), _Dialect(None)):
-        of_numbers = [line for line in lines[-_SAMPLE:] if _has_numbers(dialect, line)]
-        if len(of_numbers) > most:
-            best, most, rows = dialect, len(of_numbers), of_numbers
-    if best.separator is not None:
-        best.trailing = all(line.rstrip(" ").endswith(best.separator) for line in rows)
-    counts = Counter(best.count(line) for line in rows)
-    # Of two that are as frequent the longer one.
-    best.columns = max(counts, key=lambda count: (counts[count], count), default=0)
-    return best
-
-
-def _has_numbers(dialect: _Dialect, line: str) -> bool:
-    """Whether the separator is in a line, and more numbers than words are between it."""
-    separator = dialect.separator
-    if separator is not None and separator not in line:
-        return False
-    if separator == "," and len(line.split()) > 1 and not re.search(r",\s|\s,", line.strip()):
-        # Blanks separate 1,5 2,5, and never follow a comma.
-        return False
-    cells = [cell for cell in dialect.cells(line)[:_CELLS] if cell]
-    numbers = sum(_is_value(cell) for cell in cells)
-    return 2 * numbers > len(cells)
 
 
 def _said(line: str) -> dict[str, str]:
@@ -593,11 +500,10 @@ def _line(values: _Array, block: _Block) -> TextMap:
 
 def _length_of(text: str) -> float | None:
     """A length of a header in m, be it with a decimal comma; None without a unit, or if it is not above 0."""
-    found = re.fullmatch(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+))(?:[eE]([-+]?\d+))?\s*(\D+)", text)
-    power = None if found is None else power_of_ten(found[3])
-    if found is None or power is None:
+    try:
+        value = length("the header", text.replace(",", "."))
+    except SceneError:
         return None
-    value = float(f"{found[1].replace(',', '.')}e{int(found[2] or 0) + power}")
     return value if value > 0.0 else None
 
 
@@ -631,7 +537,7 @@ def _placed(heights: _Array, block: _Block, x: _Places, y: _Places) -> TextMap:
     found = TextMap(heights, None if unit is None else (x.step * unit, y.step * unit))
     found.unsaid = x.rounded or y.rounded
     if found.unsaid:
-        found.warnings.append(f"{found.unsaid}: taken as the even ones of the pixel")
+        found.warnings.append(f"{found.unsaid}: taken as even")
     return found
 
 

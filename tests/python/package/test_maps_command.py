@@ -176,6 +176,13 @@ def test_missing_heights_are_left_out(command):
         assert density[0] / density[1] == pytest.approx(1.0, abs=5 * (0.22 / 0.78 / 213) ** 0.5)
 
 
+def test_a_single_summit_has_no_scatter_of_heights(command):
+    y, x = np.mgrid[-4:5, -4:5]
+    np.save("map.npy", 5.0 - (x**2 + y**2) / 4.0)
+    said = unbroken(command("map.npy", "--pixel", "10 nm", "--height-unit", "nm", "--level", "none"))
+    assert "mean radius 200.0 nm" in said and "eta R sigma_s – " in said
+
+
 @pytest.mark.parametrize("level", ["none", "plane"])
 def test_the_file_has_the_map_that_was_searched(level, command):
     """The heights that were given less their mean or their plane, NaN where they are missing; asperities on

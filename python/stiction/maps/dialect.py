@@ -20,8 +20,8 @@ NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:i
 _WHOLE, _BEHIND, _PADDED = re.compile(r"[-+]?\d+"), re.compile(r"\d+([eE][-+]?\d+)?"), re.compile(r"[-+]?0\d")
 _PAIR = f"{_WHOLE.pattern},{_BEHIND.pattern}"
 _PAIRS = re.compile(rf"\s*{_PAIR}(?:,\s+{_PAIR})+[\s,]*")
-# How many minus signs in every second cell are no chance.
-_SIGNED = 8
+# How many cells in columns of one kind, as every second one, are no chance.
+_OTHERS = 12
 # Lines and cells of a line that a dialect is found by.
 _SAMPLE, _CELLS = 200, 40
 
@@ -66,14 +66,17 @@ class Dialect:
             return False
         if all(one[1] for one in found if one):
             return True
+        lengths = {len(cell) for cell in behind}
         # 0225 and 05 stand behind a comma only.
-        padded = any(_PADDED.match(cell) for cell in behind) and not any(
-            _PADDED.match(cell) for cell in whole
-        )
-        # Columns of a map have minus signs where their neighbours have.
-        signed = [column for row in rows for column, cell in enumerate(row) if cell[0] == "-"]
-        signs = len(signed) >= _SIGNED and len(set(signed)) > 2
-        return len({len(cell) for cell in behind}) == 1 and (padded or signs)
+        padded = any(map(_PADDED.match, behind)) and not any(map(_PADDED.match, whole))
+        # Columns of a map have signs, and numbers of other lengths, where their neighbours have.
+        other = [
+            column
+            for row in rows
+            for column, cell in enumerate(row)
+            if cell[0] == "-" or len(cell) not in lengths
+        ]
+        return len(lengths) == 1 and (padded or (len(other) >= _OTHERS and len(set(other)) > 2))
 
 
 def is_value(cell: str) -> bool:

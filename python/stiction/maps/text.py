@@ -363,7 +363,7 @@ class _Reader:
 
 def _shown(text: str) -> str:
     """The beginning of a text, as it can be printed."""
-    begins = "".join(one if one.isprintable() else "\ufffd" for one in text[:60])
+    begins = "".join(one if one.isprintable() else "\ufffd" for one in text[:60].replace("\t", " "))
     return begins if len(text) <= 60 else begins + "..."
 
 

@@ -15,7 +15,7 @@ use crate::experiment::integral::Integral;
 use crate::experiment::prepared::{SceneLaws, thread_pool};
 use crate::format::bytes;
 use crate::integral::{Independence, IndependenceVerdict};
-use crate::scene::{Document, Scene, Sweep, Warning, warnings};
+use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
 use std::path::Path;
 
 pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
@@ -30,7 +30,7 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     }
     let SceneLaws { law, cycle, .. } = SceneLaws::new(&scene).map_err(|error| error.in_scene(path))?;
     let plan = Plan::new(&scene, law.view());
-    let mut text = heading(&scene);
+    let mut text = heading(&scene) + &defaults(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
@@ -50,11 +50,17 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     Ok(text)
 }
 
+/// The keys that a scene does not give, and what it takes for them.
+fn defaults(scene: &Scene) -> String {
+    let lines = taken(scene).into_iter().enumerate();
+    lines.map(|(i, line)| row(if i == 0 { "by default" } else { "" }, &line)).collect()
+}
+
 /// Says what a sweep would compute: its first point, and what all of them take.
 fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
     let law = SceneLaws::new(first).map_err(|error| error.in_scene(path))?.law;
     let plan = Plan::new(first, law.view());
-    let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first);
+    let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first) + &defaults(first);
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += "all points\n";

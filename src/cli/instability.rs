@@ -113,7 +113,10 @@ pub(super) fn held(scene: &Scene) -> String {
         [only] => text(*only),
         [first, .., last] => format!("{} values from {} to {}", values.len(), text(*first), text(*last)),
     };
-    let mut text = row("held by", &list(loading.stiffness, &|stiffness| spring(scene, stiffness)));
+    let mut text = String::new();
+    if !loading.stiffness.is_empty() {
+        text += &row("held by", &list(loading.stiffness, &|stiffness| spring(scene, stiffness)));
+    }
     if !loading.preload.is_empty() {
         text += &row("preload", &list(loading.preload, &|preload| si(preload, "N")));
     }

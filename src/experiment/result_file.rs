@@ -127,7 +127,18 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     }
     write_cycles(writer, scene)?;
     write_parameters(writer, scene)?;
-    writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
+    let asperity = &scene.asperity;
+    for (name, value) in [
+        ("reduced_modulus", asperity.reduced_modulus),
+        ("hardness", asperity.hardness),
+        ("poisson_ratio", asperity.poisson_ratio),
+        ("work_of_adhesion", asperity.work_of_adhesion),
+        ("equilibrium_spacing", asperity.equilibrium_spacing),
+        ("lubricant_thickness", asperity.lubricant_thickness),
+        ("critical_interference", asperity.critical_interference()),
+    ] {
+        writer.number("/", name, value)?;
+    }
     if let Some(critical_approach) = scene.critical_approach {
         writer.number("/", "critical_approach", critical_approach)?;
     }

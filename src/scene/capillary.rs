@@ -161,7 +161,7 @@ pub(super) fn wet(
     meniscus: Option<Meniscus>,
     is_coupled: bool,
 ) -> Result<Model, SceneError> {
-    let (capillary, model) = (root.get("capillary"), root.section("model", true)?);
+    let (capillary, model) = (root.get("capillary"), root.section("model", false)?);
     let named = |key: &str| model.and_then(|model| model.get(key));
     match (capillary, meniscus, law.is_wet()) {
         (Some(entry), Some(_), false) => {

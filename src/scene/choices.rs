@@ -23,8 +23,9 @@ pub(super) const HISTORIES: [(&str, (Path, bool)); 3] = [
 ];
 /// Name of the history of approach and retraction.
 pub(super) const LOOP: &str = "loop";
-/// The law of loops that name none.
-pub(super) const LOOP_LAW: &str = "md_plastic";
+/// The law of scenes that name none, and of those with a liquid.
+pub(super) const DEFAULT_LAW: &str = "md_plastic";
+pub(super) const DEFAULT_LAW_IN_LIQUID: &str = "capillary";
 
 /// Poisson ratios of stable solids.
 pub(super) const POISSON_RATIOS: (Bound<f64>, Bound<f64>) = (Bound::Excluded(-1.0), Bound::Included(0.5));

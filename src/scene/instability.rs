@@ -40,6 +40,11 @@ pub(super) struct InstabilityTable {
 }
 
 impl InstabilityTable {
+    /// The largest preload, N; 0 without any.
+    pub fn largest_preload(&self) -> f64 {
+        self.preload.iter().copied().fold(0.0, f64::max)
+    }
+
     /// The springs and preloads of a surface of a nominal area, m², on bodies of the modulus E*, Pa.
     pub fn of(self, reduced_modulus: f64, area: f64) -> Instability {
         let Self { stiffness, preload, smallest_snap } = self;
@@ -55,7 +60,10 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     let Some(section) = root.section("instability", false)? else {
         return Ok(InstabilityTable::default());
     };
-    let stiffness = section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness, spring));
+    let stiffness = match section.get("stiffness") {
+        None if section.get("preload").is_some() => Ok(Vec::new()),
+        _ => section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness, spring)),
+    };
     let smallest_snap = section.value("smallest_snap").measured();
     let preload = section.optional("preload", |preload| {
         if !cycle {

@@ -3,14 +3,11 @@
 use super::choices::POISSON_RATIOS;
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
-use crate::asperity::scale::Asperity;
+use crate::asperity::scale::{Asperity, pressure_factor};
 use crate::asperity::{LawError, LawParameters, Path};
 use std::ops::RangeBounds;
-use toml::de::DeValue;
 
-/// Advice on keys that have one number in the place of two.
-const BOTH: &str = "one modulus of both is reduced_modulus, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2";
-const SOFTER: &str = "that of the softer body alone is poisson_ratio";
+/// Advice on surface energies that are no list of two.
 const ADHESION: &str = "the energy of both less that of their interface is work_of_adhesion";
 
 /// The material of an asperity, SI.
@@ -26,18 +23,16 @@ impl Material {
     /// The material of `[material]`.
     pub fn read(section: &Section<'_>) -> Result<Self, SceneError> {
         let readings = (
-            reduced_modulus(section),
+            bodies(section),
             work_of_adhesion(section),
-            section.measured("equilibrium_spacing"),
-            section.measured("hardness"),
-            section.require("poisson_ratio").and_then(|entry| ratio(&entry).map(|ratio| (entry, ratio))),
+            section.value("equilibrium_spacing").measured(),
+            section
+                .require("hardness")
+                .and_then(|entry| entry.one_or_two(Entry::measured).map(|hardness| (entry, hardness))),
         );
-        let ((reduced_modulus, ratios), work_of_adhesion, equilibrium_spacing, hardness, softer) =
+        let ((reduced_modulus, ratios), work_of_adhesion, equilibrium_spacing, hardness) =
             readings.together()?;
-        let (entry, poisson_ratio) = softer;
-        if ratios.is_some_and(|ratios| !ratios.contains(&poisson_ratio)) {
-            return Err(entry.wrong("is that of the softer body, one of the two of poissons_ratio"));
-        }
+        let (hardness, poisson_ratio) = softer(&hardness.0, &hardness.1, &ratios)?;
         Ok(Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio })
     }
 
@@ -70,20 +65,42 @@ impl Material {
     }
 }
 
-/// The reduced modulus, Pa, as it is given or that of two bodies, and the Poisson ratios of these.
-fn reduced_modulus(section: &Section<'_>) -> Result<(f64, Option<[f64; 2]>), SceneError> {
-    let [moduli, ratios] = ["youngs_modulus", "poissons_ratio"].map(|key| section.get(key));
+/// The reduced modulus, Pa, as it is given or that of two bodies, and the Poisson ratio that both have, or one of each.
+fn bodies(section: &Section<'_>) -> Result<(f64, Vec<f64>), SceneError> {
+    let ratios = section.require("poisson_ratio").and_then(|entry| match entry.one_or_two(ratio)? {
+        ratios if ratios.len() == 2 && section.get("youngs_modulus").is_none() => Err(entry.wrong(
+            "two ratios are of two bodies with youngs_modulus; reduced_modulus needs that of the softer body alone",
+        )),
+        ratios => Ok(ratios),
+    });
+    let Some(moduli) = section.get("youngs_modulus") else {
+        return (section.measured("reduced_modulus"), ratios).together();
+    };
     if section.get("reduced_modulus").is_some() {
         section.excluded("reduced_modulus", "determines reduced_modulus too; give either")?;
     }
-    if moduli.is_none() && ratios.is_none() {
-        return section.measured("reduced_modulus").map(|modulus| (modulus, None));
+    let (moduli, ratios) = (moduli.one_or_two(Entry::measured), ratios).together()?;
+    let compliance = |body: usize| {
+        let ratio = ratios[body % ratios.len()];
+        (1.0 - ratio * ratio) / moduli[body % moduli.len()]
+    };
+    Ok((1.0 / (compliance(0) + compliance(1)), ratios))
+}
+
+/// The hardness, Pa, and the Poisson ratio of the body that flows first: its k H is the smaller one.
+fn softer(entry: &Entry<'_>, hardness: &[f64], ratios: &[f64]) -> Result<(f64, f64), SceneError> {
+    match (hardness, ratios) {
+        (&[hardness], &[ratio]) => Ok((hardness, ratio)),
+        (&[hardness], &[one, other]) if one == other => Ok((hardness, one)),
+        (&[_], _) => Err(entry.wrong(
+            "which body is that of? Give the hardness of both, [H1, H2], in the order of poisson_ratio: the softer one flows",
+        )),
+        _ => {
+            let of = |body: usize| (hardness[body], ratios[body % ratios.len()]);
+            let onset = |(hardness, ratio): (f64, f64)| pressure_factor(ratio) * hardness;
+            Ok(if onset(of(1)) < onset(of(0)) { of(1) } else { of(0) })
+        }
     }
-    let moduli = section.require("youngs_modulus").and_then(|entry| pair(&entry, BOTH, Entry::measured));
-    let ratios = section.require("poissons_ratio").and_then(|entry| pair(&entry, SOFTER, ratio));
-    let (moduli, ratios) = (moduli, ratios).together()?;
-    let compliance = |body: usize| (1.0 - ratios[body] * ratios[body]) / moduli[body];
-    Ok((1.0 / (compliance(0) + compliance(1)), Some(ratios)))
 }
 
 /// The work of adhesion, J/m², as it is given or that of two surfaces and their interface.
@@ -95,7 +112,10 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
         return section.measured("work_of_adhesion");
     }
     let surfaces =
-        section.require("surface_energy").and_then(|entry| pair(&entry, ADHESION, Entry::measured));
+        section.require("surface_energy").and_then(|entry| match entry.one_or_two(Entry::measured)? {
+            energies if energies.len() == 2 => Ok(energies),
+            _ => Err(entry.wrong(&format!("a list of two is needed, one for each body; {ADHESION}"))),
+        });
     let interface =
         section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)));
     let (surfaces, (entry, interface)) = (surfaces, interface).together()?;
@@ -104,21 +124,6 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
         return Ok(work);
     }
     Err(entry.wrong("is not less than the sum of surface_energy: nothing adheres"))
-}
-
-/// A list of two, each read by `value`; `alone` says which key is a single number.
-fn pair<'a>(
-    entry: &Entry<'a>,
-    alone: &str,
-    value: impl Fn(&Entry<'a>) -> Result<f64, SceneError>,
-) -> Result<[f64; 2], SceneError> {
-    match entry.value.get_ref() {
-        DeValue::Array(array) if array.len() == 2 => {
-            let [first, second] = [0, 1].map(|i| value(&entry.element(i, &array[i])));
-            (first, second).together().map(|(first, second)| [first, second])
-        }
-        _ => Err(entry.wrong(&format!("a list of two is needed, one for each body; {alone}"))),
-    }
 }
 
 fn ratio(entry: &Entry<'_>) -> Result<f64, SceneError> {

@@ -34,6 +34,7 @@ mod substrate;
 #[doc(hidden)]
 pub mod sweep;
 mod table;
+mod taken;
 #[doc(hidden)]
 pub mod units;
 mod validity;
@@ -66,6 +67,7 @@ pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]
 pub use table::KEYS;
+pub(crate) use taken::taken;
 #[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
 #[doc(hidden)]

@@ -2,7 +2,7 @@
 
 use super::background::{ForceSections, Setting};
 use super::capillary::{CapillaryTable, capillary, wet};
-use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCES, SUMS};
+use super::choices::{DEFAULT_LAW, DEFAULT_LAW_IN_LIQUID, FORMAT, HISTORIES, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
 use super::files::Files;
@@ -11,6 +11,7 @@ use super::material::Material;
 use super::measured::measured;
 use super::population::{Population, population};
 use super::reader::Section;
+use super::separation::Tips;
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::{separation, stopping};
@@ -18,6 +19,7 @@ use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
 use crate::engine::Stopping;
+use crate::liquid::Meniscus;
 use crate::surface::{CountLaw, SamplingScheme, Surface};
 use std::sync::Arc;
 
@@ -53,18 +55,20 @@ impl<'a> Readings<'a> {
         let material = section("material").and_then(|material| Material::read(&material));
         let population = section("surface")
             .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, is_coupled));
-        let model = section("model").and_then(|model| ModelTable::read(&model));
+        let is_wet = root.get("capillary").is_some();
+        let model = root.section_or_empty("model").and_then(|model| ModelTable::read(&model, is_wet));
         // What a separation is depends on the surface, whether it is one does not.
-        let separation = section("separation").and_then(|h| {
+        let separation = root.section_or_empty("separation").and_then(|h| {
             let span = h.optional("stiffness_span", |span| span.measured());
-            (separation::separations(&h, 1.0), span).together().map(|_| h)
+            (separation::given(&h, 1.0), span).together().map(|_| h)
         });
         let cycle = model.as_ref().is_ok_and(|model| model.cycle);
         let instability = match &model {
             Ok(_) => instability(root, cycle),
             Err(_) => Ok(InstabilityTable::default()),
         };
-        let ensemble = section("ensemble")
+        let ensemble = root
+            .section_or_empty("ensemble")
             .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
         let readings =
             (root.known(), heading(root), material, population, model, separation, instability, ensemble);
@@ -104,7 +108,16 @@ impl<'a> Readings<'a> {
             .map_err(|error| {
                 SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
             })?;
-        let separations = separation::separations(&separation, surface.surface_height_std)?;
+        let separations = match separation::given(&separation, surface.surface_height_std)? {
+            Some(given) => given,
+            None => Tips {
+                asperity: &asperity,
+                surface: &surface,
+                liquid: law.meniscus().map_or(0.0, Meniscus::range),
+                preload: instability.largest_preload(),
+            }
+            .separations(),
+        };
         let range = (separations[0], separations[separations.len() - 1]);
         let forces =
             self.forces.suited(&Setting { model: &law, asperity: &asperity, surface: &surface, range })?;
@@ -230,7 +243,8 @@ fn required<'a>(root: &Section<'a>, name: &'a str) -> Result<Section<'a>, SceneE
 
 /// Refuses another format; the title, empty without one.
 fn heading(root: &Section<'_>) -> Result<String, SceneError> {
-    let format = root.require("format").and_then(|format| match format.integer(0..=u64::MAX)? {
+    let format = root.value("format");
+    let format = format.integer(0..=u64::MAX).and_then(|number| match number {
         FORMAT => Ok(()),
         _ => Err(format.wrong(&format!("this program reads scenes of format {FORMAT}"))),
     });
@@ -305,7 +319,7 @@ fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneErro
     match section.get("plastic_contact").filter(|_| law.contact().is_none()) {
         None => Ok(law.with_contact(contact)),
         Some(entry) => Err(entry.wrong(&format!(
-            "the law {} has no contact to choose; law = \"{LOOP_LAW}\" takes any of them, and \"capillary\" in a liquid",
+            "the law {} has no contact to choose; law = \"{DEFAULT_LAW}\" takes any of them, and \"capillary\" in a liquid",
             law.name
         ))),
     }
@@ -321,13 +335,15 @@ struct ModelTable {
 }
 
 impl ModelTable {
-    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+    fn read(section: &Section<'_>, is_wet: bool) -> Result<Self, SceneError> {
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let history = section.value("history").choice("history", &HISTORIES);
-        let is_loop = history.as_ref().is_ok_and(|(_, cycle)| *cycle);
         let law = match section.get("law") {
-            None if is_loop => Ok(model(LOOP_LAW).expect("the law of loops is one of the registry")),
-            _ => section.require("law").and_then(|law| law.choice("law", &models)),
+            None => {
+                let name = if is_wet { DEFAULT_LAW_IN_LIQUID } else { DEFAULT_LAW };
+                Ok(model(name).expect("it is one of the registry"))
+            }
+            Some(law) => law.choice("law", &models),
         };
         let law = law.and_then(|law| plastic_contact(section, law));
         let critical_approach = match &law {

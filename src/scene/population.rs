@@ -72,7 +72,10 @@ fn lengths(section: &Section<'_>) -> Result<Lengths, SceneError> {
     let readings = (
         density,
         section.measured("nominal_area"),
-        optional("surface_height_std"),
+        section.optional("surface_height_std", |entry| {
+            let faces = entry.one_or_two(Entry::measured)?;
+            Ok(faces.into_iter().fold(0.0, f64::hypot))
+        }),
         optional("asperity_height_std"),
         section.optional("mean_plane_offset", |entry| entry.measured()),
     );

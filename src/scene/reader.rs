@@ -6,11 +6,15 @@ use super::keys::{Sign, Value};
 use super::lookup::{default, example, find, former_value, keys_of, meant, nearest, renamed};
 use super::units::{Dimension, QuantityError, parse, percentage, whole};
 use std::ops::{Bound, RangeBounds};
+use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Most words of a value that an error repeats.
 const SHOWN_WORDS: usize = 60;
+
+/// A table without keys.
+static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::default);
 
 /// Parses the document.
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
@@ -74,6 +78,12 @@ impl<'a> Section<'a> {
                 other => Err(entry.wrong(&format!("is {}, a table [{name}] is needed", kind(other)))),
             },
         }
+    }
+
+    /// The table `name`, or one without keys where it is absent.
+    pub fn section_or_empty(&self, name: &'a str) -> Result<Self, SceneError> {
+        let empty = Self { text: self.text, name, table: &EMPTY };
+        self.section(name, false).map(|section| section.unwrap_or(empty))
     }
 
     /// Refuses keys that scenes do not know, here and in all tables within but `[sweep]`, which has its own.
@@ -222,6 +232,20 @@ impl<'a> Entry<'a> {
         match self.value.get_ref() {
             DeValue::Table(table) => Ok(Section { text: self.text, name: "", table }),
             other => Err(self.wrong(&format!("is {}, a table is needed; {about}", kind(other)))),
+        }
+    }
+
+    /// A value, or a list of two, one for each body or face, by `read`.
+    pub fn one_or_two(
+        &self,
+        read: impl Fn(&Self) -> Result<f64, SceneError>,
+    ) -> Result<Vec<f64>, SceneError> {
+        match self.value.get_ref() {
+            DeValue::Array(array) if array.len() == 2 => {
+                all(array.iter().enumerate().map(|(i, element)| read(&self.element(i, element))))
+            }
+            DeValue::Array(_) => Err(self.wrong("one value, or a list of two, one for each body, is needed")),
+            _ => read(self).map(|value| vec![value]),
         }
     }
 

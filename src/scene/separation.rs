@@ -1,27 +1,111 @@
-//! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights.
+//! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights, or a range that
+//! follows from the surface.
 
 use super::choices::MOST_SEPARATIONS;
 use super::error::{SceneError, Together};
-use super::lookup::example;
 use super::reader::{Entry, Section};
 use super::units::Dimension::Length;
-use crate::surface::LENGTHS;
+use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
+use crate::asperity::scale::Asperity;
+use crate::surface::{Heights, LENGTHS, Surface};
+use std::f64::consts::PI;
 use toml::de::DeValue;
 
 /// Least span of a secant, as a share of the largest separation: a million of its roundings.
 const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 
-/// Reads the separations, m, rising.
-pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Result<Vec<f64>, SceneError> {
+/// Separations that a scene without any has.
+const DEFAULT_COUNT: u32 = 161;
+/// Equilibrium spacings from a tip where it pulls with 1 % of its largest pull: (Z₀/(Z₀ + gap))² there.
+const REACH: f64 = 9.0;
+/// The probability that a replica has a tip that touches at the furthest of them.
+const TOUCHING: f64 = 1e-3;
+/// Ends of the range are multiples of this in h*.
+const STEP_OF_ENDS: f64 = 0.1;
+/// Heights that stand for the law of heights, at equal probabilities.
+const HEIGHTS: u32 = 2000;
+/// Largest external load of the closest separation over the largest preload, as contacts without adhesion bear it.
+const MARGIN_OF_LOADS: f64 = 1.5;
+
+/// Reads the separations, m, rising, if there are any.
+pub(super) fn given(section: &Section<'_>, surface_height_std: f64) -> Result<Option<Vec<f64>>, SceneError> {
     match (section.get("h"), section.get("h_star")) {
-        (Some(h), None) => rising(&h, &|entry| entry.measured()),
-        (None, Some(h_star)) => rising(&h_star, &|entry| Ok(entry.number()? * surface_height_std)),
+        (Some(h), None) => rising(&h, &|entry| entry.measured()).map(Some),
+        (None, Some(h_star)) => rising(&h_star, &|entry| Ok(entry.number()? * surface_height_std)).map(Some),
         (Some(h), Some(_)) => Err(h.wrong("give either h or h_star, not both")),
-        (None, None) => Err(SceneError::general(format!(
-            "[separation] has neither h nor h_star; for example h_star = {}",
-            example("separation.h_star").unwrap_or_default()
-        ))),
+        (None, None) => Ok(None),
     }
+}
+
+/// The asperities of a scene without separations.
+pub(super) struct Tips<'a> {
+    pub asperity: &'a Asperity,
+    pub surface: &'a Surface,
+    /// The range of a liquid, m.
+    pub liquid: f64,
+    /// The largest preload, N; 0 without any.
+    pub preload: f64,
+}
+
+impl Tips<'_> {
+    /// Separations, m, that follow from the surface: from where a tenth of the nominal area touches, or nearer where a preload
+    /// asks for it, to where the tallest tip of a thousand replicas pulls no longer.
+    pub fn separations(&self) -> Vec<f64> {
+        let (surface, sigma) = (self.surface, self.surface.surface_height_std);
+        let normal = Heights::gaussian(1.0);
+        let scores =
+            (0..HEIGHTS).map(|i| normal.gaussian_quantile((f64::from(i) + 0.5) / f64::from(HEIGHTS)));
+        let heights: Vec<f64> = scores.map(|score| surface.heights.of_normal(score)).collect();
+        let tallest = -normal.gaussian_quantile(TOUCHING / surface.asperity_count as f64);
+        let furthest = surface.heights.of_normal(tallest)
+            + self.asperity.lubricant_thickness
+            + self.liquid
+            + REACH * self.asperity.equilibrium_spacing;
+        let touching = self.closest(&heights, furthest, LARGEST_SHARE * surface.nominal_area, &|depth| {
+            PI * surface.asperity_radius * depth
+        });
+        // The highest tips keep contacts that are small against their radius.
+        let highest = surface.heights.of_normal(tallest.min(HIGHEST));
+        let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
+        let loaded = match self.preload > 0.0 {
+            true => {
+                self.closest(&heights, furthest, MARGIN_OF_LOADS * self.preload, &|depth| self.load(depth))
+            }
+            false => f64::INFINITY,
+        };
+        let end = |d: f64| (d + surface.mean_plane_offset) / (STEP_OF_ENDS * sigma);
+        let from = end(touching).floor().max(end(small).ceil()).min(end(loaded).floor());
+        let [from, to] = [from, end(furthest).ceil()].map(|steps| STEP_OF_ENDS * steps * sigma);
+        spaced(from, to, DEFAULT_COUNT)
+    }
+
+    /// The separation d, m, at which tips of `heights`, m, that overlap by a depth have `of` it in sum, which rises.
+    fn closest(&self, heights: &[f64], furthest: f64, wanted: f64, of: &dyn Fn(f64) -> f64) -> f64 {
+        let share = self.surface.asperity_count as f64 / heights.len() as f64;
+        let lacks = |d: f64| {
+            let depths = heights.iter().map(|height| height - d).filter(|depth| *depth > 0.0);
+            share * depths.map(of).sum::<f64>() < wanted
+        };
+        // A depth of all the radius is beyond every law.
+        let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);
+        while far - near > 1e-3 * self.surface.heights.std && near < 0.5 * (near + far) {
+            let middle = 0.5 * (near + far);
+            if lacks(middle) { far = middle } else { near = middle }
+        }
+        near
+    }
+
+    /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion.
+    fn load(&self, depth: f64) -> f64 {
+        let Asperity { reduced_modulus, hardness, radius, work_of_adhesion, .. } = *self.asperity;
+        let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth.powf(1.5);
+        elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion
+    }
+}
+
+/// Values from one to another, evenly spaced.
+fn spaced(from: f64, to: f64, count: u32) -> Vec<f64> {
+    (0..count).map(|i| from + (to - from) * (f64::from(i) / f64::from(count - 1))).collect()
 }
 
 /// Reads the span of separation, m, of the secant stiffness. Without one it is the equilibrium spacing, the
@@ -97,8 +181,7 @@ fn rising(
             if !(to > from) {
                 return Err(end.wrong("has to be greater than `from`"));
             }
-            let count = count as usize;
-            (0..count).map(|i| from + (to - from) * (i as f64 / (count - 1) as f64)).collect()
+            spaced(from, to, count as u32)
         }
         _ => return Err(entry.wrong("a list, or a table { from, to, count }, is needed")),
     };

@@ -28,7 +28,7 @@ pub(super) fn replicas(
         let problem =
             "is for runs that end at a target, and there is none; `replicas` is their number without one";
         let bounds = all(bounds.iter().flatten().map(|bound| Err::<(), _>(bound.wrong(problem))));
-        let replicas = ensemble.require("replicas").and_then(|entry| whole(&entry));
+        let replicas = whole(&ensemble.value("replicas"));
         return (bounds, replicas).together().map(|(_, replicas)| (replicas, None));
     };
     let problem = "with a target the number follows from it: give min_replicas and max_replicas instead";

@@ -39,7 +39,7 @@ pub static KEYS: LazyLock<Vec<&'static Key>> =
 
 /// The keys before those of forces between the mean planes.
 static FIRST: &[Key] = &[
-    key("format", "1", Whole(FORMAT, FORMAT)).what("version of the scene format"),
+    key("format", "1", Whole(FORMAT, FORMAT)).what("version of the scene format").defaults_to("1"),
     key("title", "\"Case II\"", Text)
         .what("name of the scene, for people")
         .about("It changes no result.")
@@ -48,38 +48,28 @@ static FIRST: &[Key] = &[
     key("material.reduced_modulus", "\"85.29 GPa\"", Quantity(Of::Pressure, Positive))
         .what("reduced modulus")
         .about(
-            "E_r with 1/E_r = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Give it, or the two bodies by `youngs_modulus` \
-             and `poissons_ratio`.",
+            "E* with 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Give it, or the two bodies by `youngs_modulus` \
+             and `poisson_ratio`.",
         )
         .swept()
-        .excludes(&["material.youngs_modulus", "material.poissons_ratio"]),
-    key(
-        "material.youngs_modulus",
-        "[\"169 GPa\", \"70 GPa\"]",
-        Various("a list of two pressures, each greater than 0"),
-    )
-    .what("Young's moduli E₁ and E₂ of the two bodies")
-    .about("Needs `poissons_ratio`.")
-    .follows("not used where `reduced_modulus` is given"),
-    key("material.youngs_modulus[]", "\"169 GPa\"", Quantity(Of::Pressure, Positive)),
-    key(
-        "material.poissons_ratio",
-        "[0.22, 0.27]",
-        Various("a list of two numbers, each greater than -1 and at most 0.5"),
-    )
-    .what("Poisson ratios ν₁ and ν₂ of the two bodies")
-    .about("Needs `youngs_modulus`, in the same order. They enter the reduced modulus only.")
-    .follows("not used where `reduced_modulus` is given"),
-    key("material.poissons_ratio[]", "0.22", Number(POISSON_RATIOS.0, POISSON_RATIOS.1)),
+        .excludes(&["material.youngs_modulus"]),
+    key("material.youngs_modulus", "\"169 GPa\"", Quantity(Of::Pressure, Positive))
+        .what("Young's modulus of the two bodies")
+        .about("E₁ and E₂ as a list of two, `[\"169 GPa\", \"70 GPa\"]`; one value is of both.")
+        .follows("not used where `reduced_modulus` is given"),
     key("material.hardness", "\"2.5 GPa\"", Quantity(Of::Pressure, Positive))
         .what("hardness of the softer body")
-        .about("H sets where plastic flow begins: ω_c = (π k H / 2 E_r)² R.")
+        .about(
+            "H sets where plastic flow begins: ω_c = (π k H / 2 E*)² R. A list of two has the hardness of both bodies: \
+             the one with the smaller k H flows.",
+        )
         .swept(),
     key("material.poisson_ratio", "0.27", Number(POISSON_RATIOS.0, POISSON_RATIOS.1))
-        .what("Poisson ratio of the softer body")
+        .formerly("poissons_ratio")
+        .what("Poisson ratio of the softer body, or of both")
         .about(
-            "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. With `poissons_ratio` it \
-             has to be one of the two.",
+            "It enters k = 0.454 + 0.41 ν of plastic flow, and with `youngs_modulus` the reduced modulus. A list of two \
+             is of both bodies, in the order of `youngs_modulus`; one value is of both.",
         )
         .swept(),
     key("material.work_of_adhesion", "\"0.09 J/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
@@ -109,6 +99,7 @@ static FIRST: &[Key] = &[
             "Z₀, the distance at which the two faces neither attract nor repel each other; 0.15 to 0.4 nm \
              for most solids.",
         )
+        .defaults_to("\"0.2 nm\"")
         .swept(),
     key("surface", "{ asperity_radius = \"3.33 um\" }", Table).what("the rough surface"),
     key("surface.asperity_radius", "\"3.33 um\"", Quantity(Of::Length, Positive))
@@ -122,8 +113,8 @@ static FIRST: &[Key] = &[
     key("surface.surface_height_std", "\"1.619 nm\"", Quantity(Of::Length, Positive))
         .what("standard deviation of the surface heights")
         .about(
-            "σ of all points of the surface, the Rq or Sq of a profilometer. One of σ and σ_s has to be \
-             there; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
+            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is of two rough faces: σ² is \
+             the sum of their squares. One of σ and σ_s has to be there; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
         )
         .follows("from `asperity_height_std`")
         .swept(),
@@ -304,7 +295,9 @@ static FIRST: &[Key] = &[
              which is nearer in the force of an ellipsoid.",
         )
         .defaults_to("\"mean_curvature\""),
-    key("model", "{ law = \"md_plastic\" }", Table).what("the law of one asperity, and the history"),
+    key("model", "{ law = \"md_plastic\" }", Table)
+        .what("the law of one asperity, and the history")
+        .follows("the defaults of its keys"),
     key("model.law", "\"hybrid\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
         .what("law of one asperity")
         .swept()
@@ -312,7 +305,7 @@ static FIRST: &[Key] = &[
             "`md_plastic` is for every λ, and continuous where contacts begin to flow; the page of the laws says what \
              each is and where it is valid.",
         )
-        .follows("required, but for a loop, which has `md_plastic`"),
+        .follows("`md_plastic`; with `[capillary]` `capillary`"),
     key("model.plastic_contact", "\"zmc\"", Choice(|| names(&PlasticContact::ALL)))
         .what("plastic contact under `md_plastic` and `capillary`")
         .about(
@@ -437,7 +430,11 @@ static FIRST: &[Key] = &[
         .defaults_to("\"metastable\""),
     key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
         .what("where forces are computed")
-        .about("Of `h` and `h_star` one has to be there."),
+        .about(
+            "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, or \
+             nearer where a preload asks for it, to where nothing pulls, in 161 steps.",
+        )
+        .follows("a range that follows from the surface"),
     key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))
         .what("separations of the mean planes, as lengths")
         .about("h of the mean planes of the two faces. They rise.")
@@ -477,12 +474,15 @@ static FIRST: &[Key] = &[
              within the separations.",
         )
         .follows("`equilibrium_spacing`"),
-    key("ensemble", "{ replicas = 200 }", Table).what("how many surfaces are drawn, and how"),
+    key("ensemble", "{ replicas = 200 }", Table)
+        .what("how many surfaces are drawn, and how")
+        .follows("the defaults of its keys"),
     key("ensemble.replicas", "200", Whole(0, *REPLICAS.end()))
         .what("number of surfaces")
         .about(
             "Each is drawn anew. The standard error of a mean falls as 1/√ of it. With 0 the integral alone is computed.",
         )
+        .defaults_to("200")
         .excludes(&["ensemble.target"]),
     key(
         "ensemble.target",
@@ -594,7 +594,8 @@ static REST: &[Key] = &[
         .about(
             "0: load control. `patch`: E*L/0.946402, of the half-space under a single square of \
              side L, with L² the nominal area.",
-        ),
+        )
+        .follows("none, with `preload`; without a spring no snaps are looked for"),
     key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive, &[]))
         .what("external force at which the approach ends")
         .about("Needs `history = \"loop\"` in `[model]`.")

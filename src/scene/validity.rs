@@ -16,13 +16,13 @@ use crate::substrate::Coupling;
 use crate::surface::{HeightLaw, Radii};
 
 /// Largest radius of a contact over that of its asperity.
-const LARGEST_CONTACT: f64 = 0.3;
+pub(super) const LARGEST_CONTACT: f64 = 0.3;
 /// Heights that are called the highest asperities, in σ_s.
-const HIGHEST: f64 = 3.0;
+pub(super) const HIGHEST: f64 = 3.0;
 /// Most copies of the highest measured asperity in a replica on average: 95 % of the patches have it.
 const MOST_COPIES: f64 = 3.0;
 /// Largest share of the nominal area in contact.
-const LARGEST_SHARE: f64 = 0.1;
+pub(super) const LARGEST_SHARE: f64 = 0.1;
 /// Largest share of what is read off that the separations may miss.
 const LARGEST_MISSED: f64 = 0.05;
 /// Steps of the separation, over σ_s, that miss less.

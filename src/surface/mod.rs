@@ -18,6 +18,7 @@ pub use scheme::STRATA;
 pub use scheme::SamplingScheme;
 
 use crate::background::Background;
+use crate::format::si;
 use crate::liquid::{Spread, Spreads};
 use std::sync::Arc;
 use thiserror::Error;
@@ -159,8 +160,11 @@ pub struct Surface {
 pub enum SurfaceError {
     /// σ² is smaller than what the conversion subtracts.
     #[error(
-        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:.4e} m, but eta R needs more than {least:.4e} m; \
-         where sigma_s itself is known, asperity_height_std gives it"
+        "with this asperity_radius R and asperity_density eta a Gaussian surface has more than {}, not {} \
+         (sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 would be negative): give asperity_height_std, the height std of the tops \
+         themselves, or a larger R or eta",
+        si(*least, "m"),
+        si(*given, "m")
     )]
     NegativeVariance {
         /// σ, m.

@@ -36,6 +36,7 @@ mod programs;
 mod quantiles;
 mod rough_surface;
 mod sampling;
+mod scene_defaults;
 mod secant;
 mod shards;
 mod single_asperity;

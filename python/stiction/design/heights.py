@@ -12,6 +12,9 @@ from scipy import special, stats
 from .. import quantities, single
 from ..errors import SceneError
 
+# Attributes of a run that `asperity` takes by their names.
+_ASPERITY = ("reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness", "poisson_ratio", "lubricant_thickness", "law")
+
 __all__ = ["LAWS", "Array", "Quadrature", "attraction", "law"]
 
 Array = NDArray[np.float64]
@@ -61,37 +64,13 @@ def law(given: Any, sigma: float) -> Any:
     return law.dist(*law.args, loc=-scale * float(law.mean()), scale=scale)
 
 
-def attraction(tables: Mapping[str, Any], low: float, high: float) -> tuple[Array, Array]:
-    """Interferences (m) and the attraction of an asperity there (N), close where it jumps."""
-    material, surface, model = tables["material"], tables["surface"], tables["model"]
+def attraction(run: Mapping[Any, Any], low: float, high: float) -> tuple[Array, Array]:
+    """Interferences (m) and the attraction of an asperity there (N), close where it jumps.
 
-    def number(table: Mapping[str, Any], key: str) -> float:
-        return quantities.parsed(key, table[key])[0]
-
-    if "reduced_modulus" in material:
-        modulus = number(material, "reduced_modulus")
-    else:
-        bodies = zip(material["youngs_modulus"], material["poissons_ratio"], strict=True)
-        modulus = 1.0 / sum(
-            (1.0 - quantities.parsed("poissons_ratio", ratio)[0] ** 2) / quantities.parsed("youngs_modulus", young)[0]
-            for young, ratio in bodies
-        )
-    if "work_of_adhesion" in material:
-        work = number(material, "work_of_adhesion")
-    else:
-        first, second = (quantities.parsed("surface_energy", one)[0] for one in material["surface_energy"])
-        work = first + second - number(material, "interface_energy")
-    law: dict[str, Any] = {
-        "radius": number(surface, "asperity_radius"),
-        "reduced_modulus": modulus,
-        "work_of_adhesion": work,
-        "equilibrium_spacing": number(material, "equilibrium_spacing"),
-        "hardness": number(material, "hardness"),
-        "poisson_ratio": number(material, "poisson_ratio"),
-        "lubricant_thickness": number(surface, "lubricant_thickness") if "lubricant_thickness" in surface else 0.0,
-        "law": model["law"],
-        "path": model.get("history", "approach"),
-    }
+    `run` are the attributes of a run, with the numbers of its asperities.
+    """
+    law = {key: run[key] for key in _ASPERITY}
+    law |= {"radius": run["asperity_radius"], "path": run["history"]}
 
     def solved(at: Array) -> Array:
         values: Array = -single.asperity(interference=at, **law).external_force.values

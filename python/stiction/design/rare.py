@@ -46,7 +46,7 @@ class Patches:
 
     def __init__(self, tables: Mapping[str, Any], *, seed: int | None = None, threads: int | None = None) -> None:
         _checked(tables)
-        ensemble = {key: value for key, value in tables["ensemble"].items() if key in ("seed",)}
+        ensemble = {key: value for key, value in tables.get("ensemble", {}).items() if key in ("seed",)}
         self.tables = {**tables, "ensemble": {**ensemble, "replicas": _PILOT}, "output": {**tables.get("output", {}), "curves": True}}
         self.threads = threads
         self.reseed(int(ensemble.get("seed", 1)) if seed is None else seed)
@@ -57,18 +57,17 @@ class Patches:
             attraction = -run["replicas/external_force"].transpose("replica", "separation").values
             count = float(run["replicas/asperity_count"].values[0])
             sigma = float(run.attrs["asperity_height_std"])
-            area = float(run.attrs["nominal_area"])
+            mean_count = float(run.attrs["asperity_density"]) * float(run.attrs["nominal_area"])
+            of_asperity = dict(run.attrs)
         surface = tables["surface"]
         self.poisson = surface.get("count", "fixed") == "poisson"
-        self.count = count
-        if self.poisson:
-            self.count = quantities.parsed("asperity_density", surface["asperity_density"])[0] * area
+        self.count = mean_count if self.poisson else count
         self.heights = heights.law(surface.get("heights", "gaussian"), sigma)
         self._ends = float(self.heights.ppf(1e-18)), float(self.heights.isf(1e-18))
         self.tops = self.separations - self.offset
         # Where each patch pulls most, nearly.
         self._most = self.tops[attraction.argmax(axis=1)]
-        self._asperity = heights.attraction(tables, self._ends[0] - float(self.tops.max()), self._ends[1] - float(self.tops.min()))
+        self._asperity = heights.attraction(of_asperity, self._ends[0] - float(self.tops.max()), self._ends[1] - float(self.tops.min()))
 
     def reseed(self, seed: int) -> None:
         """Begins another stream of random numbers; what the program has computed of the scene remains."""

@@ -196,7 +196,7 @@ def design(
     found, prior = _ranged(scene)
     tried: list[tuple[float, Probability]] = []
     # Errors of all values are independent.
-    first = int(found.tables["ensemble"].get("seed", 1)) if seed is None else seed
+    first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
 
     def excess(share: float) -> tuple[float, float]:
         """ln of the probability over the wanted one, and its standard error, at a share of the range."""

@@ -94,7 +94,7 @@ def sensitivity(
     k, rows = len(found.priors), samples // BLOCKS
     if rows * (k + 2) > _MOST_POINTS:
         raise SceneError(f"samples = {samples}: at most {_MOST_POINTS // (k + 2) * BLOCKS} can be had of {k} keys")
-    first = int(tables["ensemble"].get("seed", 1)) if seed is None else seed
+    first = int(tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
     cube = indices.points(k, rows, BLOCKS, first)
     seeds = np.random.SeedSequence([first, 1]).generate_state(BLOCKS)
     outcomes = {name: np.empty((BLOCKS, rows, k + 2, patches)) for name in QUANTITIES}

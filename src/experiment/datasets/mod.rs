@@ -27,7 +27,7 @@ use std::sync::LazyLock;
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 8],
+    version: [3, 9],
     groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(|| with_coordinates(DATASETS.iter().map(|own| own.variable.clone()).collect())),

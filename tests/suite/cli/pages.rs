@@ -156,7 +156,7 @@ fn scenes_of_pages_are_scenes() {
     for name in ["scene.md", "tutorial.md"] {
         let page = std::fs::read_to_string(docs.join(name)).unwrap();
         let blocks = page.split("```toml\n").skip(1).filter_map(|block| block.split("```").next());
-        for scene in blocks.filter(|block| block.starts_with("format")) {
+        for scene in blocks.filter(|block| block.starts_with("format") || block.starts_with("[material]")) {
             Scene::parse(scene).unwrap_or_else(|error| panic!("{name}: {error}"));
             seen += 1;
         }

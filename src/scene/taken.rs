@@ -1,0 +1,62 @@
+//! What a scene takes where it gives no key: defaults, and the law and separations that follow.
+
+use super::definition::Scene;
+use super::keys::{Absent, Key};
+use super::table::KEYS;
+use toml::de::{DeTable, DeValue};
+
+/// Tables whose keys have their defaults in every scene; the root is the empty one.
+const TABLES: [&str; 5] = ["", "material", "surface", "model", "ensemble"];
+
+/// The keys that a scene does not give and what it takes for each, as lines of TOML.
+pub fn taken(scene: &Scene) -> Vec<String> {
+    let Ok(document) = DeTable::parse(&scene.text) else { return Vec::new() };
+    let is_given = |name: &str| is_given(document.get_ref(), name);
+    let mut lines = Vec::new();
+    for key in KEYS.iter().filter(|key| applies(key, scene)) {
+        let is_excluded = || {
+            let others =
+                KEYS.iter().filter(|other| other.excluded.contains(&key.name)).map(|other| other.name);
+            others.chain(key.excluded.iter().copied()).any(is_given)
+        };
+        if let Absent::Is(default) = key.absent
+            && !is_given(key.name)
+            && !is_excluded()
+        {
+            lines.push(format!("{} = {default}", key.name));
+        }
+        if key.name == "model.law" && !is_given("model.law") {
+            lines.push(format!("model.law = \"{}\"", scene.model.name));
+        }
+    }
+    if !is_given("separation.h") && !is_given("separation.h_star") {
+        let count = scene.separations.len();
+        let [from, to] = [scene.separations[0], scene.separations[count - 1]]
+            .map(|h| h / scene.surface.surface_height_std);
+        lines.push(format!("separation.h_star = {{ from = {from:.1}, to = {to:.1}, count = {count} }}"));
+    }
+    lines
+}
+
+/// Whether a key is one of every scene, and what it sets one of this one.
+fn applies(key: &Key, scene: &Scene) -> bool {
+    let table = key.name.rsplit_once('.').map_or("", |(table, _)| table);
+    TABLES.contains(&table)
+        && match key.name {
+            "title" | "model.unloaded_radius" => false,
+            "model.plastic_contact" => scene.model.contact().is_some(),
+            "ensemble.max_replicas" => scene.stopping.is_some(),
+            _ => true,
+        }
+}
+
+/// Whether a table has a key of a dotted name.
+fn is_given(table: &DeTable<'_>, name: &str) -> bool {
+    match name.split_once('.') {
+        None => table.contains_key(name),
+        Some((first, rest)) => match table.get(first).map(|value| value.get_ref()) {
+            Some(DeValue::Table(within)) => is_given(within, rest),
+            _ => false,
+        },
+    }
+}

@@ -1,0 +1,118 @@
+//! Scenes of eight lines: what they take by default, and the range of separations that follows from a surface.
+
+use crate::common::program::{Folder, assert_exit, text};
+use stiction::Scene;
+
+const SMALLEST: &str = "[material]\nyoungs_modulus = \"160 GPa\"\npoisson_ratio = 0.22\nhardness = \"11 GPa\"\n\
+                        work_of_adhesion = \"20 mJ/m^2\"\n[surface]\nasperity_radius = \"100 nm\"\nasperity_density = \"50 /um^2\"\n\
+                        surface_height_std = \"8 nm\"\nnominal_area = \"100 um^2\"\n";
+
+/// Two bodies of one kind: 1/E* = 2 (1 - nu^2)/E.
+#[test]
+fn one_modulus_and_one_ratio_are_of_two_equal_bodies() {
+    let asperity = Scene::parse(SMALLEST).unwrap().asperity;
+    let expected = 160e9 / (2.0 * (1.0 - 0.22 * 0.22));
+    assert!((asperity.reduced_modulus / expected - 1.0).abs() < 1e-15, "{}", asperity.reduced_modulus);
+}
+
+/// k H of glass, (0.454 + 0.41 0.2) 5.5 = 2.948 GPa, is less than that of silicon, and less than that of a body of 5.4 GPa
+/// and 0.4, 3.337 GPa.
+#[test]
+fn the_body_with_the_smaller_k_h_flows() {
+    for (hardness, ratios, expected) in [
+        ("[\"11 GPa\", \"5.5 GPa\"]", "[0.22, 0.2]", (5.5e9, 0.2)),
+        ("[\"5.4 GPa\", \"5.5 GPa\"]", "[0.4, 0.2]", (5.5e9, 0.2)),
+        ("[\"5.5 GPa\", \"11 GPa\"]", "0.3", (5.5e9, 0.3)),
+        ("\"5.5 GPa\"", "[0.3, 0.3]", (5.5e9, 0.3)),
+    ] {
+        let text = SMALLEST.replace("\"11 GPa\"", hardness).replace("0.22", ratios);
+        let asperity = Scene::parse(&text).unwrap().asperity;
+        assert_eq!((asperity.hardness, asperity.poisson_ratio), expected, "{hardness} {ratios}");
+    }
+    let one = Scene::parse(&SMALLEST.replace("0.22", "[0.22, 0.3]")).unwrap_err().to_string();
+    assert!(one.contains("`material.hardness = \"11 GPa\"`: which body is that of?"), "{one}");
+}
+
+#[test]
+fn heights_of_two_faces_add_as_squares() {
+    let two = SMALLEST.replace("\"8 nm\"", "[\"3 nm\", \"4 nm\"]").replace("50 /um^2", "100 /um^2");
+    assert_eq!(Scene::parse(&two).unwrap().surface.surface_height_std, 5e-9);
+}
+
+/// The range has the pull-off inside, ends where the pull is far below it, and warns of nothing that a range could do.
+#[test]
+fn the_range_that_follows_from_a_surface_holds_its_pull_off() {
+    let rough = SMALLEST.to_owned();
+    let smooth = SMALLEST
+        .replace("\"100 nm\"", "\"3.33 um\"")
+        .replace("50 /um^2", "7.39 /um^2")
+        .replace("\"8 nm\"", "\"1.6 nm\"");
+    let soft = smooth.replace("160 GPa", "1 GPa").replace("20 mJ", "60 mJ");
+    let skewed = format!("{smooth}heights = {{ law = \"weibull\", shape = 1.5 }}\n");
+    let few = rough.replace("100 um^2", "1 um^2");
+    for scene_text in [rough, smooth, soft, skewed, few] {
+        let scene = Scene { replicas: 40, ..Scene::parse(&scene_text).unwrap() };
+        let result = stiction::run(&scene).unwrap();
+        let ensemble = result.ensemble();
+        let largest = ensemble.replicas.iter().map(|replica| replica.pull_off_force).fold(0.0, f64::max);
+        assert!(ensemble.replicas.iter().all(|replica| !replica.pull_off_at_edge), "{scene_text}");
+        let last = *ensemble.curves[3].mean().last().unwrap();
+        assert!(
+            last.abs() < 0.02 * largest,
+            "{scene_text}: {last:e} N pull at the end, {largest:e} N at most"
+        );
+        let folder = Folder::new(&scene_text);
+        let output = folder.stiction(&["check", "scene.toml"]);
+        let output = text(&output.stdout);
+        let warnings = output.lines().filter(|line| line.contains("warning"));
+        assert!(warnings.clone().all(|line| !line.contains("separation")), "{scene_text}{output}");
+    }
+}
+
+/// Elastic loads of Greenwood and Williamson alone reach a preload, as those of contacts that flow do.
+#[test]
+fn the_range_reaches_the_preload() {
+    for preload in ["1 uN", "100 uN", "5 mN"] {
+        let scene = format!(
+            "{SMALLEST}[model]\nhistory = \"loop\"\n[instability]\npreload = \"{preload}\"\n[ensemble]\nreplicas = 8\n"
+        );
+        let folder = Folder::new(&scene);
+        let output = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&output, 0);
+        let output = text(&output.stdout);
+        assert!(output.contains("pull-off") && !output.contains("replicas reach it"), "{preload}: {output}");
+    }
+}
+
+/// The defaults that are listed, written into the scene, give the bits of the scene without them.
+#[test]
+fn listed_defaults_are_what_a_scene_takes() {
+    let folder = Folder::new(SMALLEST);
+    let output = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    let lines: Vec<&str> = output
+        .lines()
+        .skip_while(|line| !line.contains("by default"))
+        .take_while(|line| line.contains(" = "))
+        .map(|line| line.trim().trim_start_matches("by default").trim())
+        .collect();
+    assert!(lines.len() > 10 && lines[0] == "format = 1", "{lines:?}");
+    let whole = format!("{}\n{SMALLEST}", lines.join("\n"));
+    let own = |text: &str| {
+        let mut scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        scene.text.clear();
+        format!("{scene:?}")
+    };
+    // Dotted keys above and tables below name one table, which TOML refuses: all dotted.
+    let mut table = String::new();
+    let dotted: Vec<String> = whole
+        .lines()
+        .filter_map(|line| match line.strip_prefix('[') {
+            Some(name) => {
+                table = format!("{}.", name.trim_end_matches(']'));
+                None
+            }
+            None => Some(format!("{table}{line}")),
+        })
+        .collect();
+    assert_eq!(own(&dotted.join("\n")), own(SMALLEST));
+}

@@ -23,6 +23,7 @@ from .lengths import metres
 
 __all__ = [
     "MOST_PIXELS",
+    "UNEVEN",
     "Raw",
     "from_array",
     "from_data_array",
@@ -48,6 +49,7 @@ _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
 _LARGEST_OF_IMAGES = 1e-5
 _PARK, _NODATA = 50432, 42113
+UNEVEN = "its coordinate {} is not evenly spaced"
 
 
 @dataclass
@@ -56,7 +58,8 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
-    unit belongs to the numbers.
+    unit belongs to the numbers. `uneven` has the names and places, m, of coordinates that are not even, those of
+    the pixel's width under 0 and of its height under 1.
     """
 
     heights: Any
@@ -66,6 +69,7 @@ class Raw:
     assumed: str | None = None
     unsaid: str = ""
     fixed: bool = False
+    uneven: dict[int, tuple[str, Any]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
 
@@ -245,7 +249,7 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         decode_times=False,
         drop_variables=others,
     ) as opened:
-        raw = from_data_array(name, _placed(opened, leaf), None)
+        raw = from_data_array(name, _placed(opened, leaf))
     raw.channel = name
     return raw
 
@@ -292,7 +296,7 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
             "variable",
         )
         _within(opened[name].shape)
-        raw = from_data_array(name, _placed(opened, name), None)
+        raw = from_data_array(name, _placed(opened, name))
     raw.channel = name
     return raw
 
@@ -323,13 +327,13 @@ def _unit(attrs: Any) -> str | None:
     return None
 
 
-def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) -> Raw:
-    """A map whose coordinates say where its pixels are; `plain_unit` is the unit of coordinates without one.
+def from_data_array(name: str, array: xarray.DataArray) -> Raw:
+    """A map whose coordinates with units say where its pixels are.
 
     Raises
     ------
     SceneError
-        It has no two dimensions, or coordinates that are not even.
+        It has no two dimensions, or coordinates without units that are not even.
     """
     array = array.squeeze()
     if array.ndim == 2 and set(array.dims) == {"x", "y"}:
@@ -339,32 +343,35 @@ def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) 
     raw.unit = raw.unit or _unit(array.attrs)
     if array.ndim != 2:
         return raw
-    sizes = []
+    sizes: list[float] = []
     for dim in reversed(array.dims):
         coordinate = array.coords.get(dim)
         if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
             return raw
-        unit = _unit(coordinate.attrs)
-        step = _step(name, str(dim), coordinate.values.astype(float))
-        if unit is None and (plain_unit is None or step == 1.0):
-            raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units" if step != 1.0 else ""
-            return raw
-        scale = metres(unit or plain_unit or "")
+        unit, places = _unit(coordinate.attrs), coordinate.values.astype(float)
+        scale, is_even = metres(unit or ""), _is_even(places)
+        step = abs(places[-1] - places[0]) / (places.size - 1)
         if scale is None:
-            raw.unsaid = f"its coordinate {dim} is in {unit}"
+            if not is_even:
+                raise SceneError(f"{name}: {UNEVEN.format(dim)}")
+            if unit is not None:
+                raw.unsaid = f"its coordinate {dim} is in {unit}"
+            elif step != 1.0:
+                raw.unsaid = f'its coordinate {dim} has steps of {step:g}, but no attribute units such as "m"'
             return raw
+        if not is_even:
+            raw.uneven[len(sizes)] = (str(dim), scale * places)
         sizes.append(step * scale)
     raw.pixel = (sizes[0], sizes[1])
     return raw
 
 
-def _step(name: str, dim: str, places: Any) -> float:
-    """The distance of places that are even but for their rounding."""
+def _is_even(places: Any) -> bool:
+    """Whether places rise or fall evenly, but for the rounding of single precision."""
     steps = np.diff(places)
     mean = float(np.mean(steps))
-    if not np.all(np.isfinite(steps)) or mean == 0.0 or not np.allclose(steps, mean, rtol=1e-3, atol=0.0):
-        raise SceneError(f"{name}: its coordinate {dim} is not evenly spaced")
-    return abs(mean)
+    rounding = min(float(np.finfo("f4").eps * np.abs(places).max()), 0.5 * abs(mean))
+    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= max(1e-3 * abs(mean), rounding)))
 
 
 def from_pint(name: str, values: Any) -> Raw:

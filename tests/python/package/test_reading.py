@@ -692,10 +692,53 @@ def test_arrays_of_xarray_say_what_they_are():
     # Numbers of pixels are no places.
     with pytest.raises(SceneError, match="pixel: an array does not say how large"):
         read_map(z.assign_coords(x=np.arange(9), y=np.arange(9)))
-    metres = z.assign_coords(x=PIXEL * np.arange(9), y=PIXEL * np.arange(9))
-    assert_summit(metres)
+    with pytest.raises(SceneError, match=r"how large its pixels are; give"):
+        read_map(z.assign_coords(x=np.arange(9.0), y=np.arange(9.0)))
+
+
+def test_coordinates_without_units_have_none(tmp_path):
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    bare = z.assign_coords(x=10.0 * np.arange(9), y=10.0 * np.arange(9))
+    bare.to_netcdf(tmp_path / "scan.nc")
+    for source in (bare, bare.to_dataset(), tmp_path / "scan.nc"):
+        with pytest.raises(SceneError, match=r'x has steps of 10, but no attribute units such as "m"\); give pixel='):
+            read_map(source)
+        assert_summit(source, pixel="10 nm")
+    for axis in "xy":
+        bare[axis] = bare[axis] / 1e9
+        bare[axis].attrs["units"] = "m"
+    assert_summit(bare)
     with pytest.raises(SceneError, match="coordinate x is not evenly spaced"):
-        read_map(metres.assign_coords(x=PIXEL * np.arange(9) ** 2))
+        read_map(z.assign_coords(x=np.arange(9) ** 2, y=np.arange(9)), pixel=PIXEL)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e3, -1e3])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_coordinates_in_single_precision_are_even(tmp_path, start, sign):
+    """At 1000 um they are rounded to 0.06 nm, a hundredth of a pixel."""
+    places = (start + sign * 0.01 * np.arange(9)).astype("f4")
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    z = z.assign_coords({axis: (axis, places, {"units": "um"}) for axis in "xy"})
+    z.to_netcdf(tmp_path / "scan.nc")
+    for source in (z, tmp_path / "scan.nc"):
+        assert read_map(source).pixel == pytest.approx((PIXEL, PIXEL), rel=1e-2)
+        assert_summit(source, pixel="10 nm")
+
+
+def test_coordinates_that_agree_with_the_pixel_are_taken():
+    """A stage that is off by less than half a pixel; a line that is left out is more."""
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    off = np.arange(9) + 0.4 * (np.arange(9) % 2)
+    lost = np.delete(np.arange(10.0), 5)
+    for places, agree in ((off, True), (off[::-1], True), (lost, False), (np.arange(9.0) ** 2, False)):
+        uneven = z.assign_coords(x=("x", 10.0 * places, {"units": "nm"}), y=("y", 10.0 * np.arange(9), {"units": "nm"}))
+        with pytest.raises(SceneError, match=r"^map: its coordinate x is not evenly spaced"):
+            read_map(uneven)
+        if agree:
+            assert_summit(uneven, pixel="10 nm")
+        else:
+            with pytest.raises(SceneError, match="its coordinate x is not evenly spaced"):
+                read_map(uneven, pixel="10 nm")
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
+import importlib
 import re
 import shutil
 import zipfile
@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 import h5py
 import numpy as np
 import xarray
+from scipy import io
 
 from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
@@ -44,6 +45,9 @@ _TEXT_OF_INSTRUMENTS = re.compile(
 _WITHOUT_MARK = {"hgt", "nms"}
 # Files that are texts, and nothing else.
 _TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
+_WORKBOOKS = {".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"}
+# What unpacks files with these first bytes.
+_PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bz2", b"\xfd7zXZ": "lzma"}
 # Characters in which the beginnings of files stand.
 _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
@@ -58,8 +62,8 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
-    unit belongs to the numbers. `uneven` has the names and places, m, of coordinates that are not even, those of
-    the pixel's width under 0 and of its height under 1.
+    unit belongs to the numbers. `uneven` has names and places, m, of coordinates that are not even: under 0 of
+    those along the width of a pixel, under 1 along its height.
     """
 
     heights: Any
@@ -82,7 +86,7 @@ def from_path(path: Path, channel: str | None) -> Raw:
         It cannot be read, or has several maps of which none is named; the message begins with the path.
     """
     if not path.is_file():
-        raise SceneError(f"{path}: no such file")
+        raise SceneError(f"{path}: {'is a folder; name a file in it' if path.is_dir() else 'no such file'}")
     with _blamed(path), _unpacked(path) as plain:
         with plain.open("rb") as file:
             beginning = file.read(_BEGINNING)
@@ -94,12 +98,19 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
     suffix = path.suffix.lower()
     if not beginning:
         raise SceneError("is empty")
+    if what := tables.no_numbers(beginning):
+        raise SceneError(what)
+    if suffix in _WORKBOOKS and beginning.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
+        raise SceneError("is a workbook; save the sheet as CSV")
     if beginning.startswith(b"\x93NUMPY"):
         return _numpy_array
     if suffix == ".npz":
         return _numpy_archive
-    if beginning.startswith(b"\x89HDF\r\n\x1a\n") and suffix != ".datx":
+    if h5py.is_hdf5(path) and suffix != ".datx":
         return _hdf5
+    # Version 4 has no mark: it begins with a small number of four bytes.
+    if beginning.startswith(b"MATLAB 5.0") or (suffix == ".mat" and 0 in beginning[:4]):
+        return _matlab
     if beginning.startswith(b"CDF"):
         return _netcdf3
     if beginning[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+") and suffix in (".tif", ".tiff"):
@@ -124,14 +135,15 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
-    """The file itself, or what a gzip or zip file has inside, in a folder of its own."""
+    """The file itself, or what a packed file has inside, in a folder of its own."""
     with path.open("rb") as file:
-        beginning = file.read(4)
-    if beginning.startswith(b"\x1f\x8b"):
-        inside = path.stem if path.suffix.lower() == ".gz" else path.name
-        with files.Folder() as folder, gzip.open(path, "rb") as packed:
+        beginning = file.read(6)
+    packer = next((name for mark, name in _PACKED.items() if beginning.startswith(mark)), None)
+    if packer is not None:
+        inside = path.stem if path.suffix.lower() in (".gz", ".bz2", ".xz") else path.name
+        with files.Folder() as folder, importlib.import_module(packer).open(path, "rb") as packed:
             yield _copied(packed, folder / inside)
-    elif beginning == b"PK\x03\x04" and path.suffix.lower() == ".zip":
+    elif beginning[:4] == b"PK\x03\x04" and path.suffix.lower() == ".zip":
         with files.Folder() as folder, zipfile.ZipFile(path) as archive:
             names = [
                 info for info in archive.infolist() if not info.is_dir() and "__MACOSX" not in info.filename
@@ -180,10 +192,45 @@ def _numpy_array(path: Path, channel: str | None) -> Raw:
 
 def _numpy_archive(path: Path, channel: str | None) -> Raw:
     with np.load(path, allow_pickle=False) as archive:
-        name = named(channel, archive.files, "array")
-        raw = from_array(f"its array {name}", archive[name])
+        return _one_of(channel, _shapes(archive), archive.__getitem__)
+
+
+def _shapes(archive: Any) -> dict[str, tuple[int, ...]]:
+    """The shapes of the arrays of an archive of NumPy, by their names."""
+    shapes = {}
+    for name in (name for name in archive.files if f"{name}.npy" in archive.zip.namelist()):
+        with archive.zip.open(f"{name}.npy") as file:
+            version = np.lib.format.read_magic(file)
+            of = np.lib.format
+            header = of.read_array_header_1_0 if version == (1, 0) else of.read_array_header_2_0
+            shapes[name] = header(file)[0]
+    return shapes
+
+
+def _matlab(path: Path, channel: str | None) -> Raw:
+    """A variable of MATLAB, up to version 7.2; later ones are in HDF5."""
+    number = re.compile(r"double|single|logical|u?int\d+")
+    shapes = {name: shape for name, shape, kind in io.whosmat(path) if number.fullmatch(kind)}
+    return _one_of(channel, shapes, lambda name: io.loadmat(path, variable_names=[name])[name])
+
+
+def _one_of(channel: str | None, shapes: dict[str, tuple[int, ...]], load: Callable[[str], Any]) -> Raw:
+    """The array of a name or number, or the only one of two dimensions, of arrays of some shapes."""
+    maps = [name for name, shape in shapes.items() if _has_two(shape)] or list(shapes)
+    name = channel if channel in shapes else named(channel, maps, "array")
+    _within(shapes[name])
+    raw = from_array(f"its array {name}", load(name))
     raw.channel = name
+    others = ", ".join(other for other in shapes if other != name)
+    if channel is None and others:
+        raw.warnings.append(f"of its arrays {name} is read; there are {others}, too")
+        raw.unsaid = f"its arrays {others} have no units"
     return raw
+
+
+def _has_two(shape: tuple[int, ...]) -> bool:
+    """Whether a shape has two dimensions, but for ones of length 1."""
+    return sum(length > 1 for length in shape) == 2
 
 
 def _no_channel(channel: str | None) -> None:
@@ -270,7 +317,7 @@ def _dataset(file: h5py.File, channel: str | None) -> str:
 def _is_map(item: Any) -> bool:
     if not isinstance(item, h5py.Dataset) or item.shape is None:
         return False
-    return sum(length > 1 for length in item.shape) == 2 and item.dtype.kind in "iuf"
+    return _has_two(item.shape) and item.dtype.kind in "iuf"
 
 
 def _is_coordinate(path: Path, group: h5py.Group, name: str) -> bool:
@@ -302,8 +349,13 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
 
 
 def _placed(opened: xarray.Dataset, name: str) -> xarray.DataArray:
-    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides."""
+    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides.
+
+    MATLAB has its columns first in HDF5.
+    """
     array = opened[name].load().squeeze()
+    if "MATLAB_class" in array.attrs:
+        array = array.transpose()
     x, y = (opened.variables.get(axis) for axis in "xy")
     if x is None or y is None or array.ndim != 2 or any(dim in array.coords for dim in array.dims):
         return array

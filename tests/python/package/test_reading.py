@@ -1,7 +1,9 @@
 """Height maps as other programs write them: one summit of a known radius, whatever it comes in."""
 
+import bz2
 import gzip
 import io
+import lzma
 import warnings
 import zipfile
 
@@ -9,13 +11,16 @@ import h5py
 import netCDF4
 import numpy as np
 import pandas as pd
+import PIL.Image
 import pint
 import pytest
+import scipy.io
 import tifffile
 import xarray
 
 import stiction
 from stiction import SceneError
+from stiction.errors import FileError
 from stiction.maps import lengths
 from stiction.maps.reading import read_map
 
@@ -365,9 +370,66 @@ def test_packed_files_are_unpacked(tmp_path):
         SceneError, match=r"two\.zip: holds 2 files, of which one has to be unpacked: a\.txt, b\.txt"
     ):
         read_map(tmp_path / "two.zip")
+    for suffix, packed in (("bz2", bz2.compress(text)), ("xz", lzma.compress(text))):
+        (tmp_path / f"scan.txt.{suffix}").write_bytes(packed)
+        assert_summit(tmp_path / f"scan.txt.{suffix}")
     (tmp_path / "cut.txt.gz").write_bytes(gzip.compress(text)[:-20])
     with pytest.raises(SceneError, match=r"cut\.txt\.gz: is damaged"):
         read_map(tmp_path / "cut.txt.gz")
+
+
+LFS = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+
+
+def picture(form):
+    """A picture as Pillow writes it."""
+    file = io.BytesIO()
+    PIL.Image.fromarray(np.rint(40 * (Z + 5)).astype("u1")).save(file, form)
+    return file.getvalue()
+
+
+def workbook():
+    """A sheet of Office Open XML is a zip file."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("xl/worksheets/sheet1.xml", "<worksheet/>")
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("scan.xlsx", workbook, "is a workbook; save the sheet as CSV"),
+        ("scan.xls", lambda: b"\xd0\xcf\x11\xe0" + bytes(60), "is a workbook; save the sheet as CSV"),
+        ("scan.jpg", lambda: picture("JPEG"), "is a picture: colours are no heights"),
+        ("scan.png", lambda: picture("PNG"), "is a picture: colours are no heights"),
+        ("scan.bmp", lambda: picture("BMP"), "is a picture: colours are no heights"),
+        ("scan.txt", lambda: LFS.encode(), "is a pointer of Git LFS, not the file; run `git lfs pull`"),
+        ("scan.npy", lambda: LFS.encode(), "is a pointer of Git LFS"),
+    ],
+)
+def test_files_that_are_no_maps_are_known(tmp_path, name, content, said):
+    with pytest.raises(SceneError) as error:
+        read_map(written(tmp_path, content(), name), **GIVEN)
+    assert str(error.value).startswith(f"{tmp_path / name}: {said}") and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("content", [LFS.encode(), picture("PNG"), picture("JPEG")])
+def test_a_table_is_no_picture_and_no_pointer(tmp_path, content):
+    path = written(tmp_path, content)
+    with pytest.raises(FileError, match=r"is a picture: colours|is a pointer of Git LFS"):
+        stiction.read_table(path)
+
+
+def test_a_folder_is_no_map(tmp_path):
+    for path, said in ((tmp_path, "is a folder; name a file in it"), (tmp_path / "none", "no such file")):
+        with pytest.raises(SceneError, match=f": {said}$"):
+            read_map(path)
+
+
+def test_a_text_of_a_spreadsheets_name_is_read(tmp_path):
+    """LabVIEW writes texts with the ending .xls."""
+    assert_summit(written(tmp_path, rows(), "scan.xls"), **GIVEN)
 
 
 # NumPy, HDF5 and netCDF.
@@ -383,6 +445,80 @@ def test_archives_of_numpy_have_names(tmp_path):
     np.save(tmp_path / "objects.npy", np.array([{}, {}]), allow_pickle=True)
     with pytest.raises(SceneError, match=r"objects\.npy: .*[Oo]bject"):
         read_map(tmp_path / "objects.npy", **GIVEN)
+
+
+def test_what_is_beside_the_one_map_of_an_archive_is_said(tmp_path):
+    path = tmp_path / "scan.npz"
+    np.savez(path, x=np.arange(9.0), y=np.arange(9.0), z=Z, pixel=np.array(10.0), note=np.array("none"))
+    assert_summit(path, **GIVEN)
+    read = read_map(path, **GIVEN)
+    assert read.channel == "z"
+    assert read.warnings == ["of its arrays z is read; there are x, y, pixel, note, too"]
+    with pytest.raises(SceneError, match=r"its pixels are \(its arrays x, y, pixel, note have no units\); give pixel="):
+        read_map(path, height_unit="nm")
+    for channel in ("z", 0):
+        assert read_map(path, channel=channel, **GIVEN).warnings == []
+    with pytest.raises(SceneError, match="a line scan has a spectrum"):
+        read_map(path, channel="x", **GIVEN)
+    with pytest.raises(SceneError, match="has no array w; it has 0: z"):
+        read_map(path, channel="w", **GIVEN)
+    np.savez(path, x=np.arange(9.0), z=Z, phase=Z)
+    with pytest.raises(SceneError, match="has 2 arrays that may be maps; name the channel, one of 0: z, 1: phase"):
+        read_map(path, **GIVEN)
+
+
+def test_an_archive_is_not_read_where_it_is_too_large(tmp_path):
+    path = tmp_path / "scan.npz"
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 20, 1 << 20)})
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("z.npy", header.getvalue())
+    with pytest.raises(SceneError, match=r"scan\.npz: has 1048576 x 1048576 pixels"):
+        read_map(path, **GIVEN)
+
+
+def in_hdf5(path, variables):
+    """Variables as MATLAB 7.3 writes them: columns first, behind 512 bytes of its own."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in variables.items():
+            file[name] = values.T
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+MATLABS = {
+    "5": scipy.io.savemat,
+    "compressed": lambda path, variables: scipy.io.savemat(path, variables, do_compression=True),
+    "4": lambda path, variables: scipy.io.savemat(path, variables, format="4"),
+    "7.3": in_hdf5,
+}
+
+
+@pytest.mark.parametrize("version", MATLABS)
+def test_rows_of_matlab_go_along_y(tmp_path, version):
+    path = tmp_path / "scan.mat"
+    MATLABS[version](path, {"z": ROUGH, "x": np.arange(10.0).reshape(1, -1)})
+    read = read_map(path, **GIVEN)
+    assert read.heights.shape == (12, 10) and read.channel == "z"
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH, rtol=1e-15)
+    MATLABS[version](path, {"z": Z})
+    assert_summit(path, **GIVEN)
+    MATLABS[version](path, {"z": Z, "phase": ROUGH})
+    with pytest.raises(SceneError, match="that may be maps; name the channel, one of 0: "):
+        read_map(path, **GIVEN)
+    assert_summit(path, channel="z", **GIVEN)
+
+
+def test_variables_of_matlab_that_are_no_maps_are_left_out(tmp_path):
+    path = tmp_path / "scan.mat"
+    scipy.io.savemat(path, {"z": Z, "note": "nm", "info": {"a": 1.0}, "cells": np.array([[1, "a"]] * 2, dtype=object)})
+    assert_summit(path, **GIVEN)
+    scipy.io.savemat(path, {"note": "nm"})
+    with pytest.raises(SceneError, match=r"scan\.mat: has no array of two dimensions that holds numbers"):
+        read_map(path, **GIVEN)
+    (tmp_path / "text.mat").write_text(rows())
+    assert_summit(tmp_path / "text.mat", **GIVEN)
 
 
 def nc(tmp_path, z=Z, attrs=None, coordinates=True, writer="NETCDF4", dtype="f8"):
@@ -849,7 +985,7 @@ def test_names_and_sources(tmp_path):
         ("scan.tif", b"II*\0" + bytes(5), "is damaged"),
         ("scan.npz", b"PK\x03\x04", "is damaged"),
         ("scan.zip", b"PK\x03\x04", "is damaged"),
-        ("scan.xlsx", b"PK\x03\x04" + bytes(4), "SurfaceTopography cannot read it: none of its formats"),
+        ("scan.doc", b"PK\x03\x04" + bytes(4), "SurfaceTopography cannot read it: none of its formats"),
         ("scan.nid", bytes(range(256)), "SurfaceTopography cannot read it: none of its formats"),
     ],
 )

@@ -393,6 +393,9 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     magnitudes = array.data if quantities.is_pint(array.data) else None
     raw = from_pint(name, magnitudes) if magnitudes is not None else from_array(name, array.values)
     raw.unit = raw.unit or _unit(array.attrs)
+    for limit, sign in zip(_limits(array.attrs), (1.0, -1.0), strict=True):
+        if limit is not None and "dtype" in array.encoding:
+            raw.heights = np.where(_is_below(sign, raw.heights, limit, array.encoding), np.nan, raw.heights)
     if array.ndim != 2:
         return raw
     sizes: list[float] = []
@@ -416,6 +419,35 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
         sizes.append(step * scale)
     raw.pixel = (sizes[0], sizes[1])
     return raw
+
+
+def _limits(attrs: Any) -> tuple[Any, Any]:
+    """The least and the largest valid number by the attributes of CF, NumPy's; None where none is said."""
+    of_range = np.ravel(attrs.get("valid_range", ()))
+    given = of_range if of_range.size == 2 else [attrs.get(f"valid_{which}") for which in ("min", "max")]
+    low, high = (np.ravel(one)[0] if np.asarray(one).dtype.kind in "iuf" else None for one in given)
+    return low, high
+
+
+def _is_below(sign: float, values: Any, limit: Any, encoding: Any) -> Any:
+    """Where values of a file are below a limit of CF, or above it for a sign of −1.
+
+    A limit is of numbers as they are stored, but one with a point for whole numbers is of scaled ones.
+    """
+    stored = np.dtype(encoding["dtype"])
+    scale, offset = (
+        float(np.ravel(encoding.get(name, default))[0])
+        for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
+    )
+    if str(encoding.get("_Unsigned")).lower() == "true" and limit.dtype.kind == "i":
+        limit = limit.astype(f"i{stored.itemsize}").view(f"u{stored.itemsize}")
+    is_scaled = stored.kind in "iu" and limit.dtype.kind == "f"
+    bound = float(limit) if is_scaled else offset + scale * float(limit)
+    if scale < 0.0 and not is_scaled:
+        sign = -sign
+    # Less than a step, and more than the rounding of scaling.
+    margin = 0.01 * abs(scale) if stored.kind in "iu" else 1e-6 * abs(bound - offset)
+    return sign * (values - bound) < -margin
 
 
 def _is_even(places: Any) -> bool:

@@ -572,6 +572,53 @@ def test_scale_and_offset_of_cf_are_applied(tmp_path, writer):
     )
 
 
+FLOATS = [{"valid_min": -3.0}, {"valid_range": [-3.0, 5.0]}, {"valid_range": [-3.0, 5.0], "valid_min": 2.0}]
+SCALED = {"scale_factor": 0.25, "add_offset": 3.0}
+WHOLE = [
+    {"valid_min": np.int16(-24), **SCALED},
+    {"valid_range": np.array([-24, 8], dtype="i2"), **SCALED},
+    {"valid_min": -3.0, "valid_max": 5.0, **SCALED},
+    {"valid_max": np.int16(24), "scale_factor": -0.25, "add_offset": 3.0},
+    {"valid_range": [-3.0, 5.0], "scale_factor": -0.25, "add_offset": 3.0},
+]
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+@pytest.mark.parametrize("limits", FLOATS)
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+def test_what_is_beyond_the_limits_of_cf_is_missing(tmp_path, writer, limits, dtype):
+    z = Z.copy()
+    z[0, 0] = -3.25
+    path = nc(tmp_path, z, limits, writer=writer, dtype=dtype)
+    assert_summit(path, missing=1)
+    with xarray.open_dataset(path, engine="h5netcdf" if writer != WRITERS[1] else "scipy") as opened:
+        assert_summit(opened, missing=1)
+        assert opened.z.values[0, 0] == -3.25
+    assert_summit(nc(tmp_path, Z, {"valid_max": "none", "valid_range": [-9.0]}, writer=writer, dtype=dtype))
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+@pytest.mark.parametrize("limits", WHOLE)
+def test_limits_of_cf_are_of_numbers_as_they_are_stored(tmp_path, writer, limits):
+    """The largest is 5 nm, and the least of the others -3 nm; limits of floats are of scaled numbers."""
+    packed = np.rint((Z - 3) / limits["scale_factor"])
+    packed[0, 0] = np.sign(limits["scale_factor"]) * -25
+    assert_summit(nc(tmp_path, packed, limits, writer=writer, dtype="i2"), missing=1)
+
+
+@pytest.mark.parametrize("writer", WRITERS[:2])
+def test_limits_of_unsigned_numbers_are_unsigned(tmp_path, writer):
+    packed = np.rint(40 * (Z + 3)).astype("i2")
+    packed[0, 0] = 251
+    limits = {"valid_range": np.array([0, -6], dtype="i1"), "_Unsigned": "true"}
+    attrs = {"scale_factor": 0.025, "add_offset": -3.0, **limits}
+    packed = np.minimum(packed, 250 + (packed == 251)).astype("u1").view("i1")
+    path = nc(tmp_path, packed, attrs, writer=writer, dtype="i1")
+    read = read_map(path)
+    assert np.argwhere(np.isnan(read.heights)).tolist() == [[0, 0]]
+    assert np.nanmax(read.heights) == pytest.approx(1e-9 * (250 * 0.025 - 3.0))
+
+
 UNITS_OF_WRITERS = ["nm", np.bytes_("nm"), np.array([b"nm"]), np.array("nm", dtype=h5py.string_dtype()),
                     np.array(["nm"], dtype=h5py.string_dtype()), "nanometer", "Nanometers", np.array(b"nm", "S8")]  # fmt: skip
 

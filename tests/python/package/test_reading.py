@@ -21,7 +21,7 @@ import xarray
 import stiction
 from stiction import SceneError
 from stiction.errors import FileError
-from stiction.maps import lengths
+from stiction.maps import lengths, surface
 from stiction.maps.reading import read_map
 
 # z(i, j) = 5 - ((i - 4)^2 + (j - 4)^2)/4 in nm on pixels of 10 nm: one summit, 1/R = 0.5 nm/(10 nm)^2.
@@ -757,6 +757,18 @@ def test_other_units_are_none_of_length(name):
     assert lengths.metres(name) is None
     with pytest.raises(SceneError, match=r"height_unit = .*: a unit of length is needed"):
         read_map(Z, pixel=PIXEL, height_unit=name)
+
+
+def test_lengths_of_steps_have_many_names_too():
+    for name in ("nm", "nanometers", "\u00c5ngstr\u00f6m", "\u03bcm", "~m"):
+        steps = surface.steps_of(
+            "plane", None, smooth=f"2.5e2 {name}", prominence=f"\u22120 {name}", min_distance="1e-1um", cutoffs=None
+        )
+        assert steps.smooth == pytest.approx(250 * lengths.metres(name), rel=1e-15)
+        assert (steps.prominence, steps.min_distance) == (0.0, 1e-7)
+    for smooth in ("250", "250 V", "1e999 nm", "2,5 nm", [1, 2], np.nan, 3 * UNITS.volt):
+        with pytest.raises(SceneError, match=r"^smooth = "):
+            surface.steps_of("plane", None, smooth=smooth, prominence=None, min_distance=None, cutoffs=None)
 
 
 NM = UNITS.nanometer

@@ -62,8 +62,8 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` what is known of a pixel instead, and `fixed` that the
-    unit belongs to the numbers. `uneven` has names and places, m, of coordinates that are not even: under 0 of
-    those along the width of a pixel, under 1 along its height.
+    unit belongs to the numbers. `uneven` has names and places, m, of coordinates that are not even: under 0
+    of those along the width of a pixel, under 1 along its height.
     """
 
     heights: Any

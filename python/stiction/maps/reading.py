@@ -78,8 +78,8 @@ def read_map(
     ----------
     source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
         Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
-        MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by gzip,
-        bz2 or xz, or alone in a zip file. NaN and masked heights are missing.
+        MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by
+        gzip, bz2 or xz, or alone in a zip file. NaN and masked heights are missing.
     pixel : float, str, pint.Quantity, or one or two of them, optional
         Width, or width and height, of a pixel: numbers in m, texts with a unit. Needed where `source` does not
         say it.

@@ -25,6 +25,7 @@ __all__ = [
     "plain_unit",
     "reals",
     "si",
+    "split",
     "unit",
     "with_error",
 ]
@@ -287,6 +288,18 @@ def as_text(value: Any, unit: str) -> str:
     return f"{float(value)!r} {unit}"
 
 
+def split(text: str) -> tuple[str, str]:
+    """The decimal number that a text begins with, and the unit behind it; two empty texts where it is none.
+
+    Examples
+    --------
+    >>> split("9.8 nm"), split("1e3"), split("nm")
+    (('9.8', 'nm'), ('1e3', ''), ('', ''))
+    """
+    found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", text.strip().replace("\u2212", "-"))
+    return ("", "") if found is None else (found[1], found[4] or "")
+
+
 def parsed(name: str, value: Any) -> tuple[float, str]:
     """A quantity of a scene as a number in SI units, and that unit; ``1`` where it has none.
 
@@ -309,19 +322,18 @@ def parsed(name: str, value: Any) -> tuple[float, str]:
     >>> parsed("humidity", "45 %"), parsed("temperature", "20 degC")
     ((0.45, '1'), (293.15, 'K'))
     """
-    text = (pint_text(value) if is_pint(value) else str(value)).strip().replace("\u2212", "-")
-    found = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", text)
-    if found is None or isinstance(value, bool):
+    number, written = split(pint_text(value) if is_pint(value) else str(value))
+    if not number or isinstance(value, bool):
         raise ValueError(
             f'{name} = {value!r}: a number is needed, with its unit if it has one, such as "20 nm"'
         )
-    if re.match(r"\s*,\s*[0-9]", found[4] or ""):
+    if re.match(r"\s*,\s*[0-9]", written):
         raise ValueError(
             f"{name} = {value!r}: has a decimal comma; a point is needed, and nothing between thousands"
         )
     try:
-        of = unit(found[4] or "")
-        return of.value(found[1]), of.si
+        of = unit(written)
+        return of.value(number), of.si
     except ValueError as error:
         raise ValueError(f"{name} = {value!r}: {error}") from None
 

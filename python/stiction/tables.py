@@ -18,7 +18,7 @@ import xarray
 from . import quantities
 from .errors import FileError
 
-__all__ = ["Column", "Table", "decoded", "meant", "read", "read_table"]
+__all__ = ["Column", "Table", "decoded", "meant", "no_numbers", "read", "read_table"]
 
 Name = str | os.PathLike[str]
 
@@ -29,6 +29,7 @@ _NO_TEXTS = {
     b"\x89HDF": "is an HDF5 file, not a table",
     b"\x1f\x8b": "is compressed; unpack it",
 }
+_PICTURE = re.compile(rb"\x89PNG|\xff\xd8\xff|GIF8[79]a|BM.{4}\0{4}", re.DOTALL)
 # Characters that no text has.
 _CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
 # What people write where nothing was measured, in small letters.
@@ -260,13 +261,22 @@ def _text(path: Name) -> str:
         raise FileError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
         raise FileError(f"{path}: cannot be read: {error}") from None
-    for beginning, what in _NO_TEXTS.items():
-        if content.startswith(beginning):
-            raise FileError(f"{path}: {what}")
+    what = no_numbers(content) or next((of for mark, of in _NO_TEXTS.items() if content.startswith(mark)), "")
+    if what:
+        raise FileError(f"{path}: {what}")
     text = decoded(content)
     if text is None:
         raise FileError(f"{path}: cannot be read as text in UTF-8, UTF-16 or Windows-1252")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def no_numbers(beginning: bytes) -> str:
+    """What a file with these first bytes is, where neither a table nor a map may be in it; or nothing."""
+    if _PICTURE.match(beginning):
+        return "is a picture: colours are no heights and no measured numbers; export these as a text"
+    if beginning.startswith(b"version https://git-lfs"):
+        return "is a pointer of Git LFS, not the file; run `git lfs pull`"
+    return ""
 
 
 def decoded(data: bytes, *, any_bytes: bool = False) -> str | None:

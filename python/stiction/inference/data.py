@@ -164,14 +164,19 @@ def first_conditions(path: str | Path) -> dict[str, Any]:
         As `read`, for what is no table.
     """
     columns = tables.read(path).columns
-    return {column.name: _condition(column, 0) for column in columns if "." in column.name}
+    return {column.name: _condition(column, 0) for column in columns if _is_key(column.name)}
+
+
+def _is_key(name: str) -> bool:
+    """Whether a column is named by a key of scenes; ``x.1`` is what pandas calls a second column ``x``."""
+    return "." in name and not name.rpartition(".")[2].isdecimal()
 
 
 def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
     roles = _Roles()
     for column in table.columns:
         name = column.name
-        if "." in name:
+        if _is_key(name):
             roles.conditions.append(column)
         elif known is not None and name in known:
             roles.outcomes[name] = column

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
+import importlib
 import re
 import shutil
 import zipfile
@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 import h5py
 import numpy as np
 import xarray
+from scipy import io
 
 from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
@@ -24,6 +25,7 @@ from .lengths import metres
 
 __all__ = [
     "MOST_PIXELS",
+    "UNEVEN",
     "Raw",
     "from_array",
     "from_data_array",
@@ -43,11 +45,15 @@ _TEXT_OF_INSTRUMENTS = re.compile(
 _WITHOUT_MARK = {"hgt", "nms"}
 # Files that are texts, and nothing else.
 _TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
+_WORKBOOKS = {".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"}
+# What unpacks files with these first bytes.
+_PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bz2", b"\xfd7zXZ": "lzma"}
 # Characters in which the beginnings of files stand.
 _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
 _LARGEST_OF_IMAGES = 1e-5
 _PARK, _NODATA = 50432, 42113
+UNEVEN = "its coordinate {} is not evenly spaced"
 
 
 @dataclass
@@ -56,7 +62,8 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
-    be wrong, and `fixed` that the unit belongs to the numbers.
+    be wrong, and `fixed` that the unit belongs to the numbers. `uneven` has names and places, m, of coordinates that
+    are not even: under 0 of those along the width of a pixel, under 1 along its height.
     """
 
     heights: Any
@@ -67,6 +74,7 @@ class Raw:
     unsaid: str = ""
     doubt: str = ""
     fixed: bool = False
+    uneven: dict[int, tuple[str, Any]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
 
@@ -79,7 +87,7 @@ def from_path(path: Path, channel: str | None) -> Raw:
         It cannot be read, or has several maps of which none is named; the message begins with the path.
     """
     if not path.is_file():
-        raise SceneError(f"{path}: no such file")
+        raise SceneError(f"{path}: {'is a folder; name a file in it' if path.is_dir() else 'no such file'}")
     with _blamed(path), _unpacked(path) as plain:
         with plain.open("rb") as file:
             beginning = file.read(_BEGINNING)
@@ -91,12 +99,19 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
     suffix = path.suffix.lower()
     if not beginning:
         raise SceneError("is empty")
+    if what := tables.no_numbers(beginning):
+        raise SceneError(what)
+    if suffix in _WORKBOOKS and beginning.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
+        raise SceneError("is a workbook; save the sheet as CSV")
     if beginning.startswith(b"\x93NUMPY"):
         return _numpy_array
     if suffix == ".npz":
         return _numpy_archive
-    if beginning.startswith(b"\x89HDF\r\n\x1a\n") and suffix != ".datx":
+    if h5py.is_hdf5(path) and suffix != ".datx":
         return _hdf5
+    # Version 4 has no mark: it begins with a small number of four bytes.
+    if beginning.startswith(b"MATLAB 5.0") or (suffix == ".mat" and 0 in beginning[:4]):
+        return _matlab
     if beginning.startswith(b"CDF"):
         return _netcdf3
     if beginning[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+") and suffix in (".tif", ".tiff"):
@@ -121,14 +136,15 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
-    """The file itself, or what a gzip or zip file has inside, in a folder of its own."""
+    """The file itself, or what a packed file has inside, in a folder of its own."""
     with path.open("rb") as file:
-        beginning = file.read(4)
-    if beginning.startswith(b"\x1f\x8b"):
-        inside = path.stem if path.suffix.lower() == ".gz" else path.name
-        with files.Folder() as folder, gzip.open(path, "rb") as packed:
+        beginning = file.read(6)
+    packer = next((name for mark, name in _PACKED.items() if beginning.startswith(mark)), None)
+    if packer is not None:
+        inside = path.stem if path.suffix.lower() in (".gz", ".bz2", ".xz") else path.name
+        with files.Folder() as folder, importlib.import_module(packer).open(path, "rb") as packed:
             yield _copied(packed, folder / inside)
-    elif beginning == b"PK\x03\x04" and path.suffix.lower() == ".zip":
+    elif beginning[:4] == b"PK\x03\x04" and path.suffix.lower() == ".zip":
         with files.Folder() as folder, zipfile.ZipFile(path) as archive:
             names = [
                 info for info in archive.infolist() if not info.is_dir() and "__MACOSX" not in info.filename
@@ -177,10 +193,45 @@ def _numpy_array(path: Path, channel: str | None) -> Raw:
 
 def _numpy_archive(path: Path, channel: str | None) -> Raw:
     with np.load(path, allow_pickle=False) as archive:
-        name = named(channel, archive.files, "array")
-        raw = from_array(f"its array {name}", archive[name])
+        return _one_of(channel, _shapes(archive), archive.__getitem__)
+
+
+def _shapes(archive: Any) -> dict[str, tuple[int, ...]]:
+    """The shapes of the arrays of an archive of NumPy, by their names."""
+    shapes = {}
+    for name in (name for name in archive.files if f"{name}.npy" in archive.zip.namelist()):
+        with archive.zip.open(f"{name}.npy") as file:
+            version = np.lib.format.read_magic(file)
+            of = np.lib.format
+            header = of.read_array_header_1_0 if version == (1, 0) else of.read_array_header_2_0
+            shapes[name] = header(file)[0]
+    return shapes
+
+
+def _matlab(path: Path, channel: str | None) -> Raw:
+    """A variable of MATLAB, up to version 7.2; later ones are in HDF5."""
+    number = re.compile(r"double|single|logical|u?int\d+")
+    shapes = {name: shape for name, shape, kind in io.whosmat(path) if number.fullmatch(kind)}
+    return _one_of(channel, shapes, lambda name: io.loadmat(path, variable_names=[name])[name])
+
+
+def _one_of(channel: str | None, shapes: dict[str, tuple[int, ...]], load: Callable[[str], Any]) -> Raw:
+    """The array of a name or number, or the only one of two dimensions, of arrays of some shapes."""
+    maps = [name for name, shape in shapes.items() if _has_two(shape)] or list(shapes)
+    name = channel if channel in shapes else named(channel, maps, "array")
+    _within(shapes[name])
+    raw = from_array(f"its array {name}", load(name))
     raw.channel = name
+    others = ", ".join(other for other in shapes if other != name)
+    if channel is None and others:
+        raw.warnings.append(f"of its arrays {name} is read; there are {others}, too")
+        raw.unsaid = f"its arrays {others} have no units"
     return raw
+
+
+def _has_two(shape: tuple[int, ...]) -> bool:
+    """Whether a shape has two dimensions, but for ones of length 1."""
+    return sum(length > 1 for length in shape) == 2
 
 
 def _no_channel(channel: str | None) -> None:
@@ -222,7 +273,7 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
         decode_times=False,
         drop_variables=others,
     ) as opened:
-        raw = from_data_array(name, _placed(opened, leaf), None)
+        raw = from_data_array(name, _placed(opened, leaf))
     raw.channel = name
     return raw
 
@@ -243,7 +294,7 @@ def _dataset(file: h5py.File, channel: str | None) -> str:
 def _is_map(item: Any) -> bool:
     if not isinstance(item, h5py.Dataset) or item.shape is None:
         return False
-    return sum(length > 1 for length in item.shape) == 2 and item.dtype.kind in "iuf"
+    return _has_two(item.shape) and item.dtype.kind in "iuf"
 
 
 def _is_coordinate(path: Path, group: h5py.Group, name: str) -> bool:
@@ -269,14 +320,19 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
             "variable",
         )
         _within(opened[name].shape)
-        raw = from_data_array(name, _placed(opened, name), None)
+        raw = from_data_array(name, _placed(opened, name))
     raw.channel = name
     return raw
 
 
 def _placed(opened: xarray.Dataset, name: str) -> xarray.DataArray:
-    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides."""
+    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides.
+
+    MATLAB has its columns first in HDF5.
+    """
     array = opened[name].load().squeeze()
+    if "MATLAB_class" in array.attrs:
+        array = array.transpose()
     x, y = (opened.variables.get(axis) for axis in "xy")
     if x is None or y is None or array.ndim != 2 or any(dim in array.coords for dim in array.dims):
         return array
@@ -300,13 +356,13 @@ def _unit(attrs: Any) -> str | None:
     return None
 
 
-def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) -> Raw:
-    """A map whose coordinates say where its pixels are; `plain_unit` is the unit of coordinates without one.
+def from_data_array(name: str, array: xarray.DataArray) -> Raw:
+    """A map whose coordinates with units say where its pixels are.
 
     Raises
     ------
     SceneError
-        It has no two dimensions, or coordinates that are not even.
+        It has no two dimensions, or coordinates without units that are not even.
     """
     array = array.squeeze()
     if array.ndim == 2 and set(array.dims) == {"x", "y"}:
@@ -314,34 +370,69 @@ def from_data_array(name: str, array: xarray.DataArray, plain_unit: str | None) 
     magnitudes = array.data if quantities.is_pint(array.data) else None
     raw = from_pint(name, magnitudes) if magnitudes is not None else from_array(name, array.values)
     raw.unit = raw.unit or _unit(array.attrs)
+    for limit, sign in zip(_limits(array.attrs), (1.0, -1.0), strict=True):
+        if limit is not None and "dtype" in array.encoding:
+            raw.heights = np.where(_is_below(sign, raw.heights, limit, array.encoding), np.nan, raw.heights)
     if array.ndim != 2:
         return raw
-    sizes = []
+    sizes: list[float] = []
     for dim in reversed(array.dims):
         coordinate = array.coords.get(dim)
         if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
             return raw
-        unit = _unit(coordinate.attrs)
-        step = _step(name, str(dim), coordinate.values.astype(float))
-        if unit is None and (plain_unit is None or step == 1.0):
-            raw.unsaid = f"its coordinate {dim} has steps of {step:g} without units" if step != 1.0 else ""
-            return raw
-        scale = metres(unit or plain_unit or "")
+        unit, places = _unit(coordinate.attrs), coordinate.values.astype(float)
+        scale, is_even = metres(unit or ""), _is_even(places)
+        step = abs(places[-1] - places[0]) / (places.size - 1)
         if scale is None:
-            raw.unsaid = f"its coordinate {dim} is in {unit}"
+            if not is_even:
+                raise SceneError(f"{name}: {UNEVEN.format(dim)}")
+            if unit is not None:
+                raw.unsaid = f"its coordinate {dim} is in {unit}"
+            elif step != 1.0:
+                raw.unsaid = f'its coordinate {dim} has steps of {step:g}, but no attribute units such as "m"'
             return raw
+        if not is_even:
+            raw.uneven[len(sizes)] = (str(dim), scale * places)
         sizes.append(step * scale)
     raw.pixel = (sizes[0], sizes[1])
     return raw
 
 
-def _step(name: str, dim: str, places: Any) -> float:
-    """The distance of places that are even but for their rounding."""
+def _limits(attrs: Any) -> tuple[Any, Any]:
+    """The least and the largest valid number by the attributes of CF, NumPy's; None where none is said."""
+    of_range = np.ravel(attrs.get("valid_range", ()))
+    given = of_range if of_range.size == 2 else [attrs.get(f"valid_{which}") for which in ("min", "max")]
+    low, high = (np.ravel(one)[0] if np.asarray(one).dtype.kind in "iuf" else None for one in given)
+    return low, high
+
+
+def _is_below(sign: float, values: Any, limit: Any, encoding: Any) -> Any:
+    """Where values of a file are below a limit of CF, or above it for a sign of −1.
+
+    A limit is of numbers as they are stored, but one with a point for whole numbers is of scaled ones.
+    """
+    stored = np.dtype(encoding["dtype"])
+    scale, offset = (
+        float(np.ravel(encoding.get(name, default))[0])
+        for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
+    )
+    if str(encoding.get("_Unsigned")).lower() == "true" and limit.dtype.kind == "i":
+        limit = limit.astype(f"i{stored.itemsize}").view(f"u{stored.itemsize}")
+    is_scaled = stored.kind in "iu" and limit.dtype.kind == "f"
+    bound = float(limit) if is_scaled else offset + scale * float(limit)
+    if scale < 0.0 and not is_scaled:
+        sign = -sign
+    # Less than a step, and more than the rounding of scaling.
+    margin = 0.01 * abs(scale) if stored.kind in "iu" else 1e-6 * abs(bound - offset)
+    return sign * (values - bound) < -margin
+
+
+def _is_even(places: Any) -> bool:
+    """Whether places rise or fall evenly, but for the rounding of single precision."""
     steps = np.diff(places)
     mean = float(np.mean(steps))
-    if not np.all(np.isfinite(steps)) or mean == 0.0 or not np.allclose(steps, mean, rtol=1e-3, atol=0.0):
-        raise SceneError(f"{name}: its coordinate {dim} is not evenly spaced")
-    return abs(mean)
+    rounding = min(float(np.finfo("f4").eps * np.abs(places).max()), 0.5 * abs(mean))
+    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= max(1e-3 * abs(mean), rounding)))
 
 
 def from_pint(name: str, values: Any) -> Raw:

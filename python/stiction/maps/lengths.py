@@ -17,7 +17,6 @@ __all__ = ["PIXELS", "Factor", "factor", "length", "metres", "pixel_size", "powe
 _SYMBOLS = {"f": -15, "p": -12, "n": -9, "u": -6, "\u03bc": -6, "~": -6, "m": -3, "c": -2, "": 0, "k": 3}
 _WORDS = {"femto": -15, "pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "": 0, "kilo": 3}
 _ANGSTROM = {"\u00e5", "angstrom", "\u00e5ngstr\u00f6m"}
-_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?"
 #: Smallest and largest size of a pixel, m, that a map may have.
 PIXELS = (1e-13, 1e3)
 
@@ -80,13 +79,13 @@ def length(name: str, value: Any) -> float:
     >>> length("pixel", "9.8 nm"), length("pixel", 1e-8)
     (9.8e-09, 1e-08)
     """
-    if isinstance(value, str):
-        found = re.fullmatch(rf"{_NUMBER}\s*(\D.*)", value.strip())
-        power = None if found is None else power_of_ten(found[3])
-        if found is None or power is None:
-            raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "10 nm"')
-        return float(f"{found[1]}e{int(found[2] or 0) + power}")
     try:
+        if isinstance(value, str):
+            number, unit = quantities.split(value)
+            power = power_of_ten(unit)
+            if power is None:
+                raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "10 nm"')
+            return quantities.Unit("m", power).value(number)
         return float(np.asarray(quantities.in_si(name, value, "m"), dtype=float).item())
     except (TypeError, ValueError) as error:
         said = str(error) if str(error).startswith(name) else f"{name} = {value!r}: a length in m is needed"
@@ -152,9 +151,10 @@ def factor(value: Any) -> Factor:
     if quantities.is_pint(value):
         found = _of_pint(value)
     elif isinstance(value, str):
-        number, slash, per = value.partition("/")
-        plain = re.fullmatch(_NUMBER, number.strip())
-        found = Factor(float(number)) if plain and not slash else Factor(length("factor", number), True)
+        written, slash, per = value.partition("/")
+        number, unit = quantities.split(written)
+        is_plain = bool(number) and not unit and not slash
+        found = Factor(float(number)) if is_plain else Factor(length("factor", written), True)
         found.per = per.strip() or None
     else:
         try:

@@ -79,8 +79,8 @@ def read_map(
     ----------
     source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
         Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
-        TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by gzip, or
-        alone in a zip file. NaN and masked heights are missing.
+        MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by
+        gzip, bz2 or xz, or alone in a zip file. NaN and masked heights are missing.
     pixel : float, str, pint.Quantity, or one or two of them, optional
         Width, or width and height, of a pixel: numbers in m, texts with a unit. Needed where `source` does not
         say it.
@@ -138,14 +138,14 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     if isinstance(source, xarray.Dataset):
         maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
         name = named(channel, maps, "variable", "map: ")
-        raw = formats.from_data_array("map", source[name], "m")
+        raw = formats.from_data_array("map", source[name])
         raw.channel = name
     elif channel is not None:
         raise SceneError(f"channel = {channel!r}: only files and datasets have channels")
     elif hasattr(source, "physical_sizes") and callable(getattr(source, "heights", None)):
         return "map", formats.from_topography("map", source)
     elif isinstance(source, xarray.DataArray):
-        raw = formats.from_data_array("map", source, "m")
+        raw = formats.from_data_array("map", source)
         raw.channel = "" if source.name is None else str(source.name)
     elif quantities.is_pint(source):
         raw = formats.from_pint("map", source)
@@ -185,6 +185,9 @@ def _in_metres(
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
     if pixel is None and raw.doubt:
         raw.warnings.append(raw.doubt)
+    for axis, (dim, places) in raw.uneven.items():
+        if size is None or pixel is None or not _agree(places, size[axis]):
+            raise SceneError(f"{called}: {formats.UNEVEN.format(dim)}")
     if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')
@@ -205,6 +208,12 @@ def _in_metres(
     ):
         raw.warnings.append(_other_pixel(size, raw))
     return size, scale
+
+
+def _agree(places: Any, size: float) -> bool:
+    """Whether each place, m, is within half a pixel of where pixels of a size have it."""
+    off = np.abs(places - places[0]) - size * np.arange(places.size)
+    return bool(np.all(np.abs(off) < 0.5 * size))
 
 
 def _other_pixel(given: tuple[float, float], raw: Raw) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
+from scipy import fft, ndimage
 
 from .. import quantities
 from ..errors import SceneError
@@ -24,6 +24,8 @@ _REACH = 1.25
 # Part of a cut-off along the border within which weights are one-sided; a straight border there takes 0.4 %
 # of them.
 _BORDER = 0.5
+# Weights from which on Fourier transforms are faster, and lines that are transformed at one time.
+_LONG, _LINES = 200, 256
 
 
 def _bounds(grid: Grid) -> tuple[float, float]:
@@ -81,8 +83,23 @@ def _kernel(cutoff: float) -> Any:
 
 def _convolved(heights: Any, kernels: list[Any]) -> Any:
     for axis, kernel in enumerate(kernels):
-        heights = ndimage.correlate1d(heights, kernel, axis=axis, mode="constant")
-    return heights
+        if kernel.size < _LONG:
+            heights = ndimage.correlate1d(heights, kernel, axis=axis, mode="constant")
+        else:
+            heights = _transformed(heights, kernel) if axis else _transformed(heights.T, kernel).T
+    return np.ascontiguousarray(heights)
+
+
+def _transformed(lines: Any, kernel: Any) -> Any:
+    """Lines under a long kernel, by Fourier transforms of some of them at a time."""
+    count, reach = lines.shape[1], kernel.size // 2
+    size = fft.next_fast_len(count + reach, real=True)
+    weights, smooth = fft.rfft(kernel, size), np.empty(lines.shape)
+    for first in range(0, len(lines), _LINES):
+        part = slice(first, first + _LINES)
+        # What wraps around is in front of the lines.
+        smooth[part] = fft.irfft(fft.rfft(lines[part], size) * weights, size)[:, reach : reach + count]
+    return smooth
 
 
 def cutoff_series(grid: Grid, count: int) -> list[float]:

@@ -133,18 +133,17 @@ def _plateaus(grid: Grid) -> tuple[_Plateaus, float]:
     z = grid.heights if grid.measured is None else grid.measured
     is_missing = np.isnan(z)
     z = np.where(is_missing, np.inf, z) if is_missing.any() else z
-    around = ndimage.maximum_filter(z, size=3)
-    is_compared = np.zeros(z.shape, dtype=bool)
-    is_compared[grid.within(1)] = np.isfinite(around[grid.within(1)])
-    is_top = is_compared & (z >= around - grid.resolution)
+    inner = grid.within(1)
+    around = _around(z, inner)
+    is_compared, is_top = np.isfinite(around), np.zeros(z.shape, dtype=bool)
+    is_top[inner] = is_compared & (z[inner] >= around - grid.resolution)
+    del around
     labels, count = ndimage.label(is_top, _AROUND)
+    places = np.flatnonzero(is_top)
+    own, is_whole = labels.ravel()[places], np.ones(count + 1, dtype=bool)
     # A plateau is none where it goes on in pixels that have a higher neighbour or are not compared.
-    beyond = ndimage.maximum_filter(np.where(is_top, -np.inf, z), size=3)
-    is_whole = np.ones(count + 1, dtype=bool)
-    is_whole[labels[is_top & (beyond >= z - grid.resolution)]] = False
-    is_whole[0] = False
-    places = np.flatnonzero(is_whole[labels])
-    own = labels.ravel()[places]
+    is_whole[own[_goes_on(z.ravel(), is_top, places, grid.resolution)]] = False
+    places, own = places[is_whole[own]], own[is_whole[own]]
     row, column = np.divmod(places, labels.shape[1])
     sizes = np.maximum(np.bincount(own, minlength=count + 1), 1)
     away = [
@@ -157,6 +156,22 @@ def _plateaus(grid: Grid) -> tuple[_Plateaus, float]:
     middle, peak = middle[order], peak[order]
     found = _Plateaus(labels, own[middle], row[middle], column[middle], peak)
     return found, float(np.count_nonzero(is_compared) * grid.steps[0] * grid.steps[1])
+
+
+def _around(z: Any, inner: tuple[slice, slice]) -> Any:
+    """The highest of the 3 x 3 pixels around each of the inner ones."""
+    z = z[tuple(slice(side.start - 1, side.stop + 1) for side in inner)]
+    rows = np.maximum(np.maximum(z[:-2], z[1:-1]), z[2:])
+    return np.maximum(np.maximum(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:])
+
+
+def _goes_on(z: Any, is_top: Any, places: Any, resolution: float) -> Any:
+    """Whether pixels, row by row, have a neighbour that is as high and no top."""
+    columns, is_top = is_top.shape[1], is_top.ravel()
+    level, found = z[places] - resolution, np.zeros(places.size, dtype=bool)
+    for step in (-columns - 1, -columns, -columns + 1, -1, 1, columns - 1, columns, columns + 1):
+        found |= (z[places + step] >= level) & ~is_top[places + step]
+    return found
 
 
 def _least(own: Any, values: Any) -> Any:

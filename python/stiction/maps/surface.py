@@ -13,7 +13,7 @@ import numpy as np
 from .. import files, quantities
 from ..errors import SceneError
 from .ellipsoids import Shape, shape
-from .lengths import PIXELS
+from .lengths import PIXELS, length
 from .level import LEVELS, ROWS, SMALLEST, Grid, flaws, levelled, offset_lines, rows_levelled
 from .reading import HeightMap
 from .smooth import cutoff_series, smoothed
@@ -160,16 +160,13 @@ def steps_of(
 
 
 def _length(name: str, value: Any, bound: str, fits: Callable[[float], bool]) -> float | None:
-    """A length in m, from a number or a text with its unit."""
+    """A length in m that fits its bound, from a number or a text with its unit."""
     if value is None:
         return None
-    try:
-        length = float(quantities.in_si(name, value, "m"))
-    except (TypeError, ValueError):
-        raise SceneError(f'{name} = {value!r}: a length with its unit is needed, such as "200 nm"') from None
-    if not (math.isfinite(length) and fits(length)):
+    found = length(name, value)
+    if not (math.isfinite(found) and fits(found)):
         raise SceneError(f"{name} = {value!r}: {bound}")
-    return length
+    return found
 
 
 def found_on(height_map: HeightMap, steps: Steps, called: str = "map", *, keep: bool = False) -> Surface:

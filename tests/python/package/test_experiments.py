@@ -50,6 +50,25 @@ def test_a_scene_is_a_path_or_its_tables(tmp_path):
     assert not same(tmp_path / "plain.h5", other.path)
 
 
+def test_counts_and_shares_are_numbers(tmp_path):
+    """20 replicas as 2e1 and a Poisson's ratio of 0.196 in percent, in a file and in tables."""
+    stiction.run(TABLES, tmp_path / "plain.h5", replicas=20)
+    text = QUICK.read_text().replace("replicas = 200", "replicas = 2e1").replace("0.196", '"19.6 %"')
+    (tmp_path / "scene.toml").write_text(text)
+    tables = tomllib.loads(text)
+    assert (tables["ensemble"]["replicas"], tables["material"]["poisson_ratio"]) == (20.0, "19.6 %")
+    for source in (tmp_path / "scene.toml", tables):
+        found = stiction.run(source, tmp_path / "found.h5", force=True)
+        assert same(tmp_path / "plain.h5", found.path)
+    for key, value, said in (
+        ("ensemble.replicas", "2e1 %", "a whole number from"),
+        ("ensemble.replicas", 2.5, "a whole number from"),
+        ("material.poisson_ratio", "19.6 nm", "poisson_ratio"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            stiction.run(TABLES, **{key: value})
+
+
 def test_overrides_of_paths_and_tables_are_one(tmp_path):
     ureg = pint.UnitRegistry()
     for value in ("0.05 J/m^2", ureg("50 mJ/m^2"), ureg.Quantity(0.05, "N/m")):

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.io
 import SurfaceTopography
 import xarray
 from SurfaceTopography.IO.Reader import ChannelInfo
@@ -120,11 +119,7 @@ def bcr(path):
     path.write_bytes(lines.encode().ljust(2048) + data)
 
 
-WRITTEN = {
-    **FORMATS,
-    "bcr": bcr,
-    "mat": lambda path: scipy.io.savemat(path, {"z": heights().T}),
-}
+WRITTEN = {**FORMATS, "bcr": bcr}
 # What the files do not say.
 UNSAID = {"pixel": (1.0, 1.0), "height_unit": "m"}
 

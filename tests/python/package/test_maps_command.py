@@ -310,7 +310,7 @@ def test_a_picture_has_the_map_after_each_step(command):
             "--smooth 2.900 µm is above half the shorter side of the map; give 2.880 µm or less",
         ),
         (("--smooth", "-1 nm"), "a cut-off wavelength is above 0"),
-        (("--smooth", "200"), 'such as "200 nm"'),
+        (("--smooth", "200"), 'such as "10 nm"'),
         (("--prominence", "1 um"), "--prominence 1.000 µm: no summit has that; the most prominent one has "),
         (("--prominence", "-1 nm"), "a prominence is between 0 and 1e6 m"),
         (("--prominence", "much"), "a length with its unit is needed"),

@@ -191,6 +191,24 @@ def test_the_filter_is_its_formula():
     np.testing.assert_allclose(found, np.where(known, expected, np.nan), atol=1e-10)
 
 
+@pytest.mark.parametrize("missing", [False, True])
+@pytest.mark.parametrize("cutoff", [70.0, 85.0, 119.0, 170.0])
+def test_long_cut_offs_are_those_of_scipy(cutoff, missing):
+    """Kernels on either side of the length from which on they are transformed; more rows than are taken at one time."""
+    rough = np.random.default_rng(8).normal(size=(700, 340))
+    if missing:
+        rough[5:90, 200:260] = np.nan
+    known = ~np.isnan(rough)
+    sigma, reach = cutoff * math.sqrt(0.5 * math.log(2.0)) / math.pi, math.ceil(1.25 * cutoff)
+    above, below = (
+        ndimage.gaussian_filter(of, sigma, mode="constant", radius=reach)
+        for of in (np.where(known, rough, 0.0), known.astype(float))
+    )
+    found = smoothed(grid(rough), cutoff * 1e-9).heights
+    assert found.flags.c_contiguous
+    np.testing.assert_allclose(found, np.where(known, above / below, np.nan), rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("pixels", "passed", "within"), [(2, 0.8923, 1e-3), (3, 0.5625, 4e-3), (5, 0.5, 2e-5), (8, 0.5, 1e-9)]
 )

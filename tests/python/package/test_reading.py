@@ -1,7 +1,9 @@
 """Height maps as other programs write them: one summit of a known radius, whatever it comes in."""
 
+import bz2
 import gzip
 import io
+import lzma
 import warnings
 import zipfile
 
@@ -9,14 +11,17 @@ import h5py
 import netCDF4
 import numpy as np
 import pandas as pd
+import PIL.Image
 import pint
 import pytest
+import scipy.io
 import tifffile
 import xarray
 
 import stiction
 from stiction import SceneError
-from stiction.maps import lengths
+from stiction.errors import FileError
+from stiction.maps import lengths, surface
 from stiction.maps.reading import read_map
 
 # z(i, j) = 5 - ((i - 4)^2 + (j - 4)^2)/4 in nm on pixels of 10 nm: one summit, 1/R = 0.5 nm/(10 nm)^2.
@@ -365,9 +370,66 @@ def test_packed_files_are_unpacked(tmp_path):
         SceneError, match=r"two\.zip: holds 2 files, of which one has to be unpacked: a\.txt, b\.txt"
     ):
         read_map(tmp_path / "two.zip")
+    for suffix, packed in (("bz2", bz2.compress(text)), ("xz", lzma.compress(text))):
+        (tmp_path / f"scan.txt.{suffix}").write_bytes(packed)
+        assert_summit(tmp_path / f"scan.txt.{suffix}")
     (tmp_path / "cut.txt.gz").write_bytes(gzip.compress(text)[:-20])
     with pytest.raises(SceneError, match=r"cut\.txt\.gz: is damaged"):
         read_map(tmp_path / "cut.txt.gz")
+
+
+LFS = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+
+
+def picture(form):
+    """A picture as Pillow writes it."""
+    file = io.BytesIO()
+    PIL.Image.fromarray(np.rint(40 * (Z + 5)).astype("u1")).save(file, form)
+    return file.getvalue()
+
+
+def workbook():
+    """A sheet of Office Open XML is a zip file."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("xl/worksheets/sheet1.xml", "<worksheet/>")
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("scan.xlsx", workbook, "is a workbook; save the sheet as CSV"),
+        ("scan.xls", lambda: b"\xd0\xcf\x11\xe0" + bytes(60), "is a workbook; save the sheet as CSV"),
+        ("scan.jpg", lambda: picture("JPEG"), "is a picture: colours are no heights"),
+        ("scan.png", lambda: picture("PNG"), "is a picture: colours are no heights"),
+        ("scan.bmp", lambda: picture("BMP"), "is a picture: colours are no heights"),
+        ("scan.txt", lambda: LFS.encode(), "is a pointer of Git LFS, not the file; run `git lfs pull`"),
+        ("scan.npy", lambda: LFS.encode(), "is a pointer of Git LFS"),
+    ],
+)
+def test_files_that_are_no_maps_are_known(tmp_path, name, content, said):
+    with pytest.raises(SceneError) as error:
+        read_map(written(tmp_path, content(), name), **GIVEN)
+    assert str(error.value).startswith(f"{tmp_path / name}: {said}") and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("content", [LFS.encode(), picture("PNG"), picture("JPEG")])
+def test_a_table_is_no_picture_and_no_pointer(tmp_path, content):
+    path = written(tmp_path, content)
+    with pytest.raises(FileError, match=r"is a picture: colours|is a pointer of Git LFS"):
+        stiction.read_table(path)
+
+
+def test_a_folder_is_no_map(tmp_path):
+    for path, said in ((tmp_path, "is a folder; name a file in it"), (tmp_path / "none", "no such file")):
+        with pytest.raises(SceneError, match=f": {said}$"):
+            read_map(path)
+
+
+def test_a_text_of_a_spreadsheets_name_is_read(tmp_path):
+    """LabVIEW writes texts with the ending .xls."""
+    assert_summit(written(tmp_path, rows(), "scan.xls"), **GIVEN)
 
 
 # NumPy, HDF5 and netCDF.
@@ -383,6 +445,80 @@ def test_archives_of_numpy_have_names(tmp_path):
     np.save(tmp_path / "objects.npy", np.array([{}, {}]), allow_pickle=True)
     with pytest.raises(SceneError, match=r"objects\.npy: .*[Oo]bject"):
         read_map(tmp_path / "objects.npy", **GIVEN)
+
+
+def test_what_is_beside_the_one_map_of_an_archive_is_said(tmp_path):
+    path = tmp_path / "scan.npz"
+    np.savez(path, x=np.arange(9.0), y=np.arange(9.0), z=Z, pixel=np.array(10.0), note=np.array("none"))
+    assert_summit(path, **GIVEN)
+    read = read_map(path, **GIVEN)
+    assert read.channel == "z"
+    assert read.warnings == ["of its arrays z is read; there are x, y, pixel, note, too"]
+    with pytest.raises(SceneError, match=r"its pixels are \(its arrays x, y, pixel, note have no units\); give pixel="):
+        read_map(path, height_unit="nm")
+    for channel in ("z", 0):
+        assert read_map(path, channel=channel, **GIVEN).warnings == []
+    with pytest.raises(SceneError, match="a line scan has a spectrum"):
+        read_map(path, channel="x", **GIVEN)
+    with pytest.raises(SceneError, match="has no array w; it has 0: z"):
+        read_map(path, channel="w", **GIVEN)
+    np.savez(path, x=np.arange(9.0), z=Z, phase=Z)
+    with pytest.raises(SceneError, match="has 2 arrays that may be maps; name the channel, one of 0: z, 1: phase"):
+        read_map(path, **GIVEN)
+
+
+def test_an_archive_is_not_read_where_it_is_too_large(tmp_path):
+    path = tmp_path / "scan.npz"
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 20, 1 << 20)})
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("z.npy", header.getvalue())
+    with pytest.raises(SceneError, match=r"scan\.npz: has 1048576 x 1048576 pixels"):
+        read_map(path, **GIVEN)
+
+
+def in_hdf5(path, variables):
+    """Variables as MATLAB 7.3 writes them: columns first, behind 512 bytes of its own."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in variables.items():
+            file[name] = values.T
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+MATLABS = {
+    "5": scipy.io.savemat,
+    "compressed": lambda path, variables: scipy.io.savemat(path, variables, do_compression=True),
+    "4": lambda path, variables: scipy.io.savemat(path, variables, format="4"),
+    "7.3": in_hdf5,
+}
+
+
+@pytest.mark.parametrize("version", MATLABS)
+def test_rows_of_matlab_go_along_y(tmp_path, version):
+    path = tmp_path / "scan.mat"
+    MATLABS[version](path, {"z": ROUGH, "x": np.arange(10.0).reshape(1, -1)})
+    read = read_map(path, **GIVEN)
+    assert read.heights.shape == (12, 10) and read.channel == "z"
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH, rtol=1e-15)
+    MATLABS[version](path, {"z": Z})
+    assert_summit(path, **GIVEN)
+    MATLABS[version](path, {"z": Z, "phase": ROUGH})
+    with pytest.raises(SceneError, match="that may be maps; name the channel, one of 0: "):
+        read_map(path, **GIVEN)
+    assert_summit(path, channel="z", **GIVEN)
+
+
+def test_variables_of_matlab_that_are_no_maps_are_left_out(tmp_path):
+    path = tmp_path / "scan.mat"
+    scipy.io.savemat(path, {"z": Z, "note": "nm", "info": {"a": 1.0}, "cells": np.array([[1, "a"]] * 2, dtype=object)})
+    assert_summit(path, **GIVEN)
+    scipy.io.savemat(path, {"note": "nm"})
+    with pytest.raises(SceneError, match=r"scan\.mat: has no array of two dimensions that holds numbers"):
+        read_map(path, **GIVEN)
+    (tmp_path / "text.mat").write_text(rows())
+    assert_summit(tmp_path / "text.mat", **GIVEN)
 
 
 def nc(tmp_path, z=Z, attrs=None, coordinates=True, writer="NETCDF4", dtype="f8"):
@@ -434,6 +570,53 @@ def test_scale_and_offset_of_cf_are_applied(tmp_path, writer):
     assert_summit(
         nc(tmp_path, packed, {**attrs, "_FillValue": np.int16(-32000)}, writer=writer, dtype="i2"), missing=1
     )
+
+
+FLOATS = [{"valid_min": -3.0}, {"valid_range": [-3.0, 5.0]}, {"valid_range": [-3.0, 5.0], "valid_min": 2.0}]
+SCALED = {"scale_factor": 0.25, "add_offset": 3.0}
+WHOLE = [
+    {"valid_min": np.int16(-24), **SCALED},
+    {"valid_range": np.array([-24, 8], dtype="i2"), **SCALED},
+    {"valid_min": -3.0, "valid_max": 5.0, **SCALED},
+    {"valid_max": np.int16(24), "scale_factor": -0.25, "add_offset": 3.0},
+    {"valid_range": [-3.0, 5.0], "scale_factor": -0.25, "add_offset": 3.0},
+]
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+@pytest.mark.parametrize("limits", FLOATS)
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+def test_what_is_beyond_the_limits_of_cf_is_missing(tmp_path, writer, limits, dtype):
+    z = Z.copy()
+    z[0, 0] = -3.25
+    path = nc(tmp_path, z, limits, writer=writer, dtype=dtype)
+    assert_summit(path, missing=1)
+    with xarray.open_dataset(path, engine="h5netcdf" if writer != WRITERS[1] else "scipy") as opened:
+        assert_summit(opened, missing=1)
+        assert opened.z.values[0, 0] == -3.25
+    assert_summit(nc(tmp_path, Z, {"valid_max": "none", "valid_range": [-9.0]}, writer=writer, dtype=dtype))
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+@pytest.mark.parametrize("limits", WHOLE)
+def test_limits_of_cf_are_of_numbers_as_they_are_stored(tmp_path, writer, limits):
+    """The largest is 5 nm, and the least of the others -3 nm; limits of floats are of scaled numbers."""
+    packed = np.rint((Z - 3) / limits["scale_factor"])
+    packed[0, 0] = np.sign(limits["scale_factor"]) * -25
+    assert_summit(nc(tmp_path, packed, limits, writer=writer, dtype="i2"), missing=1)
+
+
+@pytest.mark.parametrize("writer", WRITERS[:2])
+def test_limits_of_unsigned_numbers_are_unsigned(tmp_path, writer):
+    packed = np.rint(40 * (Z + 3)).astype("i2")
+    packed[0, 0] = 251
+    limits = {"valid_range": np.array([0, -6], dtype="i1"), "_Unsigned": "true"}
+    attrs = {"scale_factor": 0.025, "add_offset": -3.0, **limits}
+    packed = np.minimum(packed, 250 + (packed == 251)).astype("u1").view("i1")
+    path = nc(tmp_path, packed, attrs, writer=writer, dtype="i1")
+    read = read_map(path)
+    assert np.argwhere(np.isnan(read.heights)).tolist() == [[0, 0]]
+    assert np.nanmax(read.heights) == pytest.approx(1e-9 * (250 * 0.025 - 3.0))
 
 
 UNITS_OF_WRITERS = ["nm", np.bytes_("nm"), np.array([b"nm"]), np.array("nm", dtype=h5py.string_dtype()),
@@ -576,6 +759,18 @@ def test_other_units_are_none_of_length(name):
         read_map(Z, pixel=PIXEL, height_unit=name)
 
 
+def test_lengths_of_steps_have_many_names_too():
+    for name in ("nm", "nanometers", "\u00c5ngstr\u00f6m", "\u03bcm", "~m"):
+        steps = surface.steps_of(
+            "plane", None, smooth=f"2.5e2 {name}", prominence=f"\u22120 {name}", min_distance="1e-1um", cutoffs=None
+        )
+        assert steps.smooth == pytest.approx(250 * lengths.metres(name), rel=1e-15)
+        assert (steps.prominence, steps.min_distance) == (0.0, 1e-7)
+    for smooth in ("250", "250 V", "1e999 nm", "2,5 nm", [1, 2], np.nan, 3 * UNITS.volt):
+        with pytest.raises(SceneError, match=r"^smooth = "):
+            surface.steps_of("plane", None, smooth=smooth, prominence=None, min_distance=None, cutoffs=None)
+
+
 NM = UNITS.nanometer
 PIXELS = [
     1e-8, (1e-8, 1e-8), [1e-8], np.array([1e-8, 1e-8]), np.float64(1e-8), np.array(1e-8), "10 nm", "10 nm,10 nm",
@@ -692,10 +887,53 @@ def test_arrays_of_xarray_say_what_they_are():
     # Numbers of pixels are no places.
     with pytest.raises(SceneError, match="pixel: an array does not say how large"):
         read_map(z.assign_coords(x=np.arange(9), y=np.arange(9)))
-    metres = z.assign_coords(x=PIXEL * np.arange(9), y=PIXEL * np.arange(9))
-    assert_summit(metres)
+    with pytest.raises(SceneError, match=r"how large its pixels are; give"):
+        read_map(z.assign_coords(x=np.arange(9.0), y=np.arange(9.0)))
+
+
+def test_coordinates_without_units_have_none(tmp_path):
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    bare = z.assign_coords(x=10.0 * np.arange(9), y=10.0 * np.arange(9))
+    bare.to_netcdf(tmp_path / "scan.nc")
+    for source in (bare, bare.to_dataset(), tmp_path / "scan.nc"):
+        with pytest.raises(SceneError, match=r'x has steps of 10, but no attribute units such as "m"\); give pixel='):
+            read_map(source)
+        assert_summit(source, pixel="10 nm")
+    for axis in "xy":
+        bare[axis] = bare[axis] / 1e9
+        bare[axis].attrs["units"] = "m"
+    assert_summit(bare)
     with pytest.raises(SceneError, match="coordinate x is not evenly spaced"):
-        read_map(metres.assign_coords(x=PIXEL * np.arange(9) ** 2))
+        read_map(z.assign_coords(x=np.arange(9) ** 2, y=np.arange(9)), pixel=PIXEL)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e3, -1e3])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_coordinates_in_single_precision_are_even(tmp_path, start, sign):
+    """At 1000 um they are rounded to 0.06 nm, a hundredth of a pixel."""
+    places = (start + sign * 0.01 * np.arange(9)).astype("f4")
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    z = z.assign_coords({axis: (axis, places, {"units": "um"}) for axis in "xy"})
+    z.to_netcdf(tmp_path / "scan.nc")
+    for source in (z, tmp_path / "scan.nc"):
+        assert read_map(source).pixel == pytest.approx((PIXEL, PIXEL), rel=1e-2)
+        assert_summit(source, pixel="10 nm")
+
+
+def test_coordinates_that_agree_with_the_pixel_are_taken():
+    """A stage that is off by less than half a pixel; a line that is left out is more."""
+    z = xarray.DataArray(Z, dims=("y", "x"), attrs={"units": "nm"}, name="z")
+    off = np.arange(9) + 0.4 * (np.arange(9) % 2)
+    lost = np.delete(np.arange(10.0), 5)
+    for places, agree in ((off, True), (off[::-1], True), (lost, False), (np.arange(9.0) ** 2, False)):
+        uneven = z.assign_coords(x=("x", 10.0 * places, {"units": "nm"}), y=("y", 10.0 * np.arange(9), {"units": "nm"}))
+        with pytest.raises(SceneError, match=r"^map: its coordinate x is not evenly spaced"):
+            read_map(uneven)
+        if agree:
+            assert_summit(uneven, pixel="10 nm")
+        else:
+            with pytest.raises(SceneError, match="its coordinate x is not evenly spaced"):
+                read_map(uneven, pixel="10 nm")
 
 
 @pytest.mark.parametrize(
@@ -806,7 +1044,7 @@ def test_names_and_sources(tmp_path):
         ("scan.tif", b"II*\0" + bytes(5), "is damaged"),
         ("scan.npz", b"PK\x03\x04", "is damaged"),
         ("scan.zip", b"PK\x03\x04", "is damaged"),
-        ("scan.xlsx", b"PK\x03\x04" + bytes(4), "SurfaceTopography cannot read it: none of its formats"),
+        ("scan.doc", b"PK\x03\x04" + bytes(4), "SurfaceTopography cannot read it: none of its formats"),
         ("scan.nid", bytes(range(256)), "SurfaceTopography cannot read it: none of its formats"),
     ],
 )

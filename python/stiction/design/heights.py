@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special, stats
 
-from .. import quantities, single
+from .. import single
 from ..errors import SceneError
 
 # Attributes of a run that `asperity` takes by their names.
@@ -80,7 +80,7 @@ def attraction(run: Mapping[Any, Any], low: float, high: float) -> tuple[Array, 
     values = solved(at)
     scale = float(values.max())
     if not scale > 0.0:
-        raise SceneError(f"model.law = {model['law']!r}: an asperity of this law does not attract, so nothing pulls off")
+        raise SceneError(f"model.law = {law['law']!r}: an asperity of this law does not attract, so nothing pulls off")
     for _ in range(14):
         jumps = np.flatnonzero((np.abs(np.diff(values)) > 2e-3 * scale) & (values[1:] > -2.0 * scale))
         if not jumps.size:

@@ -20,7 +20,7 @@ from scipy import io
 from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
-from .channels import named
+from .channels import named, numbered
 from .lengths import metres
 
 __all__ = [
@@ -452,7 +452,7 @@ def _tiff(path: Path, channel: str | None) -> Raw:
         if _PARK in file.pages[0].tags:
             return _instrument(path, channel)
         names = [f"page {number}" for number in range(len(file.pages))]
-        page = file.pages[names.index(named(channel, names, "page"))]
+        page = file.pages[numbered(channel, names, "page")]
         if len(page.shape) != 2:
             sizes = " x ".join(str(length) for length in page.shape)
             raise SceneError(
@@ -540,7 +540,7 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         heights = [one for one in channels if one.is_height_channel and not isinstance(one.unit, tuple)]
         names = [one.channel_id for one in channels]
         if channel is not None:
-            return _of_channel(channels[names.index(named(channel, names, "channel"))])
+            return _of_channel(channels[numbered(channel, names, "channel")])
         default = reader.default_channel.index
         one = next((one for one in heights if one.index == default), (heights or channels)[0])
         raw = _of_channel(one)

@@ -283,7 +283,7 @@ def test_a_web_page_is_no_map(tmp_path, content, name):
 @pytest.mark.parametrize(
     ("content", "shown"),
     [
-        ("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n", "`version https://git-lfs.github.com/spec/v1`"),
+        ("Scan of a pad\nby J. Doe\n", "`Scan of a pad`"),
         ("\n \n" + 300 * "words ", "`words words .*\\.\\.\\.`"),
         ("1.5 nm;2.5 nm;3.5 nm;4.5 nm\n" * 4, "`1\\.5 nm;2\\.5 nm"),
         ("a\x0cb\u200b\n", "`a\ufffdb\ufffd`"),

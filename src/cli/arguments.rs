@@ -7,6 +7,7 @@ use super::source::SceneArguments;
 use crate::engine::Shard;
 use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
+use crate::scene::Document;
 use crate::scene::units::whole;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -89,6 +90,9 @@ pub(super) struct RunArguments {
     /// with .I-of-N.shard
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
+    /// The probability that the pull-off force is above this, such as "1 uN": sets device.restoring_force
+    #[arg(long, value_name = "FORCE")]
+    above: Option<String>,
     /// Print behind the summary what `stiction info` prints of the result
     #[arg(long, conflicts_with = "shard")]
     verbose: bool,
@@ -97,6 +101,15 @@ pub(super) struct RunArguments {
 }
 
 impl RunArguments {
+    /// The scene or the sweep, with the force that is asked for.
+    ///
+    /// # Errors
+    /// [`Failure`] where it is none.
+    pub fn document(&self) -> Result<Document, Failure> {
+        let above = self.above.as_ref().map(|force| format!("device.restoring_force={force:?}").parse());
+        self.scene.document_with(above.transpose().map_err(Failure::Usage)?)
+    }
+
     /// The output that is named, or the scene's name with another extension.
     ///
     /// # Errors

@@ -1,10 +1,10 @@
 //! Snaps of the replicas of a run, for the summary.
 
-use super::rows::{labelled, paragraph, row};
+use super::rows::{labelled, row};
 use crate::experiment::results::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
-use crate::format::{percent, si};
+use crate::format::si;
 use crate::integral::substrate_stiffness;
 use crate::scene::Scene;
 
@@ -24,44 +24,25 @@ pub(super) fn instability(results: &Results) -> String {
     }
     let all = 0..loading.stiffness.len();
     let mut text = String::new();
-    if loading.ways.0 {
+    if loading.snaps_in() > 0 {
         let counts: Vec<Counts> = all.clone().map(|i| snaps.counts(snaps.place_in(i))).collect();
         text +=
             &labelled("snap-in", &snapping(scene, &counts, &Way { replicas: scene.replicas, begin: "last" }));
     }
+    if loading.stiffness.is_empty() {
+        return text;
+    }
     let turns: Vec<(usize, usize)> = snaps.places_of_turns().into_iter().enumerate().collect();
-    let is_reached = |(_, turn): &&(usize, usize)| snaps.pull_off(*turn).count() > 0;
+    let is_reached = |(_, turn): &&(usize, usize)| !snaps.pull_offs(*turn).is_empty();
     let (first, last) = (turns.iter().find(is_reached), turns.iter().rfind(is_reached));
     for (p, turn) in first.into_iter().chain(last.filter(|last| first != Some(last))) {
-        let turned = turned(&snaps, *p, *turn, scene.replicas);
         let counts: Vec<Counts> = all.clone().map(|i| snaps.counts(snaps.place_off(*p, i))).collect();
-        let way = Way { replicas: snaps.pull_off(*turn).count(), begin: "first" };
-        text += &match counts.is_empty() {
-            true => labelled("preload", &turned),
-            false => labelled("preload", &format!("{turned}; snap-off {}", snapping(scene, &counts, &way))),
-        };
-    }
-    let reached = turns.iter().filter(is_reached).count();
-    if turns.len() > reached.min(2) {
-        let all = turns.len();
-        text += &paragraph(&format!("{reached} of {all} preloads are reached; all are in /instability"));
+        let way = Way { replicas: snaps.pull_offs(*turn).len() as u64, begin: "first" };
+        let after =
+            snaps.loading.preload.get(*p).map_or(String::new(), |load| format!("after {}: ", si(*load, "N")));
+        text += &labelled("snap-off", &format!("{after}{}", snapping(scene, &counts, &way)));
     }
     text
-}
-
-/// The pull-off of surfaces that turned back.
-fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> String {
-    let taken = snaps.pull_off(turn);
-    let (mean, std, count) = (taken.mean()[0], taken.std()[0], taken.count());
-    let place = match snaps.loading.preload.get(retraction) {
-        Some(preload) => si(*preload, "N"),
-        None => "to the smallest separation".to_owned(),
-    };
-    let of =
-        if count < replicas { format!(" ({count} of {replicas} replicas reach it)") } else { String::new() };
-    let scatter =
-        if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() };
-    format!("{place}{of}: pull-off {}{scatter}", si(mean, "N"))
 }
 
 /// The share of replicas that snap, held by the two stiffnesses between which half of them do, or by one if

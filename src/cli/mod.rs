@@ -13,6 +13,7 @@ mod info;
 mod instability;
 mod integral;
 mod merge;
+mod new;
 mod parent;
 mod progress;
 mod resources;
@@ -32,6 +33,7 @@ use self::compare::CompareArguments;
 use self::failure::Failure;
 use self::info::InfoArguments;
 use self::merge::MergeArguments;
+use self::new::NewArguments;
 use self::source::SceneArguments;
 use self::terminal::printed;
 use crate::math::instruction_set::InstructionSet;
@@ -63,6 +65,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a scene to begin with, or print numbers of materials
+    #[command(
+        after_help = "Examples:\n  stiction new pad.toml\n  stiction new air.toml --template wet\n  stiction new --materials"
+    )]
+    New(NewArguments),
     /// Compute a scene and leave one HDF5 file and a summary
     #[command(
         after_help = "Examples:\n  stiction run configs/case_ii.toml -o case_ii.h5\n  stiction run configs/case_ii.toml --replicas 100000 --checkpoint 60 --resume"
@@ -162,6 +169,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
         .context("cannot handle signals")?;
     match command {
+        Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),

@@ -14,7 +14,7 @@ use crate::output::OutputLock;
 use crate::scene::Document;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let document = arguments.scene.document()?;
+    let document = arguments.document()?;
     if let Some(shard) = arguments.shard {
         if arguments.options.replicas.unwrap_or(document.scene.replicas) == 0 {
             let problem = "--shard: replicas = 0 is the integral alone, which is not divided; leave it out";

@@ -32,7 +32,13 @@ impl SceneArguments {
 
     /// The scene or the sweep.
     pub fn document(&self) -> Result<Document, Failure> {
-        self.document_of(&self.text()?, &self.settings)
+        self.document_with(None)
+    }
+
+    /// The scene or the sweep with another setting.
+    pub fn document_with(&self, setting: Option<Setting>) -> Result<Document, Failure> {
+        let settings: Vec<Setting> = self.settings.iter().cloned().chain(setting).collect();
+        self.document_of(&self.text()?, &settings)
     }
 
     /// The sweep over laws, or over that of the scene alone where none is named.

@@ -8,23 +8,22 @@ use super::rows::{labelled, paragraph};
 use crate::asperity::{Path, Quantity, Unloading};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
+use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::results::{Results, Stopped};
+use crate::experiment::snaps::{Counts, Snaps, stuck};
 use crate::format::{duration, percent, si, si_all, si_with_error, signed_percent};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
-use crate::math::quantile::quantile;
 use crate::scene::Warning;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
-
-/// Probabilities of the quantiles of single patches.
-const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
 pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     let mut text = title(&results.scene) + &about(results) + "\n";
     text += &pull_off(results);
+    text += &stuck_patches(results);
     text += &cycle(results);
     text += &instability(results);
     text += &coupling::changes(results);
@@ -98,6 +97,9 @@ fn pull_off(results: &Results) -> String {
     if of_integral.value >= 0.0 && !replicas.iter().any(|replica| replica.pull_off_force > 0.0) {
         return labelled("pull-off", "none: the external force is compressive at all separations");
     }
+    if !results.scene.instability.preload.is_empty() && results.scene.cycle {
+        return preloads(results);
+    }
     let own = &results.scalars[0];
     let is_controlled = !results.controls.is_empty() && own.variance_reduction().is_finite();
     let mut text = labelled("pull-off", &quoted(own, is_controlled, "N"));
@@ -113,11 +115,8 @@ fn pull_off(results: &Results) -> String {
         h_star(results, separation)
     ));
     if std > 0.0 {
-        let mut sorted: Vec<f64> = replicas.iter().map(|replica| replica.pull_off_force).collect();
-        sorted.sort_by(f64::total_cmp);
-        let quantiles = QUANTILES.map(|probability| quantile(&sorted, probability));
-        let (quantiles, scatter) = (si_all(&quantiles, ", ", "N"), percent(std / mean.abs()));
-        text += &labelled("patches", &format!("5, 50, 95 % below {quantiles}; scatter {scatter}"));
+        let below = below(replicas.iter().map(|replica| replica.pull_off_force).collect());
+        text += &labelled("patches", &format!("{below}; scatter {}", percent(std / mean.abs())));
     }
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
@@ -126,6 +125,70 @@ fn pull_off(results: &Results) -> String {
         ));
     }
     text
+}
+
+/// Quantiles of pull-off forces, N, that their number allows.
+pub(super) fn below(pull_offs: Vec<f64>) -> String {
+    let known =
+        of_pull_off(pull_offs).into_iter().zip(PULL_OFF_QUANTILES).filter(|(own, _)| !own.value.is_nan());
+    let (quantiles, probabilities): (Vec<f64>, Vec<String>) =
+        known.map(|(own, probability)| (own.value, (100.0 * probability).to_string())).unzip();
+    match probabilities.is_empty() {
+        true => "too few replicas for quantiles".to_owned(),
+        false => format!("{} % below {}", probabilities.join(", "), si_all(&quantiles, ", ", "N")),
+    }
+}
+
+/// The pull-off after each preload.
+fn preloads(results: &Results) -> String {
+    let snaps = Snaps::of(results);
+    let mut text = labelled("pull-off", "after a preload, on average of the patches that reach it");
+    for (preload, turn) in snaps.loading.preload.iter().zip(snaps.places_of_turns()) {
+        let pull_offs = snaps.pull_offs(turn);
+        let (count, of) = (pull_offs.len() as u64, results.scene.replicas);
+        if count == 0 {
+            text += &labelled(&si(*preload, "N"), "no patch reaches it: begin nearer by [separation]");
+            continue;
+        }
+        let moments = Moments::of(pull_offs.iter().copied());
+        let (mean, std) = (moments.mean()[0], moments.std()[0]);
+        let value = si_with_error(mean, std / (count as f64).sqrt(), "N");
+        let part = if count < of { format!("; {count} of {of} patches reach it") } else { String::new() };
+        text += &labelled(&si(*preload, "N"), &format!("{value}; {}{part}", below(pull_offs)));
+    }
+    text
+}
+
+/// The probability that the device does not part the surfaces.
+fn stuck_patches(results: &Results) -> String {
+    let Some(force) = results.scene.restoring_force else { return String::new() };
+    let snaps = Snaps::of(results);
+    let label = format!("above {}", si(force, "N"));
+    let preloads = &results.scene.instability.preload;
+    if preloads.is_empty() || !results.scene.cycle {
+        return stuck(results).map_or(String::new(), |counts| labelled(&label, &probability(counts)));
+    }
+    let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
+        let counts = snaps.stuck(turn, force);
+        let label = if i == 0 { label.as_str() } else { "" };
+        let of = match counts.known {
+            0 => "no patch reaches it".to_owned(),
+            _ => probability(counts),
+        };
+        labelled(label, &format!("after {}: {of}", si(*preload, "N")))
+    });
+    lines.collect()
+}
+
+/// A probability of patches with its interval.
+fn probability(counts: Counts) -> String {
+    let (low, high) = counts.interval();
+    let [share, low, high] = [counts.share(), low, high].map(percent);
+    let rare = match counts.snap {
+        0 => "; rarer: stiction design, or more replicas",
+        _ => "",
+    };
+    format!("P = {share}, 95 % interval {low} to {high}{rare}")
 }
 
 /// The history that the pull-off belongs to, and the load before surfaces are pulled back.

@@ -32,7 +32,8 @@ pub struct Loading<'a> {
 impl Loading<'_> {
     /// Retractions of a replica.
     pub fn retractions(&self) -> usize {
-        if self.stiffness.is_empty() || !self.ways.1 { 0 } else { self.preload.len().max(1) }
+        let is_asked = !self.stiffness.is_empty() || !self.preload.is_empty();
+        if is_asked && self.ways.1 { self.preload.len().max(1) } else { 0 }
     }
 
     /// Snaps of the approach of a replica.

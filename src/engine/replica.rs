@@ -310,7 +310,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
     let stiffest = |span| surface.stiffest(from, &job.samples(last.0), span);
     kept.stiffest(&job.protocol.stiffness_span.map_or(unknown, stiffest));
-    if !job.protocol.loading.stiffness.is_empty() {
+    if job.protocol.loading.length() > 0 {
         curves.snaps = snaps(job, surface, external, last);
     }
     kept

@@ -4,7 +4,7 @@
 mod background;
 pub(crate) mod capillary;
 pub(crate) mod coupling;
-mod datasets;
+pub(crate) mod datasets;
 mod error;
 pub(crate) mod files;
 mod host;

@@ -1,5 +1,6 @@
 //! A run's results under the names of the file layout.
 
+use super::datasets::PULL_OFF_QUANTILES;
 use super::results::Results;
 use crate::engine::{QUANTILES, Ways, scalars};
 use crate::output::OutputError;
@@ -33,6 +34,7 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.named_scale(Dimension::Scalar, &names);
     writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS);
     writer.scale(Dimension::Quantile, &QUANTILES);
+    writer.scale(Dimension::PullOffQuantile, &PULL_OFF_QUANTILES);
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
         writer.number("/", "min_replicas", stopped.min_replicas)?;

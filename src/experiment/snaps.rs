@@ -5,7 +5,7 @@ use super::sampling::loading;
 use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
 use crate::math::moments::Moments;
-use crate::math::proportion::wilson_interval;
+use crate::math::proportion::exact_interval;
 
 /// One of the numbers that are kept of every replica.
 struct Column<'a> {
@@ -44,8 +44,24 @@ impl Counts {
 
     /// The 95 % interval of its probability.
     pub fn interval(self) -> (f64, f64) {
-        wilson_interval(self.snap, self.known)
+        exact_interval(self.snap, self.known)
     }
+}
+
+/// Of pull-off forces, N, how many are larger than a force.
+fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
+    let mut counts = Counts { known: 0, snap: 0, unstopped: 0 };
+    for pull_off in pull_offs {
+        counts.known += 1;
+        counts.snap += u64::from(pull_off > force);
+    }
+    counts
+}
+
+/// The replicas of a run that hold harder than the restoring force of the device, if there is one.
+pub(crate) fn stuck(results: &Results) -> Option<Counts> {
+    let force = results.scene.restoring_force?;
+    Some(holding(results.ensemble.replicas.iter().map(|replica| replica.pull_off_force), force))
 }
 
 impl<'a> Snaps<'a> {
@@ -104,8 +120,18 @@ impl<'a> Snaps<'a> {
         (0..self.loading.retractions()).flat_map(of).collect()
     }
 
+    /// The pull-off forces after a turn, N, of the replicas that turn.
+    pub fn pull_offs(&self, turn: usize) -> Vec<f64> {
+        self.column(turn + 1).values().filter(|force| !force.is_nan()).collect()
+    }
+
     /// Moments of the pull-off after a turn, over the replicas that turn.
     pub fn pull_off(&self, turn: usize) -> Moments {
-        Moments::of(self.column(turn + 1).values().filter(|force| !force.is_nan()))
+        Moments::of(self.pull_offs(turn).into_iter())
+    }
+
+    /// The replicas that hold harder than a force, N, after a turn.
+    pub fn stuck(&self, turn: usize, force: f64) -> Counts {
+        holding(self.pull_offs(turn).into_iter(), force)
     }
 }

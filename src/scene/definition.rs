@@ -57,6 +57,8 @@ pub struct Scene {
     pub unloading: Unloading,
     /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
+    /// The force that pulls the surfaces apart in the device, N, if there is one.
+    pub restoring_force: Option<f64>,
     /// The half-space that couples the asperities; they are independent without one.
     pub substrate: Option<Substrate>,
     /// Forces between the mean planes; none unless the scene has their tables.

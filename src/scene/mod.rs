@@ -9,6 +9,7 @@ mod capillary;
 mod choices;
 mod column;
 mod definition;
+mod device;
 mod document;
 #[doc(hidden)]
 pub mod echo;

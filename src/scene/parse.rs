@@ -4,6 +4,7 @@ use super::background::{ForceSections, Setting};
 use super::capillary::{CapillaryTable, capillary, wet};
 use super::choices::{DEFAULT_LAW, DEFAULT_LAW_IN_LIQUID, FORMAT, HISTORIES, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
+use super::device::restoring_force;
 use super::error::{SceneError, Together};
 use super::files::Files;
 use super::instability::{InstabilityTable, instability};
@@ -44,6 +45,7 @@ struct Readings<'a> {
     substrate: Option<SubstrateTable<'a>>,
     forces: ForceSections<'a>,
     liquid: Option<CapillaryTable>,
+    restoring_force: Option<f64>,
 }
 
 impl<'a> Readings<'a> {
@@ -73,8 +75,10 @@ impl<'a> Readings<'a> {
         let readings =
             (root.known(), heading(root), material, population, model, separation, instability, ensemble);
         let (solver, output, forces) = (sum_tolerance(root), curves(root), ForceSections::read(root));
-        let readings = (readings.together(), solver, output, substrate, forces, capillary(root));
-        let (readings, sum_tolerance, curves, substrate, forces, liquid) = readings.together()?;
+        let device = restoring_force(root);
+        let readings = (readings.together(), solver, output, substrate, forces, capillary(root), device);
+        let (readings, sum_tolerance, curves, substrate, forces, liquid, restoring_force) =
+            readings.together()?;
         let ((), title, material, population, model, separation, instability, (ensemble, draws)) = readings;
         let (population, lubricant_thickness) = population;
         Ok(Self {
@@ -92,6 +96,7 @@ impl<'a> Readings<'a> {
             substrate,
             forces,
             liquid,
+            restoring_force,
         })
     }
 
@@ -142,6 +147,7 @@ impl<'a> Readings<'a> {
             cycle,
             cycles,
             unloading,
+            restoring_force: self.restoring_force,
             substrate,
             forces,
             critical_approach,

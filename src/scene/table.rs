@@ -603,6 +603,25 @@ static REST: &[Key] = &[
     key("instability.smallest_snap", "\"0.01 nm\"", Quantity(Of::Length, NotNegative))
         .what("least distance that counts as a snap")
         .defaults_to("0"),
+    key("device", "{ restoring_force = \"1 uN\" }", Table)
+        .what("the force that pulls the surfaces apart in the device")
+        .about("With it a run has the probability that the surfaces stay stuck: that the pull-off force is larger.")
+        .follows("none; no probability"),
+    key("device.restoring_force", "\"1 uN\"", Quantity(Of::Force, Positive))
+        .what("restoring force")
+        .about("Give it, or `stiffness` and `gap`. `stiction run --above \"1 uN\"` sets it.")
+        .excludes(&["device.stiffness", "device.gap"])
+        .swept(),
+    key("device.stiffness", "\"2 N/m\"", Quantity(Of::Stiffness, Positive))
+        .what("stiffness of the suspension")
+        .about("Needs `gap`; the restoring force is their product.")
+        .follows("not used where `restoring_force` is given")
+        .swept(),
+    key("device.gap", "\"0.5 um\"", Quantity(Of::Length, Positive))
+        .what("deflection of the suspension where the surfaces touch")
+        .about("Needs `stiffness`.")
+        .follows("not used where `restoring_force` is given")
+        .swept(),
     key("solver", "{ summation = \"moments\" }", Table).what("how forces are summed").follows("direct sums"),
     key("solver.summation", "\"moments\"", Choice(|| names(&SUMS)))
         .formerly("sum")

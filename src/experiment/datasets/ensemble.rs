@@ -7,12 +7,26 @@ use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interval::LEVEL;
 use crate::math::moments::Moments;
+use crate::math::quantile::Quantile;
 use crate::output::OutputError;
-use crate::output::schema::Dimension::{self, Control, RangeEnd, Scalar, Step, Target};
+use crate::output::schema::Dimension::{self, Control, PullOffQuantile, RangeEnd, Scalar, Step, Target};
 use crate::output::schema::{OF_ENSEMBLE, Statistic, quantile, quantities, regimes, scale};
 use crate::output::writer::Writer;
 
 const GROUP: &str = "/ensemble";
+
+/// Probabilities of the quantiles of the pull-off force of single patches.
+pub const PULL_OFF_QUANTILES: [f64; 4] = [0.05, 0.5, 0.95, 0.999];
+
+/// Quantiles of pull-off forces, N.
+pub fn of_pull_off(mut pull_offs: Vec<f64>) -> [Quantile; PULL_OFF_QUANTILES.len()] {
+    pull_offs.sort_by(f64::total_cmp);
+    PULL_OFF_QUANTILES.map(|probability| Quantile::of(&pull_offs, probability))
+}
+
+fn pull_off_quantiles(results: &Results) -> [Quantile; PULL_OFF_QUANTILES.len()] {
+    of_pull_off(results.ensemble.replicas.iter().map(|replica| replica.pull_off_force).collect())
+}
 
 pub(super) fn datasets() -> Vec<Dataset> {
     let control = Dataset::of(scale(GROUP, Control), |_| None::<Values>);
@@ -22,6 +36,24 @@ pub(super) fn datasets() -> Vec<Dataset> {
     let mut all: Vec<Dataset> = [control].into_iter().chain(of_histories).collect();
     all.extend(of_scalars());
     all.extend(of_targets());
+    all.extend([
+        Dataset::new(
+            path(GROUP, "pull_off_force_quantile"),
+            &[PullOffQuantile],
+            "N",
+            "quantiles of the pull-off force of single replicas; NaN where they are too few",
+            |results| Some(pull_off_quantiles(results).map(|one| one.value).to_vec()),
+        ),
+        Dataset::new(
+            path(GROUP, "pull_off_force_quantile_interval"),
+            &[PullOffQuantile, RangeEnd],
+            "N",
+            "95 % intervals of these quantiles, between order statistics",
+            |results| {
+                Some(pull_off_quantiles(results).iter().flat_map(|one| one.interval).collect::<Vec<f64>>())
+            },
+        ),
+    ]);
     all.extend(jumps(GROUP, OF_ENSEMBLE[0], |results, way| {
         let (_, states) = results.paths().swap_remove(way);
         let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());

@@ -1,10 +1,12 @@
 //! Snaps of the replicas of a run, and pull-off after preloads.
 
+use super::ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 use super::replicas::GROUP as REPLICAS;
 use super::{Dataset, Results, Values, path};
 use crate::experiment::snaps::{Counts, Snaps};
+use crate::math::quantile::Quantile;
 use crate::output::OutputError;
-use crate::output::schema::Dimension::{self, Preload, Replica, Stiffness};
+use crate::output::schema::Dimension::{self, Preload, PullOffQuantile, RangeEnd, Replica, Stiffness};
 use crate::output::writer::Writer;
 
 const GROUP: &str = "/instability";
@@ -19,11 +21,12 @@ const NPD: &[Dimension] = &[Replica, Preload, Stiffness];
 type Places = fn(&Snaps<'_>) -> Option<Vec<usize>>;
 
 fn inward(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
-    (snaps.loading.length() > 0 && snaps.loading.ways.0).then(|| snaps.places_in())
+    (snaps.loading.snaps_in() > 0).then(|| snaps.places_in())
 }
 
 fn off(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
-    (snaps.loading.retractions() > 0).then(|| snaps.places_off())
+    let has_snaps = snaps.loading.retractions() > 0 && !snaps.loading.stiffness.is_empty();
+    has_snaps.then(|| snaps.places_off())
 }
 
 fn turns(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
@@ -72,13 +75,37 @@ pub(super) fn datasets() -> Vec<Dataset> {
                 Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn).std()[0]).collect::<Vec<f64>>())
             },
         ),
+        Dataset::new(
+            path(GROUP, "pull_off_after_preload_quantile"),
+            &[Preload, PullOffQuantile],
+            "N",
+            "quantiles of the pull-off force after the preload, of the replicas that reach it; NaN where they are too few",
+            |results| Some(pull_off_quantiles(results)?.iter().flat_map(|own| own.map(|one| one.value)).collect::<Vec<f64>>()),
+        ),
+        Dataset::new(
+            path(GROUP, "pull_off_after_preload_quantile_interval"),
+            &[Preload, PullOffQuantile, RangeEnd],
+            "N",
+            "95 % intervals of these quantiles, between order statistics",
+            |results| {
+                Some(pull_off_quantiles(results)?.iter().flatten().flat_map(|one| one.interval).collect::<Vec<f64>>())
+            },
+        ),
     ]);
     all
 }
 
+/// Quantiles of the pull-off after each turn.
+fn pull_off_quantiles(results: &Results) -> Option<Vec<[Quantile; PULL_OFF_QUANTILES.len()]>> {
+    let own = Snaps::of(results);
+    Some(turns(&own)?.iter().map(|turn| of_pull_off(own.pull_offs(*turn))).collect())
+}
+
 /// The share of surfaces that snap, with the interval of its probability.
 fn snaps(name: &str, dimensions: &'static [Dimension], share: &str, places: Places) -> Vec<Dataset> {
-    let end = |end: &str| format!("{end} end of the 95 % Wilson interval of the probability to snap {name}");
+    let end = |end: &str| {
+        format!("{end} end of the 95 % interval of Clopper and Pearson of the probability to snap {name}")
+    };
     let own = |of: &str, meaning: &str, value: fn(&Counts) -> f64| {
         counted(&format!("snap_{name}_{of}"), dimensions, meaning, places, value)
     };
@@ -186,7 +213,7 @@ pub(super) fn of_replicas() -> [Dataset; 9] {
 
 pub(super) fn scales(writer: &mut Writer<'_>, results: &Results) {
     let loading = Snaps::of(results).loading;
-    if loading.length() > 0 {
+    if !loading.stiffness.is_empty() {
         writer.scale(Stiffness, loading.stiffness);
     }
     if loading.retractions() > 0 {
@@ -196,7 +223,7 @@ pub(super) fn scales(writer: &mut Writer<'_>, results: &Results) {
 
 pub(super) fn attributes(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let loading = Snaps::of(results).loading;
-    if loading.length() == 0 {
+    if loading.stiffness.is_empty() {
         return Ok(());
     }
     writer.number(GROUP, "smallest_snap", loading.smallest_snap)

@@ -3,6 +3,7 @@
 mod asperities;
 mod background;
 mod coupling;
+mod device;
 mod diagnostics;
 mod ensemble;
 mod film;
@@ -13,6 +14,8 @@ mod integral;
 mod liquid;
 mod replicas;
 mod validation;
+
+pub(crate) use ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 
 use super::results::Results;
 use crate::engine::Ways;
@@ -42,6 +45,7 @@ pub(super) const OPTIONAL_GROUPS: &[&str] = &[
     "background",
     "capillary",
     "coupling",
+    "device",
     "differences",
     "film",
     "fit",
@@ -51,8 +55,8 @@ pub(super) const OPTIONAL_GROUPS: &[&str] = &[
 ];
 
 /// Groups of what replicas have; a run of the integral alone has none of them.
-const OF_REPLICAS: [&str; 6] =
-    ["/ensemble", "/replicas", "/coupling", "/asperities", "/instability", "/validation"];
+const OF_REPLICAS: [&str; 7] =
+    ["/ensemble", "/replicas", "/coupling", "/asperities", "/instability", "/device", "/validation"];
 
 /// All datasets of runs, group by group.
 static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
@@ -65,6 +69,7 @@ static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
         film::datasets(),
         fit::datasets(),
         instability::datasets(),
+        device::datasets(),
         integral::datasets(),
         background::datasets(),
         independence::datasets(),

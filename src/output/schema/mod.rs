@@ -141,6 +141,8 @@ pub enum Dimension {
     Preload,
     /// Probabilities of quantiles.
     Quantile,
+    /// Probabilities of quantiles of the pull-off force.
+    PullOffQuantile,
 }
 
 impl Dimension {
@@ -193,6 +195,9 @@ impl Dimension {
                 "external force at which the surface turns back, NaN for the smallest separation",
             ),
             Self::Quantile => ("quantile", "1", "probability of a quantile"),
+            Self::PullOffQuantile => {
+                ("pull_off_quantile", "1", "probability of a quantile of the pull-off force")
+            }
         }
     }
 

@@ -48,8 +48,8 @@ pub(super) struct Tips<'a> {
 }
 
 impl Tips<'_> {
-    /// Separations, m, that follow from the surface: from where a tenth of the nominal area touches, or nearer where a preload
-    /// asks for it, to where the tallest tip of a thousand replicas pulls no longer.
+    /// Separations, m, that follow from the surface: from where a tenth of the nominal area touches, or where the largest
+    /// preload is reached, to where the tallest tip of a thousand replicas pulls no longer.
     pub fn separations(&self) -> Vec<f64> {
         let (surface, sigma) = (self.surface, self.surface.surface_height_std);
         let normal = Heights::gaussian(1.0);
@@ -67,14 +67,14 @@ impl Tips<'_> {
         // The highest tips keep contacts that are small against their radius.
         let highest = surface.heights.of_normal(tallest.min(HIGHEST));
         let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
-        let loaded = match self.preload > 0.0 {
-            true => {
-                self.closest(&heights, furthest, MARGIN_OF_LOADS * self.preload, &|depth| self.load(depth))
-            }
-            false => f64::INFINITY,
-        };
         let end = |d: f64| (d + surface.mean_plane_offset) / (STEP_OF_ENDS * sigma);
-        let from = end(touching).floor().max(end(small).ceil()).min(end(loaded).floor());
+        let from = match self.preload > 0.0 {
+            true => {
+                let wanted = MARGIN_OF_LOADS * self.preload;
+                end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth))).floor()
+            }
+            false => end(touching).floor().max(end(small).ceil()),
+        };
         let [from, to] = [from, end(furthest).ceil()].map(|steps| STEP_OF_ENDS * steps * sigma);
         spaced(from, to, DEFAULT_COUNT)
     }

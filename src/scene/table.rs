@@ -432,7 +432,7 @@ static FIRST: &[Key] = &[
         .what("where forces are computed")
         .about(
             "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, or \
-             nearer where a preload asks for it, to where nothing pulls, in 161 steps.",
+             where the largest preload is reached, to where nothing pulls, in 161 steps.",
         )
         .follows("a range that follows from the surface"),
     key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))

@@ -328,6 +328,7 @@ FIGURES = [
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
+    Block("docs/coupling.md", "  pull-off ", ("run", str(ROOT / "configs/coupled.toml"), "-o", "coupled.h5")),
     Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
     Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |",
            independence("case_i", 1.0)),

@@ -316,6 +316,7 @@ FIGURES = [
         "and not at all from h* = 2.5.",
         strata,
     ),
+    Block("docs/hysteresis.md", "  pull-off ", ("run", str(ROOT / "configs/loop.toml"), "-o", "loop.h5")),
     Figure("docs/hysteresis.md",
            "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
     Figure("docs/hysteresis.md",

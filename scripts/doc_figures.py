@@ -160,17 +160,13 @@ def error(run, scalar, controlled):
 
 
 def reductions(program):
-    """The table of sampling.md: ratios by which the variance of a mean is smaller than that of plain
-    independent replicas."""
+    """The table of errors.md: ratios by which the variance of a mean is smaller with controls."""
     values = []
     for scalar in SCALARS:
         for case in CASES:
-            plain = error(program.run(case), scalar, controlled=False)
-            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False),
-                   ("stratified", True)]
-            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme,
-                      controlled in own]
-            values += [f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.1f}" for ratio in ratios]
+            plain, controlled = (error(program.run(case), scalar, kind) for kind in (False, True))
+            ratio = (plain / controlled) ** 2
+            values.append(f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.1f}")
     return values
 
 
@@ -179,19 +175,18 @@ def reduction(program, case):
 
 
 def strata(program):
-    """Ratios by which the variance of the mean external force is smaller with strata, and with opposite
-    heights."""
+    """Ratios by which the variance of the mean external force of case II is smaller with strata, and with
+    opposite heights."""
 
-    def ratio(case, scheme, h_star):
-        plain, other = program.run(case), program.run(case, scheme)
+    def ratio(scheme, h_star):
+        plain, other = program.run("case_ii"), program.run("case_ii", scheme)
         place = int(np.argmin(np.abs(plain["ensemble/h_star"][:] - h_star)))
-        assert abs(plain["ensemble/h_star"][place] - h_star) < 1e-9, f"{case} has no separation h* = {h_star}"
+        assert abs(plain["ensemble/h_star"][place] - h_star) < 1e-9, f"case II has no separation h* = {h_star}"
         errors = [run["ensemble/external_force_standard_error"][place] for run in (plain, other)]
         return (errors[0] / errors[1]) ** 2
 
-    places = [("case_ii", 0.7), ("case_ii", 1.0), ("case_iii", 1.0), ("case_iii", 2.0)]
-    return [digits(ratio(case, scheme, h_star), 2) for case,
-            h_star in places for scheme in ("stratified", "antithetic")]
+    schemes = ("stratified", "antithetic")
+    return [digits(ratio(scheme, h_star), 2) for h_star in (0.7, 1.0) for scheme in schemes]
 
 
 def mean_pull_off(program):
@@ -292,13 +287,8 @@ def independence(case, metres):
     return values
 
 
-ROW = "| {} | {} / {} | {} / {} |"
-TABLE = "\n".join(
-    f"| {name if case == 'I' else ''} | {case} ".replace("|  |", "| |")
-    + (ROW.replace("| {} |", "| **{}** |", 1) if name == "pull-off force" and case != "I" else ROW)
-    for name in ("pull-off force", "pull-off separation", "peak secant stiffness", "its separation")
-    for case in ("I", "II", "III")
-)
+GAINS = "\n".join(f"| {name} | {{}} | {{}} | {{}} |" for name in (
+    "pull-off force", "pull-off separation", "peak secant stiffness", "its separation"))
 
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
@@ -316,21 +306,23 @@ FIGURES = [
            fits("case_ii", 1e-3, (3, 3))),
     Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | 93.5 mN",
            fits("case_iii", 1e-3, (1, 1))),
-    Figure("docs/sampling.md", TABLE, reductions),
-    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN",
+    Block("docs/errors.md", "  pull-off ", ("run", str(ROOT / "configs/target.toml"), "-o", "target.h5")),
+    Figure("docs/errors.md", GAINS, reductions),
+    Figure("docs/errors.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN",
            mean_pull_off),
     Figure(
-        "docs/sampling.md",
+        "docs/errors.md",
         "falls {} times at h* = 0.7 in case II (antithetic: {}), {} times at h* = 1 ({}) "
-        "and not at all from h* = 2.5; "
-        "in case III {} times at h* = 1 (antithetic: {}), and {} times at h* = 2 ({})",
+        "and not at all from h* = 2.5.",
         strata,
     ),
+    Block("docs/hysteresis.md", "  pull-off ", ("run", str(ROOT / "configs/loop.toml"), "-o", "loop.h5")),
     Figure("docs/hysteresis.md",
            "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
     Figure("docs/hysteresis.md",
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
+    Block("docs/instability.md", "  snap-in ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",
         "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n"
@@ -338,6 +330,7 @@ FIGURES = [
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
+    Block("docs/coupling.md", "  pull-off ", ("run", str(ROOT / "configs/coupled.toml"), "-o", "coupled.h5")),
     Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
     Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |",
            independence("case_i", 1.0)),
@@ -351,7 +344,7 @@ FIGURES = [
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as docs/sampling.md")
+    parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as docs/errors.md")
     parser.add_argument("--write", action="store_true", help="replace the numbers that differ")
     default = os.environ.get("STICTION", ROOT / "target/release/stiction")
     parser.add_argument("--program", type=Path, default=Path(default), help="the program")

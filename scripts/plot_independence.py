@@ -91,11 +91,11 @@ def draw_map(axes, sigmas, energies, grid):
         axes.text(*place, word, fontsize=13, color="0.25", ha="left" if word == "invalid" else "center",
                   style="italic")
     axes.set(xscale="log", yscale="log", xlim=ROUGHNESS, ylim=ENERGY)
-    axes.set(xlabel="roughness $\\sigma$, nm", ylabel="work of adhesion, J/m$^2$")
+    axes.set(xlabel="roughness $\\sigma$ (nm)", ylabel="work of adhesion (J/m$^2$)")
     axes.set_xticks([0.5, 1, 2, 3, 5])
     axes.set_xticks([], minor=True)
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.set_title("(a) Independence of asperities, surfaces of the publication, 1000 µm$^2$")
+    axes.set_title("(a) Independence of asperities, patches of 1000 µm$^2$", loc="left")
     axes.legend(loc="lower left", title="limits of good (thin) and invalid (thick)", frameon=True,
                 framealpha=0.85)
 
@@ -109,9 +109,9 @@ def draw_sizes(axes, cases):
         side, label = 1e6 * case["patch_side"], f"case {name}, $\\Lambda_c$ = {length(case)}"
         axes.plot(SIDES, case[RATIO] * SIDES / side, color=color, label=label)
         axes.plot(side, case[RATIO], "o", color="black", markersize=5)
-    axes.set(xscale="log", yscale="log", xlim=SIDES, ylim=(low, high),
-             title="(b) The larger a patch, the softer it stands")
-    axes.set(xlabel="side of the patch, µm", ylabel="largest attractive stiffness over $k_s$")
+    axes.set(xscale="log", yscale="log", xlim=SIDES, ylim=(low, high))
+    axes.set_title("(b) The larger a patch, the softer its half-space", loc="left")
+    axes.set(xlabel="side of the patch (µm)", ylabel="largest attractive stiffness over $k_s$")
     axes.legend(loc="upper left", frameon=True, framealpha=0.85)
 
 
@@ -131,9 +131,9 @@ def main():
         scenes = [scene(sigma, energy) for energy in energies.tolist() for sigma in sigmas.tolist()]
         grid = np.array(list(pool.map(judged, scenes)), dtype=object).reshape(arguments.steps, -1)
     with context():
-        figure = Figure(figsize=(11.0, 4.9), layout="none")
-        draw_map(panel(figure, 0.65, 0.6, 5.4, 3.9), sigmas, energies, grid)
-        draw_sizes(panel(figure, 6.95, 0.6, 3.8, 3.9), cases)
+        figure = Figure(figsize=(7.0, 8.1), layout="none")
+        draw_map(panel(figure, 0.75, 4.0, 6.0, 3.75), sigmas, energies, grid)
+        draw_sizes(panel(figure, 0.75, 0.6, 6.0, 2.6), cases)
         figure.savefig(arguments.output, dpi=arguments.dpi)
     for name, case in cases.items():
         print(f"case {name}: {case['verdict']}; shift {1e9 * case['shift']:.2e} nm = "

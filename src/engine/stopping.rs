@@ -6,7 +6,7 @@
 //!
 //! To stop as soon as an estimated error is small enough favours samples that underestimate it. What keeps
 //! that small is that the first look comes late, and that from one look to the next there is more than a
-//! little: docs/stopping.md has the coverage of the intervals.
+//! little: docs/errors.md has the coverage of the intervals.
 
 use super::Job;
 use super::batch::{BATCH, Ensemble};

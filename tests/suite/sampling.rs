@@ -234,8 +234,7 @@ fn intervals_hold_what_they_say_for_skewed_outcomes() {
     }
 }
 
-/// The table of docs/sampling.md: coverage of 95 % intervals of the mean pull-off force over asperities,
-/// heights and laws; 4000 ensembles for each entry, so ± 0.35 %. From 64 groups on each is within 1.5 % and 4
+/// Coverage of 95 % intervals of the mean pull-off force over asperities, heights and laws; 4000 ensembles for each entry, so ± 0.35 %. From 64 groups on each is within 1.5 % and 4
 /// standard deviations, but for heights whose logarithm is Gaussian.
 #[test]
 #[ignore = "slow: 40 s"]
@@ -286,7 +285,7 @@ fn coverage_of_intervals() {
 }
 
 /// By how many times controls reduce the variance of the mean pull-off of cases II and III, 1000 independent
-/// replicas of seed 1, as docs/sampling.md has it: within 4 standard errors of its logarithm, which the 16
+/// replicas of seed 1, as docs/errors.md has it: within 4 standard errors of its logarithm, which the 16
 /// parts of the sample tell by leaving one out at a time, and which are small enough for that to say
 /// something.
 #[test]

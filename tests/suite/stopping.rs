@@ -393,9 +393,9 @@ fn intervals_hold(study: &Study) {
     }
 }
 
-/// The table of docs/stopping.md: patches, laws, heights, quantities, estimates and targets. From 64 replicas
-/// before the first look on, no interval holds less than 1.5 % less than it says, over 4 standard deviations
-/// of a share of 2000 runs.
+/// Coverage at the end of runs that stop at targets, as docs/errors.md has it: patches, laws, heights,
+/// quantities, estimates and targets. From 64 replicas before the first look on, no interval holds less than
+/// 1.5 % less than it says, over 4 standard deviations of a share of 2000 runs.
 #[test]
 #[ignore = "slow: a minute"]
 fn intervals_hold_what_they_say_for_any_target() {

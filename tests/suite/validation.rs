@@ -196,7 +196,7 @@ fn false_alarms_are_as_rare_as_they_should_be() {
     assert_alarms(sum);
 }
 
-/// The table of docs/cross-check.md, a quarter as many ensembles to a line: the fewest replicas that are tested of 100
+/// False alarms over surfaces, laws and schemes: the fewest replicas that are tested of 100
 /// asperities, eight times as many of 10, and of one.
 #[test]
 #[ignore = "slow: minutes"]

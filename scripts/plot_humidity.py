@@ -4,10 +4,10 @@ humidity.
 Usage: python scripts/plot_humidity.py humidity.h5 [-o OUT.png]      after `stiction run
 configs/humidity.toml`
 
-(a) pull-off of the expected curve per nominal area, and the energy to part the faces, with every bridge by
-    itself and with the liquid that fills gaps, and the upper limit of DelRio et al., Appl. Phys. Lett. 90
-    (2007) 163104;
-(b) shares of wet asperities and of the covered area at pull-off. The numbers are printed.
+(a) pull-off of the expected curve per nominal area, with every bridge by itself and with the liquid that
+    fills gaps;
+(b) the energy to part the faces, and its upper limit of DelRio et al., Appl. Phys. Lett. 90 (2007) 163104;
+(c) shares of wet asperities and of the covered area at pull-off. The numbers are printed.
 """
 
 import h5py
@@ -18,25 +18,26 @@ LIMIT = 144.0  # mJ/m^2, of the abstract
 
 
 def draw(humidity, pull_offs, energies, shares):
-    figure = Figure(figsize=(6.7, 2.8), layout="none")
-    first, second = panel(figure, 0.6, 0.5, 2.35, 2.0), panel(figure, 4.1, 0.5, 2.35, 2.0)
-    twin = first.twinx()
-    for axes, values, marker, color in [(first, pull_offs, "o", BLUE), (twin, energies, "s", VERMILION)]:
-        axes.semilogy(humidity, values[0], color=color, linestyle=DASHED)
-        axes.semilogy(humidity, values[1], f"{marker}-", color=color, markersize=3)
-    twin.axhline(LIMIT, color=VERMILION, linewidth=0.8, linestyle="dotted")
-    first.set(xlabel="relative humidity", title="(a) dashed: every bridge by itself")
-    first.set_ylabel("pull-off per area (MPa)", color=BLUE)
-    twin.set_ylabel("energy (mJ/m²)", color=VERMILION)
-    second.plot(humidity, shares[0], "o-", color=BLUE, markersize=3, label="wet asperities")
-    second.plot(humidity, shares[1], "s-", color=GREEN, markersize=3, label="covered area")
-    second.set(xlabel="relative humidity", ylabel="share", ylim=(0, 1), title="(b) at pull-off")
-    second.legend()
+    figure = Figure(figsize=(4.2, 6.6), layout="none")
+    force, energy, share = [panel(figure, 0.75, bottom, 3.3, 1.6) for bottom in (4.75, 2.6, 0.45)]
+    for axes, (alone, merged) in [(force, pull_offs), (energy, energies)]:
+        axes.semilogy(humidity, merged, "o-", color=BLUE, markersize=3, label="liquid fills gaps")
+        axes.semilogy(humidity, alone, color=BLUE, linestyle=DASHED, label="every bridge by itself")
+    energy.axhline(LIMIT, color=VERMILION, linewidth=0.8, linestyle="dotted")
+    energy.annotate("144 mJ/m², measured upper limit", (0.4, LIMIT), xytext=(0, -3), color=VERMILION,
+                    textcoords="offset points", va="top", fontsize="small")
+    force.set(ylabel="pull-off per area (MPa)", title="(a)")
+    force.legend()
+    energy.set(ylabel="energy (mJ/m²)", title="(b)")
+    share.plot(humidity, shares[0], "o-", color=BLUE, markersize=3, label="wet asperities")
+    share.plot(humidity, shares[1], "s-", color=GREEN, markersize=3, label="covered area")
+    share.set(xlabel="relative humidity", ylabel="share at pull-off", ylim=(0, 1), title="(c)")
+    share.legend()
     return figure
 
 
 def main():
-    parser = options(__doc__, DOCS / "humidity.png")
+    parser = options(__doc__, DOCS / "humidity.svg")
     parser.add_argument("file")
     arguments = parser.parse_args()
     with h5py.File(arguments.file) as file:

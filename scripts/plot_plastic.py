@@ -37,8 +37,8 @@ def table(points, laws, pull_offs):
 
 
 def draw(file, points, laws, pull_offs):
-    figure = Figure(figsize=(7.2, 3.1), layout="none")
-    curves, pulls = panel(figure, 0.62, 0.5, 2.75, 2.35), panel(figure, 4.15, 0.5, 2.9, 2.35)
+    figure = Figure(figsize=(4.2, 6.1), layout="none")
+    curves, pulls = panel(figure, 0.62, 3.55, 3.45, 2.3), panel(figure, 0.62, 0.45, 3.45, 2.3)
     h_star, (mean, error, integral) = file["integral/h_star"][:], pull_offs
     for i in [points.index(("ke", name)) for name in UNLOADINGS]:
         color = UNLOADINGS[points[i][1]][0]
@@ -56,14 +56,15 @@ def draw(file, points, laws, pull_offs):
         style = {"color": color, "marker": marker, "ls": "none"}
         pulls.errorbar(x, mean[own], 2.0 * error[own], **style, label=name)
         pulls.plot(x, integral[own], **style, mfc="none")
-    pulls.set(yscale="log", ylabel="pull-off (µN)", xlim=(-0.5, len(laws) - 0.5))
-    pulls.set_title("(b)  full: mean of patches; open: integral")
+    pulls.plot([], [], "o", color="0.4", mfc="none", label="integral")
+    pulls.set(yscale="log", xlabel="load", ylabel="pull-off (µN)", xlim=(-0.5, len(laws) - 0.5), title="(b)")
     pulls.set_xticks(range(len(laws)), laws)
+    pulls.legend(ncols=2)
     return figure
 
 
 def main():
-    parser = options(__doc__, DOCS / "plastic.png")
+    parser = options(__doc__, DOCS / "plastic.svg")
     parser.add_argument("file")
     arguments = parser.parse_args()
     with h5py.File(arguments.file) as file, context():

@@ -85,7 +85,8 @@ def simulate(
     """Patches at some parameters, by one run: a sweep with random numbers of its own for each point.
 
     The density is fitted to all points together. Errors of points that are independent average out in the fit; with common random numbers all
-    points would err alike, and the fit with them, however many points there are (docs/inference.md has the figures).
+    points would err alike, and the fit with them. Over ten seeds of 64 points of 100 patches posterior means of Δγ and σ_s scattered by 0.88 and
+    0.76 of the posterior's width with common numbers, by 0.40 and 0.32 with independent ones.
 
     Parameters
     ----------

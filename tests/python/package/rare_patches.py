@@ -1,6 +1,6 @@
 """Patches by brute force, for probabilities of rare ones: heights, sums and maxima in numpy, without the program.
 
-`python tests/python/package/rare_patches.py` prints the table of docs/rare-events.md: 200 seeds of each scene against
+`python tests/python/package/rare_patches.py` prints a table: 200 seeds of each scene against
 brute force or a closed form, some 40 minutes on one core.
 """
 

@@ -12,15 +12,15 @@ use std::path::PathBuf;
 
 /// The scenes by name.
 const TEMPLATES: [(&str, &str); 6] = [
-    ("mems-pad", include_str!("../../configs/templates/mems-pad.toml")),
-    ("afm-tip", include_str!("../../configs/templates/afm-tip.toml")),
-    ("disk-head", include_str!("../../configs/templates/disk-head.toml")),
-    ("measured-map", include_str!("../../configs/templates/measured-map.toml")),
-    ("wet", include_str!("../../configs/templates/wet.toml")),
-    ("coupled", include_str!("../../configs/templates/coupled.toml")),
+    ("mems-pad", include_str!("new/mems-pad.toml")),
+    ("afm-tip", include_str!("new/afm-tip.toml")),
+    ("disk-head", include_str!("new/disk-head.toml")),
+    ("measured-map", include_str!("new/measured-map.toml")),
+    ("wet", include_str!("new/wet.toml")),
+    ("coupled", include_str!("new/coupled.toml")),
 ];
 /// Numbers of materials, each with its source.
-const MATERIALS: &str = include_str!("../../configs/materials.csv");
+const MATERIALS: &str = include_str!("new/materials.csv");
 /// Columns in front of notes and sources, and those of notes and sources.
 const INDENT: usize = 33;
 const NOTE: usize = 80 - INDENT;

@@ -7,9 +7,6 @@ use crate::asperity::scale::{Asperity, pressure_factor};
 use crate::asperity::{LawError, LawParameters, Path};
 use std::ops::RangeBounds;
 
-/// Advice on surface energies that are no list of two.
-const ADHESION: &str = "the energy of both less that of their interface is work_of_adhesion";
-
 /// The material of an asperity, SI.
 pub(super) struct Material {
     reduced_modulus: f64,
@@ -111,15 +108,11 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
     if section.get("surface_energy").is_none() && section.get("interface_energy").is_none() {
         return section.measured("work_of_adhesion");
     }
-    let surfaces =
-        section.require("surface_energy").and_then(|entry| match entry.one_or_two(Entry::measured)? {
-            energies if energies.len() == 2 => Ok(energies),
-            _ => Err(entry.wrong(&format!("a list of two is needed, one for each body; {ADHESION}"))),
-        });
+    let surfaces = section.require("surface_energy").and_then(|entry| entry.one_or_two(Entry::measured));
     let interface =
         section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)));
     let (surfaces, (entry, interface)) = (surfaces, interface).together()?;
-    let work = surfaces[0] + surfaces[1] - interface;
+    let work = surfaces[0] + surfaces[surfaces.len() - 1] - interface;
     if work > 0.0 {
         return Ok(work);
     }

@@ -64,8 +64,9 @@ impl Tips<'_> {
         let touching = self.closest(&heights, furthest, LARGEST_SHARE * surface.nominal_area, &|depth| {
             PI * surface.asperity_radius * depth
         });
-        // The highest tips keep contacts that are small against their radius.
-        let highest = surface.heights.of_normal(tallest.min(HIGHEST));
+        // The highest tips keep contacts that are small against their radius, also in a patch without tall ones.
+        let shortest = normal.gaussian_quantile(libm::pow(TOUCHING, 1.0 / surface.asperity_count as f64));
+        let highest = surface.heights.of_normal(shortest.min(HIGHEST));
         let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
         let end = |d: f64| (d + surface.mean_plane_offset) / (STEP_OF_ENDS * sigma);
         let from = match self.preload > 0.0 {
@@ -98,7 +99,7 @@ impl Tips<'_> {
     /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion.
     fn load(&self, depth: f64) -> f64 {
         let Asperity { reduced_modulus, hardness, radius, work_of_adhesion, .. } = *self.asperity;
-        let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth.powf(1.5);
+        let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth * depth.sqrt();
         elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion
     }
 }

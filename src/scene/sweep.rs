@@ -325,7 +325,7 @@ mod tests {
             let swept = sweep.scene(0).unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?}",
+                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?} {:?}",
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
@@ -334,7 +334,8 @@ mod tests {
                     scene.model.name,
                     scene.unloading,
                     scene.model.meniscus(),
-                    scene.model.contact()
+                    scene.model.contact(),
+                    scene.restoring_force
                 )
             };
             assert_ne!(numbers(&swept), numbers(&base), "{}", key.name);

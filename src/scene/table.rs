@@ -77,15 +77,10 @@ static FIRST: &[Key] = &[
         .about("Δγ = γ₁ + γ₂ − γ₁₂. Give it, or the energies by `surface_energy` and `interface_energy`.")
         .swept()
         .excludes(&["material.surface_energy", "material.interface_energy"]),
-    key(
-        "material.surface_energy",
-        "[\"50 mJ/m^2\", \"60 mJ/m^2\"]",
-        Various("a list of two energies per area, each greater than 0"),
-    )
-    .what("surface energies γ₁ and γ₂ of the two bodies")
-    .about("Needs `interface_energy`.")
-    .follows("not used where `work_of_adhesion` is given"),
-    key("material.surface_energy[]", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive)),
+    key("material.surface_energy", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
+        .what("surface energy of the two bodies")
+        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is of both. Needs `interface_energy`.")
+        .follows("not used where `work_of_adhesion` is given"),
     key("material.interface_energy", "\"20 mJ/m^2\"", Quantity(Of::SurfaceEnergy, NotNegative))
         .what("energy γ₁₂ of the interface")
         .about(
@@ -610,18 +605,17 @@ static REST: &[Key] = &[
     key("device.restoring_force", "\"1 uN\"", Quantity(Of::Force, Positive))
         .what("restoring force")
         .about("Give it, or `stiffness` and `gap`. `stiction run --above \"1 uN\"` sets it.")
+        .follows("from `stiffness` and `gap`")
         .excludes(&["device.stiffness", "device.gap"])
         .swept(),
     key("device.stiffness", "\"2 N/m\"", Quantity(Of::Stiffness, Positive))
         .what("stiffness of the suspension")
         .about("Needs `gap`; the restoring force is their product.")
-        .follows("not used where `restoring_force` is given")
-        .swept(),
+        .follows("not used where `restoring_force` is given"),
     key("device.gap", "\"0.5 um\"", Quantity(Of::Length, Positive))
         .what("deflection of the suspension where the surfaces touch")
         .about("Needs `stiffness`.")
-        .follows("not used where `restoring_force` is given")
-        .swept(),
+        .follows("not used where `restoring_force` is given"),
     key("solver", "{ summation = \"moments\" }", Table).what("how forces are summed").follows("direct sums"),
     key("solver.summation", "\"moments\"", Choice(|| names(&SUMS)))
         .formerly("sum")

@@ -310,11 +310,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "surface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]\ninterface_energy = \"110 mJ/m^2\"",
         &["`material.interface_energy = \"110 mJ/m^2\"`: is not less than the sum of surface_energy"],
     ),
-    (
-        "work_of_adhesion = \"0.09 J/m^2\"",
-        "surface_energy = \"50 mJ/m^2\"\ninterface_energy = 0",
-        &["`material.surface_energy = \"50 mJ/m^2\"`: a list of two is needed", "is work_of_adhesion"],
-    ),
     ("work_of_adhesion =", "gamma =", &["unknown key `material.gamma`; did you mean `work_of_adhesion`"]),
     ("surface_height_std =", "sigma =", &["unknown key `surface.sigma`; did you mean `surface_height_std`?"]),
     ("asperity_density =", "density =", &["unknown key `surface.density`; did you mean `asperity_density`?"]),
@@ -886,6 +881,8 @@ const VARIANTS: &[Variant] = &[
         ],
         &[("model.history", "\"loop\"")],
     ),
+    (&[], &["device.restoring_force"], &[]),
+    (&[], &["device.stiffness", "device.gap"], &[]),
     (&["model.history"], &["model.unloading"], &[("model.history", "\"loop\"")]),
     (&[], &["sweep"], &[]),
     (

@@ -9,7 +9,7 @@ use super::summary::at_most;
 use super::terminal::{complete_before, print_of};
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
-use crate::format::{si, si_with_error};
+use crate::format::{percent, si, si_with_error};
 use crate::output::OutputLock;
 use crate::scene::{Axis, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
@@ -113,8 +113,8 @@ fn numbers(points: usize) -> Column {
 /// whether asperities are independent.
 fn results(rows: &[SweepPoint]) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
-    let mut columns =
-        ["pull-off", "integral", "to the first", "p", "asperities"].map(|head| vec![head.to_owned()]);
+    let mut columns = ["pull-off", "integral", "to the first", "p", "asperities", "stuck"]
+        .map(|head| vec![head.to_owned()]);
     for (point, row) in rows.iter().enumerate() {
         let difference = &row.differences[0];
         let to_first = match point {
@@ -125,10 +125,12 @@ fn results(rows: &[SweepPoint]) -> Vec<Column> {
         let p = if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) };
         let verdict = row.independence.map_or("-", |own| own.verdict().name()).to_owned();
         let [mean, error] = row.pull_off;
-        let cells = [si_with_error(mean, error, "N"), si(row.integral, "N"), to_first, p, verdict];
+        let stuck = percent(row.stuck_probability);
+        let cells = [si_with_error(mean, error, "N"), si(row.integral, "N"), to_first, p, verdict, stuck];
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
-    columns.into()
+    let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());
+    columns.into_iter().take(if has_device { 6 } else { 5 }).collect()
 }
 
 /// Columns side by side.

@@ -1,11 +1,14 @@
 //! Plan of a run of a scene: what it computes, and what it skips and why.
 
-use crate::asperity::{Laws, Method, Regime};
+use crate::asperity::{Law, Laws, Method, Regime};
 use crate::scene::Scene;
+use crate::surface::{Heights, RadiusClass};
 
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most,
 /// is called skipped.
 const NEVER: f64 = 1e-6;
+/// Most radii of a surface that stand for all of them.
+const MOST_RADII: usize = 1000;
 
 /// A regime of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,16 +55,52 @@ impl Plan {
     }
 }
 
+/// Asperities of one radius.
+struct Class {
+    share: f64,
+    /// Interferences between regimes, m.
+    boundaries: Vec<f64>,
+    heights: Heights,
+}
+
+impl Class {
+    /// The share of all asperities that are of it and in a regime at a separation d of the asperity mean plane, m.
+    fn in_regime(&self, regime: usize, d: f64) -> f64 {
+        let end = |i: usize| self.boundaries.get(i).map_or(f64::INFINITY, |boundary| boundary + d);
+        let lower = regime.checked_sub(1).map_or(f64::NEG_INFINITY, end);
+        self.share * self.heights.probability(lower, end(regime))
+    }
+}
+
+/// The asperities of a surface by their radii.
+fn classes(scene: &Scene, law: Laws<'_>) -> Vec<Class> {
+    let boundaries = |law: &dyn Law| law.boundaries().iter().map(|boundary| boundary.interference).collect();
+    let Some(family) = law.family else {
+        let heights = scene.surface.heights.clone();
+        return vec![Class { share: 1.0, boundaries: boundaries(law.typical), heights }];
+    };
+    let parts = scene.surface.parts();
+    let kept: Vec<_> = parts.iter().step_by(parts.len().div_ceil(MOST_RADII)).collect();
+    let whole: f64 = kept.iter().map(|part| part.weight).sum();
+    let class = |part: &&RadiusClass| Class {
+        share: part.weight / whole,
+        boundaries: boundaries(&*family.law(part.radius)),
+        heights: part.heights.clone(),
+    };
+    kept.iter().map(class).collect()
+}
+
 /// The regimes of a scene under its law.
 fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
     let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas.max(1) as f64);
+    let classes = classes(scene, law);
     let mut lower = f64::NEG_INFINITY;
     let mut plans = Vec::new();
     for (i, &regime) in law.regimes().iter().enumerate() {
         let upper = law.boundaries().get(i).map_or(f64::INFINITY, |boundary| boundary.interference);
         let expected = scene.separations.iter().map(|&h| {
             let d = scene.surface.asperity_separation(h);
-            n * scene.surface.heights.probability(lower + d, upper + d)
+            n * classes.iter().map(|class| class.in_regime(i, d)).sum::<f64>()
         });
         let (sum, most) = expected.fold((0.0, 0.0_f64), |(sum, most), e| (sum + e, most.max(e)));
         let asperities = sum / scene.separations.len() as f64;

@@ -22,6 +22,9 @@ use crate::validation::{Difference, SIGNIFICANCE, overall};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+/// The dataset of the probability that a device does not part its surfaces.
+const STUCK: &str = "/device/stuck_probability";
+
 /// Computes the points and puts them together into the output: what each has to say, or none where the output
 /// was complete.
 ///
@@ -73,11 +76,13 @@ pub(crate) fn stacked(
 /// ```
 #[derive(Clone, Debug)]
 pub struct SweepPoint {
-    /// Mean pull-off force over replicas and its standard error, N.
+    /// Mean pull-off force over replicas and its standard error, N, with control variates where there are some.
     pub pull_off: [f64; 2],
     /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
     /// confidence; otherwise NaN.
     pub most_differing: f64,
+    /// Share of the replicas that hold harder than the restoring force of the device; NaN without one.
+    pub stuck_probability: f64,
     /// Pull-off force of the integral, N.
     pub integral: f64,
     /// Difference of each of the [`SCALARS`] to the first point.
@@ -93,6 +98,7 @@ impl SweepPoint {
     const ABSENT: Self = Self {
         pull_off: [f64::NAN; 2],
         most_differing: f64::NAN,
+        stuck_probability: f64::NAN,
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
         p_value: f64::NAN,
@@ -326,8 +332,15 @@ fn compared(
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(SweepPoint {
-        pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
+        pull_off: [
+            of_pull_off("/ensemble/scalar_controlled_mean")?,
+            of_pull_off("/ensemble/scalar_controlled_standard_error")?,
+        ],
         most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
+        stuck_probability: match reader.has(STUCK) {
+            true => reader.values::<f64>(STUCK)?[0],
+            false => f64::NAN,
+        },
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?

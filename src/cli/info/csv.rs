@@ -21,8 +21,8 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
     let default = default.map_or(Dimension::Point, |(_, dimension)| *dimension).name();
     let by = by.unwrap_or(default);
     // All points of a grid are the rows of a table of points.
-    let wanted =
-        if by == Dimension::Point.name() && !points.is_empty() { points } else { vec![by.to_owned()] };
+    let wanted_points = by == Dimension::Point.name();
+    let wanted = if wanted_points && !points.is_empty() { points } else { vec![by.to_owned()] };
     let described = reader.described()?;
     let own: Vec<&Description> = described.iter().filter(|own| own.dimensions == wanted).collect();
     let along = |dimension: &String| {
@@ -41,8 +41,13 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
             columns.push((named(scale.names().1, scale), rows.collect()));
         }
     }
+    let rows: usize = shape.iter().product();
     let (coordinates, others): (Vec<_>, Vec<_>) = own.into_iter().partition(|own| own.is_coordinate);
-    for own in coordinates.into_iter().chain(others) {
+    let places = coordinates.len();
+    for (i, own) in coordinates.into_iter().chain(others).enumerate() {
+        if i == places && wanted_points {
+            columns.extend(quoted(reader, &described, rows)?);
+        }
         let (group, name) = own.names();
         let name = match group {
             _ if own.is_coordinate => named(name, own),
@@ -58,7 +63,28 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
         }
         columns.push((name, fields(reader.stored(&own.path)?)));
     }
-    Ok(Ok(table(&columns, shape.iter().product())))
+    Ok(Ok(table(&columns, rows)))
+}
+
+/// The columns of the pull-off force that is to be quoted at each of some points, in front of all others.
+fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<Vec<Column>, OutputError> {
+    let mut columns = Vec::new();
+    for (dataset, names) in [
+        ("mean", &["pull_off_force"][..]),
+        ("standard_error", &["pull_off_force_standard_error"]),
+        ("interval", &["pull_off_force_from", "pull_off_force_to"]),
+    ] {
+        let path = format!("/ensemble/scalar_controlled_{dataset}");
+        let Some(own) = described.iter().find(|own| own.path == path) else { continue };
+        let Stored::Numbers(values) = reader.stored(&own.path)? else { continue };
+        // The pull-off is the first of the scalars.
+        for (i, name) in names.iter().enumerate() {
+            let of_points = values.chunks_exact((values.len() / points).max(1));
+            let texts = of_points.map(|of_point| format!("{:?}", of_point[i]));
+            columns.push((format!("{name} [N]"), texts.collect()));
+        }
+    }
+    Ok(columns)
 }
 
 fn named(name: &str, described: &Description) -> String {

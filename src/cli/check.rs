@@ -4,7 +4,7 @@ use super::describe::{beyond, facts, heading, regimes, skipped, title};
 use super::failure::Failure;
 use super::independence::independence;
 use super::resources;
-use super::rows::{paragraph, row};
+use super::rows::{labelled, paragraph, row};
 use super::source::SceneArguments;
 use super::sweep::described;
 use super::terminal::print;
@@ -37,15 +37,15 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     let (verdict, warnings) = expected(&scene, law.view(), cycle.as_ref());
     text += &independence(&verdict, &scene);
     for warning in warnings {
-        text += &row("warning", &warning.finding);
+        text += &labelled("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
     let most = if scene.stopping.is_some() { "at most " } else { "" };
-    text += &row("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
+    text += &labelled("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
     let estimate = Estimate::new(&scene, law.view(), threads());
     text += &cost(&estimate);
     for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
-        text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
+        text += &labelled("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     Ok(text)
 }
@@ -62,7 +62,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     let plan = Plan::new(first, law.view());
     let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first) + &defaults(first);
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
-    text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
+    text += &labelled("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += "all points\n";
     let mut largest = Estimate::new(first, law.view(), threads());
     let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
@@ -90,13 +90,16 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     for (warning, points) in warned {
         let at =
             format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
-        text += &(row("warning", &warning.finding) + &row("", &at) + &paragraph(&warning.explanation()));
+        text += &(labelled("warning", &warning.finding)
+            + &labelled("", &at)
+            + &paragraph(&warning.explanation()));
     }
     let estimate = Estimate { files: 2.0 * sweep.count() as f64, ..largest };
-    text += &row("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
-    text += &row("disk", &format!("at most about {}", bytes(estimate.disk())));
+    text +=
+        &labelled("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
+    text += &labelled("disk", &format!("at most about {}", bytes(estimate.disk())));
     for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
-        text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
+        text += &labelled("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     Ok(text)
 }
@@ -119,7 +122,7 @@ fn verdicts(all: &[IndependenceVerdict]) -> String {
         .filter(|(_, count)| *count > 0)
         .map(|(name, count)| format!("{name} at {count}"))
         .collect();
-    row("independence", &format!("{} of {} points", told.join(", "), all.len()))
+    labelled("independence", &format!("{} of {} points", told.join(", "), all.len()))
 }
 
 fn threads() -> usize {
@@ -139,6 +142,6 @@ fn cost(estimate: &Estimate) -> String {
     } else {
         String::new()
     };
-    let text = row("memory", &format!("about {} on {threads}{idle}", bytes(estimate.memory())));
-    text + &row("disk", &format!("at most about {}", bytes(estimate.disk())))
+    let text = labelled("memory", &format!("about {} on {threads}{idle}", bytes(estimate.memory())));
+    text + &labelled("disk", &format!("at most about {}", bytes(estimate.disk())))
 }

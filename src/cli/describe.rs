@@ -1,7 +1,7 @@
 //! Scenes and plans of runs on the terminal, for every command that shows them.
 
 use super::instability::held;
-use super::rows::{COLUMNS, broken, row};
+use super::rows::{COLUMNS, broken, labelled, row};
 use crate::asperity::scale::Scale;
 use crate::background::NamedForce;
 use crate::engine::{Limit, SCALARS, Stopping, Target};
@@ -21,17 +21,17 @@ pub(super) fn heading(scene: &Scene) -> String {
 /// The model, and what characterises the scene.
 pub(super) fn facts(scene: &Scene) -> String {
     let mut text = String::new();
-    text += &row("model", &format!("{} on {}", scene.model.name, scene.history_name()));
-    text += &row("", scene.model.about);
+    text += &labelled("model", &format!("{} on {}", scene.model.name, scene.history_name()));
+    text += &labelled("", scene.model.about);
     text += &numbers(scene);
     text += &held(scene);
     let most = if scene.stopping.is_some() { "at most " } else { "" };
     if scene.replicas == 0 {
-        return text + &row("replicas", "none: the integral alone");
+        return text + &labelled("replicas", "none: the integral alone");
     }
-    text += &row("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
+    text += &labelled("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
     text += &scene.stopping.as_ref().map(targets).unwrap_or_default();
-    text + &row("sampling", &sampling(scene.sampling))
+    text + &labelled("sampling", &sampling(scene.sampling))
 }
 
 /// The unit of what a target is for.
@@ -47,7 +47,7 @@ fn targets(stopping: &Stopping) -> String {
             Limit::Absolute(largest) => si(largest, unit(target)),
         };
         let mean = format!("{} mean of {}", target.estimate.name(), target.name());
-        row(
+        labelled(
             if i == 0 { "until" } else { "and" },
             &format!("the {mean} has a standard error of at most {limit}"),
         )
@@ -56,7 +56,7 @@ fn targets(stopping: &Stopping) -> String {
         "first looked at after {} replicas, then after a tenth more each time",
         stopping.min_replicas
     );
-    lines.collect::<String>() + &row("", &looks)
+    lines.collect::<String>() + &labelled("", &looks)
 }
 
 /// The relation between the draws of the replicas.
@@ -83,7 +83,7 @@ pub(super) fn title(scene: &Scene) -> String {
 /// The forces between the mean planes.
 fn background(surface: &Surface) -> String {
     let Some(background) = &surface.background else { return String::new() };
-    let line = |(_, force): &NamedForce| row("mean planes", &force.about());
+    let line = |(_, force): &NamedForce| labelled("mean planes", &force.about());
     background.forces().iter().map(line).collect()
 }
 
@@ -96,7 +96,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
     }
     if let Some(critical_approach) = scene.critical_approach {
         let length = si(critical_approach, "m");
-        text += &row("delta_A", &format!("{length}  critical approach, as the scene sets it"));
+        text += &labelled("delta_A", &format!("{length}  critical approach, as the scene sets it"));
     }
     let (mean, std) = surface.heights.moments();
     let varies = match surface.count_law {
@@ -104,13 +104,13 @@ pub(super) fn numbers(scene: &Scene) -> String {
         CountLaw::Poisson => " on average (Poisson)",
     };
     let asperities = format!("{} asperities per replica{varies}", surface.asperity_count);
-    text += &row("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
+    text += &labelled("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
     text += &laws(surface, mean);
     text += &background(surface);
     let [first, last] = [0, scene.separations.len() - 1].map(|k| scene.separations[k]);
     let [from, to] = [first, last].map(|h| h / surface.surface_height_std);
     let range = format!("h* = {from:.3} to {to:.3} (h = {} to {})", si(first, "m"), si(last, "m"));
-    text + &row("separations", &format!("{} from {range}", scene.separations.len()))
+    text + &labelled("separations", &format!("{} from {range}", scene.separations.len()))
 }
 
 /// The parameters that characterise the asperities.
@@ -121,9 +121,9 @@ fn parameters(scene: &Scene) -> String {
     let [length, critical] = [length, scene.asperity.critical_interference()].map(|length| si(length, "m"));
     let plastic = "plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1";
     let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
-    row("lambda", &format!("{lambda}  adhesion parameter (unit of approach {length})"))
-        + &row("psi of sigma_s", &format!("{of_asperities}  {plastic}"))
-        + &row("psi of sigma", &format!("{of_surface}  {printed}"))
+    labelled("lambda", &format!("{lambda}  adhesion parameter (unit of approach {length})"))
+        + &labelled("psi of sigma_s", &format!("{of_asperities}  {plastic}"))
+        + &labelled("psi of sigma", &format!("{of_surface}  {printed}"))
 }
 
 /// The liquid that condenses around the asperities.
@@ -133,7 +133,7 @@ fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
         true => format!("{} between the solids in it", si(solid, "J/m^2")),
         false => "none between the solids in it".to_owned(),
     };
-    row(
+    labelled(
         "liquid",
         &format!(
             "Kelvin radius {}, tension {}, in gaps up to {}",
@@ -141,7 +141,7 @@ fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
             si(meniscus.pressure(), "Pa"),
             si(meniscus.range(), "m")
         ),
-    ) + &row("", &format!("energy {} of the liquid, {within}", si(meniscus.energy(), "J/m^2")))
+    ) + &labelled("", &format!("energy {} of the liquid, {within}", si(meniscus.energy(), "J/m^2")))
         + &meniscus.film.map_or_else(String::new, |film| films(scene, film))
 }
 
@@ -156,7 +156,7 @@ fn films(scene: &Scene, film: Film) -> String {
         ),
         None => format!("{thickness} {on}"),
     };
-    row("film", &text)
+    labelled("film", &text)
 }
 
 /// Laws of heights and radii, where heights are not Gaussian or radii not equal.
@@ -170,18 +170,18 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
         } else {
             String::new()
         };
-        text += &row("heights", &format!("{about}{mean}"));
+        text += &labelled("heights", &format!("{about}{mean}"));
     }
     if surface.is_polydisperse() {
         let radius = si(surface.asperity_radius, "m");
         let what = if matches!(surface.radii, Radii::Nayak(_)) { "1/mean curvature" } else { "mean radius" };
-        text += &row(
+        text += &labelled(
             "radii",
             &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()),
         );
     }
     if surface.whole {
-        text += &row(
+        text += &labelled(
             "",
             "every replica is the measured surface itself: one says all, and nothing is left to chance",
         );
@@ -198,18 +198,18 @@ pub(super) fn beyond(plan: &Plan) -> String {
         "up to {:.3} asperities per replica are beyond this law's last regime and bear no force",
         plan.beyond
     );
-    row("left out", &text)
+    labelled("left out", &text)
 }
 
 /// Lists what the scene does not need.
 pub(super) fn skipped(plan: &Plan) -> String {
     let label = |i: usize| if i == 0 { "skipped" } else { "" };
-    plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()
+    plan.skips.iter().enumerate().map(|(i, skip)| labelled(label(i), skip)).collect()
 }
 
 /// The regimes, and the share of all asperities in each.
 pub(super) fn regimes(plan: &Plan, all: f64) -> String {
-    let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
+    let lines = plan.regimes.iter().map(|regime| {
         let end = |interference: f64| {
             if interference.is_finite() {
                 si(interference, "m")
@@ -220,15 +220,8 @@ pub(super) fn regimes(plan: &Plan, all: f64) -> String {
             }
         };
         let interval = format!("{} .. {}", end(regime.lower), end(regime.upper));
-        let label = if i == 0 { "regimes" } else { "" };
-        row(
-            label,
-            &format!(
-                "{:<16}{interval:<28}{} of asperities and separations",
-                regime.regime.name(),
-                percent(regime.asperities / all)
-            ),
-        )
+        let share = percent(regime.asperities / all);
+        row("", &format!("{:<16}{interval:<26}{share:>12}", regime.regime.name()))
     });
-    lines.collect()
+    row("regimes", "interference and share of asperities and separations:") + &lines.collect::<String>()
 }

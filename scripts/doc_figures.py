@@ -322,7 +322,7 @@ FIGURES = [
     Figure("docs/hysteresis.md",
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
-    Block("docs/instability.md", "  snap-in ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
+    Block("docs/instability.md", "  pull-off ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",
         "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n"

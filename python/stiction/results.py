@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import tomllib
@@ -343,6 +344,21 @@ class Run(_Curves):
         names = ("p_value", "statistic", "degrees_of_freedom", "significance")
         return CrossCheck(str(attrs["verdict"]), *(float(attrs[name]) for name in names))
 
+    def _after_preloads(self) -> list[tuple[str, str]]:
+        """The pull-off after each preload that is reached, in words."""
+        if "instability/preload" not in self:
+            return []
+        group = self.group("instability")
+        names = ("mean", "std")
+        means, stds = (group[f"pull_off_after_preload_{name}"].values for name in names)
+        counts = group["preload_reached_count"].values
+        rows = []
+        for load, mean, std, count in zip(group["preload"].values, means, stds, counts, strict=True):
+            if np.isfinite(load) and count > 0:
+                value = quantities.with_error(mean, std / math.sqrt(count), "N")
+                rows += [("pull-off", f"{value} after {quantities.si(load, 'N')}, mean over {count} replicas")]
+        return rows
+
     def _summary(self) -> list[tuple[str, str]]:
         if not self.has_replicas:
             force = float(self.tree["integral"].attrs["pull_off_force"])
@@ -351,7 +367,10 @@ class Run(_Curves):
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
-        if pull_off.mean > 0.0 and pull_off.replicas == 1:
+        after = self._after_preloads()
+        if after:
+            rows += after
+        elif pull_off.mean > 0.0 and pull_off.replicas == 1:
             rows += [("pull-off", f"{pull_off}, of one replica")]
         elif pull_off.mean > 0.0:
             rows += [

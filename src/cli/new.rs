@@ -21,6 +21,10 @@ const TEMPLATES: [(&str, &str); 6] = [
 ];
 /// Numbers of materials, each with its source.
 const MATERIALS: &str = include_str!("new/materials.csv");
+/// What surface energies are good for.
+const ADHESION: &str = "The work of adhesion of two faces is the sum of their surface energies less the energy of their \
+    interface; of two faces with one coating it is twice its surface energy. Faces in air are mostly covered: 5 to 100 mJ/m^2 \
+    are measured.";
 /// Columns in front of notes and sources, and those of notes and sources.
 const INDENT: usize = 33;
 const NOTE: usize = 80 - INDENT;
@@ -77,8 +81,7 @@ fn materials() -> String {
             text += &format!("{label:<INDENT$}{line}\n");
         }
     }
-    text + "work_of_adhesion of two faces in air: gamma_1 + gamma_2 - gamma_12; of two coated faces twice the energy\n\
-            of the coating. Faces are mostly covered: 5 to 100 mJ/m^2 are measured.\n"
+    text + &(broken(ADHESION, 80).join("\n") + "\n")
 }
 
 #[cfg(test)]

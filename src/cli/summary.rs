@@ -173,7 +173,11 @@ fn stuck_patches(results: &Results) -> String {
         let label = if i == 0 { label.as_str() } else { "" };
         let of = match counts.known {
             0 => "no patch reaches it".to_owned(),
-            _ => probability(counts),
+            _ => {
+                let (low, high) = counts.interval();
+                let [share, low, high] = [counts.share(), low, high].map(percent);
+                format!("P = {share} ({low} to {high})")
+            }
         };
         labelled(label, &format!("after {}: {of}", si(*preload, "N")))
     });

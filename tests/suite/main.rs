@@ -5,6 +5,7 @@
 mod common;
 
 mod additions;
+mod answers;
 mod background;
 mod bad_scenes;
 mod capillary;

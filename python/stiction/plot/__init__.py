@@ -5,7 +5,7 @@ Each function takes a result and, as `ax`, the axes to draw into, and returns th
 """
 
 from .coupled import avalanches, coupling, coupling_difference
-from .loop import contacts, energy, preloads, snaps
+from .loop import contacts, energy, preloads, snaps, stuck
 from .others import (
     asperities,
     bias,
@@ -29,5 +29,5 @@ from .sweep import sweep
 __all__ = [
     "asperities", "attraction", "avalanches", "bias", "comparison", "contacts", "convergence", "coupling", "coupling_difference", "curvatures",
     "density_over_cutoff", "deviation", "energy", "force", "heights", "integral", "law_deviation", "page", "panels", "preloads", "pull_off",
-    "radius_over_cutoff", "regimes", "relation", "scatter", "scatter_over_cutoff", "sizes", "snaps", "standard_errors", "sweep",
+    "radius_over_cutoff", "regimes", "relation", "scatter", "scatter_over_cutoff", "sizes", "snaps", "standard_errors", "stuck", "sweep",
 ]  # fmt: skip

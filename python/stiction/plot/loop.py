@@ -181,7 +181,43 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
             there / unit, color=BLUE, linestyle=DASHED, label=f"on approach, {quantities.si(there, 'N')}"
         )
     )
+    if "device/restoring_force" in run:
+        restoring = float(values(run, "device/restoring_force"))
+        words = f"restoring force, {quantities.si(restoring, 'N')}"
+        handles.append(ax.axhline(restoring / unit, color="black", linestyle=DASH_DOT, label=words))
     logarithmic(ax, "x", preload[reached])
     ax.set(xlabel=label("preload", load_sign), ylabel=label("pull-off force", sign), ylim=(0.0, None))
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def stuck(run: Run, ax: Axes | None = None) -> Axes:
+    """Probability that the restoring force does not part the surfaces, over the preload, with 95 % intervals.
+
+    Parameters
+    ----------
+    run : Run
+        Of a scene with ``preload`` in ``[instability]`` and with ``[device]``.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    preload = values(run, "replicas/preload")
+    share, low, high = (
+        values(run, f"device/stuck_probability{end}_after_preload") for end in ("", "_low", "_high")
+    )
+    known = np.isfinite(share) & np.isfinite(preload)
+    if not known.any():
+        return empty(ax, "no preload is reached")
+    load, sign = scaled("N", preload[known])
+    restoring = quantities.si(float(values(run, "device/restoring_force")), "N")
+    handles: list[Any] = [
+        ax.fill_between(preload[known] / load, low[known], high[known], color=VERMILION, alpha=0.2, linewidth=0,
+                        label="95 % interval"),
+        *ax.plot(preload[known] / load, share[known], "o-", color=VERMILION, markersize=3,
+                 label=f"pull-off force above {restoring}"),
+    ]  # fmt: skip
+    logarithmic(ax, "x", preload[known])
+    ax.set(xlabel=label("preload", sign), ylabel="probability to stay stuck", ylim=(-0.04, 1.06))
     legend(ax, handles)
     return ax

@@ -72,10 +72,13 @@ def panels(result: Result) -> dict[str, Panel]:
     if "instability" in result:
         preloads = "instability/pull_off_after_preload_mean" in result and result["replicas/preload"].size >= 3
         # One spring after many preloads is no curve over the stiffness.
-        if result["replicas/stiffness"].size > (1 if preloads else 0):
+        springs = result["replicas/stiffness"].size if "replicas/stiffness" in result else 0
+        if springs > (1 if preloads else 0):
             drawn["snaps"] = loop.snaps
         if preloads:
             drawn["preloads"] = loop.preloads
+        if preloads and "device" in result:
+            drawn["stuck"] = loop.stuck
     drawn |= {"regimes": run.regimes, "deviation": run.deviation}
     if "ensemble/target" in result:
         for target, estimate in enumerate(result["ensemble/target_estimate"].values):

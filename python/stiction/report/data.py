@@ -37,6 +37,7 @@ _DATASETS: dict[str, list[str]] = {
     "energy": ["replicas/dissipated_energy"],
     "snaps": [f"instability/snap_{way}_probability{end}" for way in ("in", "off") for end in ("", "_low", "_high")],
     "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std")],
+    "stuck": [f"device/stuck_probability{end}_after_preload" for end in ("", "_low", "_high")],
     "regimes": ["ensemble/adhesion_force_mean", "integral/adhesion_force", "ensemble/regime_adhesion_force_mean",
                 "integral/regime_adhesion_force"],
     "deviation": [f"validation/{of}_{name}_force" for of in ("z", "tested") for name in ("external", "adhesion")],

@@ -331,7 +331,7 @@ def _run(run: Run) -> Facts:
     if "coupling" in run:
         attrs = run["coupling"].attrs
         computed.append(("coupling", f"{attrs['coupling']}, {attrs['kernel']} kernel, {attrs['positions']} positions"))
-    tables = [*_targets(run), *_springs(run)]
+    tables = [*_targets(run), *_springs(run), *_stuck(run)]
     commands = _again(run, ["run"])
     return Facts("run", numbers, verdicts, computed, commands, paths_in(run.scene), tables)
 
@@ -382,7 +382,10 @@ def _springs(run: Run) -> Iterator[Table]:
     if "instability" not in run:
         return
     group = run["instability"].to_dataset()
-    stiffness, preloads = np.atleast_1d(group["stiffness"].values), np.atleast_1d(group["preload"].values)
+    none = np.zeros(0)
+    stiffness, preloads = (
+        np.atleast_1d(group[name].values) if name in group else none for name in ("stiffness", "preload")
+    )
 
     def probability(name: str, **place: int) -> str:
         if f"{name}_probability" not in group:
@@ -410,6 +413,24 @@ def _springs(run: Run) -> Iterator[Table]:
             if math.isfinite(load)
         ]
         yield Table("Pull-off after a preload", ["preload", "mean pull-off", "standard deviation of patches"], rows)
+
+
+def _stuck(run: Run) -> Iterator[Table]:
+    if "device" not in run:
+        return
+    group = run["device"].to_dataset()
+    rows = [("the closest separation", "")]
+    if "preload" in group:
+        rows = [(quantities.si(load, "N", 3), "_after_preload") for load in group["preload"].values]
+
+    def cell(name: str, of: str, place: int) -> str:
+        return quantities.number(float(np.atleast_1d(group[f"stuck_{name}{of}"].values)[place]), 3)
+
+    names = ("probability", "probability_low", "probability_high")
+    restoring = quantities.si(float(group["restoring_force"]), "N")
+    header = ["after", "probability", "95 % interval from", "to"]
+    cells = [[load, *(cell(name, of, i) for name in names)] for i, (load, of) in enumerate(rows)]
+    yield Table(f"Probability that the pull-off is above {restoring}", header, cells)
 
 
 def _sweep(sweep: Sweep) -> Facts:

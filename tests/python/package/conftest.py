@@ -37,6 +37,7 @@ MADE = {
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
     "preload": of_scene("preload", 20),
+    "device": of_scene("preload", 20, **{"device.restoring_force": "0.6 mN"}),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
     "coupled": of_scene("coupled", 4),
     "background": of_scene("slider", 20),

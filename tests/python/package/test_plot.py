@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "cycles", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
+    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
     "choice", "comparison", "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 
@@ -176,6 +176,18 @@ def test_snap_in_is_a_marker_on_the_curve_of_approach(result):
     assert place == pytest.approx(snapping[0])
     mean = run["ensemble/external_force_mean"].values
     assert force * unit_of(ax) == pytest.approx(np.interp(place, run["ensemble/h_star"].values, mean))
+
+
+def test_the_probability_to_stay_stuck_is_that_of_the_patches(result):
+    run = result("device")
+    ax = plot.stuck(run)
+    (curve,) = (line for label, line in lines(ax).items() if label == "pull-off force above 600.0 µN")
+    forces = run["replicas/pull_off_after_preload"].transpose("replica", "preload").values
+    reached = np.isfinite(forces)
+    expected = (forces > 0.6e-3).sum(axis=0)[reached.any(axis=0)] / reached.sum(axis=0)[reached.any(axis=0)]
+    np.testing.assert_allclose(curve.get_ydata(), expected, rtol=1e-14)
+    assert 0.0 < expected[0] < expected[-1] <= 1.0
+    assert "restoring force, 600.0 µN" in lines(plot.preloads(run))
 
 
 def test_a_band_is_left_out_when_asked_for(result):

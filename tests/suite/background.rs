@@ -1,7 +1,7 @@
 //! The attraction of mean planes: against `tests/data/background.csv`, series, limits and published formulas, and in
 //! every force, feature and file that it belongs to.
 
-use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, unbroken};
 use crate::common::unlocked;
 use crate::common::{case, job, law};
 use std::f64::consts::PI;
@@ -380,7 +380,7 @@ fn files_have_the_background() {
     let folder = Folder::new(&(small() + tables));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);
-    let told = text(&check.stdout);
+    let told = unbroken(&text(&check.stdout));
     assert!(told.contains("A = 1.000e-19 J, retarded: asperities own caps of 75.00 % of the area"), "{told}");
     assert!(told.contains("voltage, 3.000 V") && told.contains("a gap of 1.500 nm"), "{told}");
     let run = folder.stiction(&["run", "scene.toml", "-o", "run.h5"]);

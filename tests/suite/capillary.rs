@@ -1,6 +1,6 @@
 //! Asperities in moist air: closed forms, limits, two nested Dugdale zones, their histories, and surfaces of them.
 
-use crate::common::program::{Folder, QUICK, assert_exit, small, text};
+use crate::common::program::{Folder, QUICK, assert_exit, small, text, unbroken};
 use crate::common::{case, for_each_instruction_set, respond, unlocked};
 use std::f64::consts::PI;
 use stiction::Scene;
@@ -519,7 +519,7 @@ fn menisci_out_of_range_are_told() {
         assert!(scene.contains(from), "{from}");
         let check = Folder::new(&scene.replace(from, to)).stiction(&["check", "scene.toml"]);
         assert_exit(&check, 0);
-        text(&check.stdout)
+        unbroken(&text(&check.stdout))
     };
     assert!(!warned("0.6", "0.6").contains("Kelvin radius is"));
     assert!(warned("relative_humidity = 0.6", "relative_humidity = 0.3").contains("below 500.0 pm"));

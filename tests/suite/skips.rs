@@ -2,11 +2,15 @@
 //! touches, and the count of it all.
 
 use crate::common::{case, dry_laws, job, law, respond};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::{BLOCK, Method, Path, Quantity, SolverStats};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
+use stiction::estimate::Plan;
+use stiction::input::columns::SceneFiles;
+use stiction::scene::Document;
 
 /// Every λ of tests/data/single_asperity.csv.
 fn lambdas() -> Vec<f64> {
@@ -256,4 +260,27 @@ fn every_asperity_is_counted_once() {
             }
         }
     }
+}
+
+/// Asperities of two radii, as many of each, are in each regime as often as those of one and of the other are on average.
+#[test]
+fn regimes_are_those_of_the_radii() {
+    let base = "[material]\nreduced_modulus = \"85 GPa\"\nhardness = \"2.5 GPa\"\npoisson_ratio = 0.2\nwork_of_adhesion = \"0.09 J/m^2\"\n\
+                [surface]\nasperity_density = \"7 /um^2\"\nasperity_height_std = \"3 nm\"\nmean_plane_offset = \"2 nm\"\n\
+                surface_height_std = \"3.2 nm\"\nnominal_area = \"100 um^2\"\n";
+    let rest = "[separation]\nh_star = { from = 0.0, to = 4.0, count = 9 }\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("radii.csv"), "radius (um)\n0.2\n5\n").unwrap();
+    let files = Arc::new(SceneFiles::scene(&folder.path().join("scene.toml")));
+    let shares = |radii: &str| {
+        let scene = Document::parse(&format!("{base}{radii}\n{rest}"), files.clone()).unwrap().scene;
+        let laws = scene.law().unwrap();
+        Plan::new(&scene, laws.view()).regimes.iter().map(|plan| plan.asperities).collect::<Vec<f64>>()
+    };
+    let [sharp, blunt] = ["0.2 um", "5 um"].map(|radius| shares(&format!("asperity_radius = \"{radius}\"")));
+    let both = shares("radii = { law = \"file\", path = \"radii.csv\", column = 1 }");
+    for ((one, other), of_both) in sharp.iter().zip(&blunt).zip(&both) {
+        assert!((of_both - 0.5 * (one + other)).abs() < 1e-9 * 700.0, "{sharp:?} {blunt:?} {both:?}");
+    }
+    assert!((sharp[3] - blunt[3]).abs() > 10.0, "the radii differ in what flows");
 }

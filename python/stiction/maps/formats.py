@@ -21,7 +21,7 @@ from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
 from .channels import named, numbered
-from .lengths import metres
+from .lengths import Steps, metres
 
 __all__ = [
     "MOST_PIXELS",
@@ -62,7 +62,7 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
-    be wrong, and `fixed` that the unit belongs to the numbers. `uneven` has names and places, m, of coordinates that
+    be wrong, and `fixed` that the unit belongs to the numbers. `steps` are of places without a unit. `uneven` has names and places, m, of coordinates that
     are not even: under 0 of those along the width of a pixel, under 1 along its height.
     """
 
@@ -74,6 +74,7 @@ class Raw:
     unsaid: str = ""
     doubt: str = ""
     fixed: bool = False
+    steps: Steps | None = None
     uneven: dict[int, tuple[str, Any]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
@@ -376,8 +377,9 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     if array.ndim != 2:
         return raw
     sizes: list[float] = []
-    for dim in reversed(array.dims):
-        coordinate = array.coords.get(dim)
+    coordinates = [(dim, array.coords.get(dim)) for dim in reversed(array.dims)]
+    raw.steps = _steps([coordinate for _, coordinate in coordinates])
+    for dim, coordinate in coordinates:
         if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
             return raw
         unit, places = _unit(coordinate.attrs), coordinate.values.astype(float)
@@ -396,6 +398,25 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
         sizes.append(step * scale)
     raw.pixel = (sizes[0], sizes[1])
     return raw
+
+
+def _steps(coordinates: list[xarray.DataArray | None]) -> Steps | None:
+    """The steps of two coordinates that are even and have no unit of length; None if they are others."""
+    steps, units = [], set()
+    for one in coordinates:
+        if (
+            one is None
+            or one.size < 2
+            or one.dtype.kind not in "iuf"
+            or metres(_unit(one.attrs) or "") is not None
+        ):
+            return None
+        places = one.values.astype(float)
+        if not _is_even(places):
+            return None
+        steps.append(abs(places[-1] - places[0]) / (places.size - 1))
+        units.add(_unit(one.attrs))
+    return Steps(steps[0], steps[1], units.pop()) if len(units) == 1 else None
 
 
 def _limits(attrs: Any) -> tuple[Any, Any]:
@@ -519,7 +540,7 @@ def _text_or_instrument(path: Path, channel: str | None) -> Raw:
         return _instrument(path, channel)
     return Raw(
         found.heights, found.pixel, found.unit, found.channel or "", unsaid=found.unsaid, doubt=found.doubt,
-        warnings=found.warnings,
+        steps=found.steps, warnings=found.warnings,
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from .. import quantities
 from ..errors import SceneError
 from .channels import numbered
 from .dialect import MISSING, NUMBER, any_number, dialect_of, is_value
-from .lengths import length, metres
+from .lengths import Steps, length, metres
 
 __all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
 
@@ -85,7 +85,7 @@ class NoNumbers(SceneError):
 class TextMap:
     """What a text says: heights in `unit` and the pixel in m, as far as it says them.
 
-    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong.
+    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong; `steps` have no unit.
     """
 
     heights: _Array
@@ -95,6 +95,7 @@ class TextMap:
     warnings: list[str] = field(default_factory=list)
     unsaid: str = ""
     doubt: str = ""
+    steps: Steps | None = None
 
 
 @dataclass
@@ -113,11 +114,13 @@ class _Block:
 
 @dataclass
 class _Places:
-    """Which row or column of a grid each value is on, and their distance; `rounded` says that they are, if so."""
+    """Which row or column of a grid each value is on, and their distance, by which part of it this may be wrong;
+    `rounded` says that they are, if so."""
 
     name: str
     index: NDArray[np.intp]
     step: float
+    off: float = 0.0
     rounded: str = ""
 
     @property
@@ -535,6 +538,8 @@ def _placed(heights: _Array, block: _Block, x: _Places, y: _Places) -> TextMap:
     """Heights with the steps of their places as pixel, if these have a unit."""
     unit = metres(block.header.get("lateral", ""))
     found = TextMap(heights, None if unit is None else (x.step * unit, y.step * unit))
+    if unit is None:
+        found.steps = Steps(x.step, y.step, block.header.get("lateral") or None, x.off + y.off)
     found.unsaid = x.rounded or y.rounded
     if found.unsaid:
         found.warnings.append(f"{found.unsaid}: taken as even")
@@ -560,4 +565,4 @@ def _places(values: _Array, name: str) -> _Places:
     if np.abs(known - known[0] - step * np.arange(known.size)).max() > _OFF_ROUNDED * step:
         raise SceneError(f"its points x, y, z are no grid: {name} has no even steps; {_REGULAR}")
     said = f"its {name} is rounded, to steps of {steps.min():.4g} to {steps.max():.4g}"
-    return _Places(name, np.searchsorted(known, values), step, said)
+    return _Places(name, np.searchsorted(known, values), step, float(np.ptp(steps)) / np.ptp(known), said)

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import xarray
 from test_reading import GIVEN, HEADERS, PIXEL, ROUGH, Z, assert_read, points, rows, written
 
 from stiction import SceneError
@@ -299,3 +300,57 @@ def test_channels_of_one_name_have_numbers(tmp_path):
     path = written(tmp_path, HEADER + rows() + HEADER + rows(ROUGH[:9, :9]))
     np.testing.assert_allclose(read_map(path, channel=1).heights, 1e-9 * ROUGH[:9, :9])
     np.testing.assert_allclose(read_map(path, channel=0).heights, 1e-9 * Z)
+
+
+# A pixel against the steps of places without a unit.
+
+
+def places(width, height, form="{:g}"):
+    """Points with steps without a unit."""
+    places = [
+        (form.format(width * i), form.format(height * j), ROUGH[j, i]) for j in range(12) for i in range(10)
+    ]
+    return "\n".join(" ".join(str(one) for one in place) for place in places)
+
+
+@pytest.mark.parametrize("suffix", ["txt", "nc"])
+def test_a_square_pixel_of_steps_that_are_not_square_is_refused(tmp_path, suffix, capsys):
+    path = tmp_path / f"scan.{suffix}"
+    path.write_text(places(20, 40))
+    if suffix == "nc":
+        coordinates = {"x": 20.0 * np.arange(10), "y": 40.0 * np.arange(12)}
+        xarray.DataArray(ROUGH, dims=("y", "x"), coords=coordinates, name="z").to_netcdf(path)
+    for pixel, shown in (("20 nm", "20 nm,40 nm"), (4e-8, "20 nm,40 nm"), ("10 nm", "10 nm,20 nm")):
+        with pytest.raises(SceneError, match=f'steps of 20 along x and 40 along y.*give pixel="{shown}"'):
+            read_map(path, pixel=pixel, height_unit="nm")
+    assert main([str(path), "--pixel", "20 nm", "--height-unit", "nm"]) == 2
+    assert '--pixel "20 nm,40 nm"' in capsys.readouterr().err
+    read = read_map(path, pixel="20 nm,40 nm", height_unit="nm")
+    assert read.pixel == pytest.approx((2e-8, 4e-8)) and not read.warnings
+    (said,) = read_map(path, pixel="20 nm,30 nm", height_unit="nm").warnings
+    assert "20.00 nm x 30.00 nm" in said and "20 along x and 40 along y" in said
+
+
+@pytest.mark.parametrize(
+    ("steps", "pixel", "warned"),
+    [
+        (20, "20 nm", False), (20, "20 um", False), (0.02, "20 nm", False), (200, "20 nm", False),
+        (2e-8, "20 nm", False), (20, "10 nm", True), (19.53, "20 nm", True), (20, "200 nm", True), (1, "20 nm", False),
+    ],
+)  # fmt: skip
+def test_a_pixel_that_no_unit_makes_of_the_steps_is_warned_of(tmp_path, steps, pixel, warned):
+    read = read_map(written(tmp_path, places(steps, steps)), pixel=pixel, height_unit="nm")
+    said = [warning for warning in read.warnings if "places have" in warning]
+    assert len(said) == warned
+    if warned:
+        assert f"steps of {steps} along x and {steps} along y" in said[0]
+
+
+def test_rounded_places_name_their_mean_step(tmp_path):
+    content, _ = rounded(pixel=0.01953, columns=60, count=40)
+    assert len(read_map(written(tmp_path, content), pixel="19.53 nm", height_unit="nm").warnings) == 1
+    said = read_map(written(tmp_path, content), pixel="25 nm", height_unit="nm").warnings
+    assert "mean steps of 0.01953 along x and 0.01954 along y" in said[1]
+    content, _ = rounded(header="x (um),y (um),z (nm)\n", separator=",", pixel=0.01953, columns=60, count=40)
+    said = read_map(written(tmp_path, content), pixel="25 nm").warnings
+    assert "pixel is 25.00 nm x 25.00 nm, and the map says 19.5" in said[1]

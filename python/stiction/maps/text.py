@@ -75,6 +75,8 @@ _OFF, _OFF_ROUNDED = 0.02, 0.5
 _SQUARE = 0.01
 # Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
 _ROUNDED, _SINGLE = 8, 1e-7
+# Rows between blank lines that may be a map of their own.
+_BLOCK = 3
 
 
 class NoNumbers(SceneError):
@@ -249,7 +251,7 @@ class _Reader:
             values = values[[not _EMPTY.fullmatch(self.lines[number]) for number in numbers]]
         else:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
-            self.warnings += said
+            self.warnings += [*said, *self._parted(numbers)]
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRIMISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
@@ -261,6 +263,17 @@ class _Reader:
         found.unit, found.channel = header.get("unit") or None, header.get("channel")
         found.warnings = self.warnings + found.warnings
         return found
+
+    def _parted(self, numbers: list[int]) -> list[str]:
+        """That blank lines part the rows into blocks of one size, as stacked maps; single rows may be parted."""
+        blank = np.array([not line.strip() for line in self.lines]).cumsum()[numbers]
+        sizes = np.unique(blank, return_counts=True)[1]
+        if sizes.size == 1 or sizes.min() < _BLOCK or np.ptp(sizes) > 0:
+            return []
+        return [
+            f"blank lines part its rows into {sizes.size} blocks of {sizes[0]} rows, which are read as one map: if "
+            "each block is a map, or a wrapped row, save it in a file of its own, or on one line"
+        ]
 
     def _within_borders(self, values: _Array, numbers: list[int]) -> _Array:
         """The values without columns of empty cells at the borders; a height that is written nan is no empty cell."""
@@ -490,6 +503,16 @@ def _grid(values: _Array, block: _Block) -> TextMap:
 def _line(values: _Array, block: _Block) -> TextMap:
     """A line scan: heights in one column or on one line, or two columns, places with even steps and heights."""
     if len(values) == 1 or values.shape[1] == 1:
+        header = block.header
+        if (
+            len(values) > 1
+            and {"width", "height"} <= set(header)
+            and _number_of(header.get("rows", "")) != 1.0
+        ):
+            raise SceneError(
+                "its header has a width and a height, as of a map, and its numbers are one column: save it as a "
+                "matrix, a row of the map on each line"
+            )
         width = _length_of(block.header.get("width", ""))
         step = None if width is None else width / values.size
         return TextMap(values.ravel(), None if step is None else (step, step))

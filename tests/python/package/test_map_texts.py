@@ -354,3 +354,38 @@ def test_rounded_places_name_their_mean_step(tmp_path):
     content, _ = rounded(header="x (um),y (um),z (nm)\n", separator=",", pixel=0.01953, columns=60, count=40)
     said = read_map(written(tmp_path, content), pixel="25 nm").warnings
     assert "pixel is 25.00 nm x 25.00 nm, and the map says 19.5" in said[1]
+
+
+# Maps that were wrapped or stacked.
+
+
+def test_a_column_below_width_and_height_is_no_line_scan(tmp_path):
+    column = "\n".join(f"{height:g}" for height in ROUGH.ravel())
+    said = "its header has a width and a height.*one column: save it as a matrix"
+    refused(tmp_path, HEADER + column, said, lines=True)
+    refused(tmp_path, HEADER + column, said)
+    read = read_map(written(tmp_path, "# Number of rows: 1\n" + HEADER + column), lines=True)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH.reshape(1, -1))
+    only_width = "\n".join(line for line in HEADER.splitlines() if "Height" not in line) + "\n"
+    assert read_map(written(tmp_path, only_width + column), lines=True).heights.size == ROUGH.size
+
+
+@pytest.mark.parametrize(
+    ("size", "blank", "blocks"),
+    [(6, "\n", 2), (4, "\n\n \n", 3), (3, "\n", 4), (1, "\n", 0), (2, "\n", 0), (5, "\n", 0)],
+)
+def test_blocks_of_rows_between_blank_lines_are_warned_of(tmp_path, size, blank, blocks):
+    lines = rows(ROUGH).splitlines()
+    parts = ["\n".join(lines[first : first + size]) + "\n" for first in range(0, 12, size)]
+    read = read_map(written(tmp_path, "\n" + blank.join(parts) + "\n\n"), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    said = [f"blank lines part its rows into {blocks} blocks of {size} rows, "] if blocks else []
+    assert [warning[: len(said[0])] for warning in read.warnings] == said
+
+
+def test_blank_lines_behind_scan_lines_of_points_are_none_of_maps(tmp_path):
+    lines = places(10, 10).splitlines()
+    parted = "\n\n".join("\n".join(lines[first : first + 10]) for first in range(0, 120, 10))
+    read = read_map(written(tmp_path, parted), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    assert not read.warnings

@@ -25,13 +25,13 @@ from .lengths import Steps, metres
 
 __all__ = [
     "MOST_PIXELS",
-    "UNEVEN",
     "Raw",
     "from_array",
     "from_data_array",
     "from_path",
     "from_pint",
     "from_topography",
+    "uneven",
 ]
 
 # Most pixels of a map that is read.
@@ -53,7 +53,6 @@ _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
 _LARGEST_OF_IMAGES = 1e-5
 _PARK, _NODATA = 50432, 42113
-UNEVEN = "its coordinate {} is not evenly spaced"
 
 
 @dataclass
@@ -363,7 +362,7 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     Raises
     ------
     SceneError
-        It has no two dimensions, or coordinates without units that are not even.
+        It has no two dimensions, or coordinates without units that are off even places by half a step.
     """
     array = array.squeeze()
     if array.ndim == 2 and set(array.dims) == {"x", "y"}:
@@ -377,6 +376,8 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     if array.ndim != 2:
         return raw
     sizes: list[float] = []
+    for dim in array.dims:
+        _check_spacing(name, array.coords.get(dim))
     coordinates = [(dim, array.coords.get(dim)) for dim in reversed(array.dims)]
     raw.steps = _steps([coordinate for _, coordinate in coordinates])
     for dim, coordinate in coordinates:
@@ -386,8 +387,6 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
         scale, is_even = metres(unit or ""), _is_even(places)
         step = abs(places[-1] - places[0]) / (places.size - 1)
         if scale is None:
-            if not is_even:
-                raise SceneError(f"{name}: {UNEVEN.format(dim)}")
             if unit is not None:
                 raw.unsaid = f"its coordinate {dim} is in {unit}"
             elif step != 1.0:
@@ -400,23 +399,32 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     return raw
 
 
+def _unitless(coordinate: xarray.DataArray | None) -> Any:
+    """The places of a coordinate without a unit of length; None if it has one, or there are none."""
+    if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
+        return None
+    return coordinate.values.astype(float) if metres(_unit(coordinate.attrs) or "") is None else None
+
+
+def _check_spacing(name: str, coordinate: xarray.DataArray | None) -> None:
+    """Refuses a coordinate without a unit of length that is off even places by half a step or more."""
+    places = _unitless(coordinate)
+    if places is None or _is_even(places):
+        return
+    step = float(np.median(np.diff(places)))
+    if not np.all(np.abs(places - places[0] - step * np.arange(places.size)) < 0.5 * abs(step)):
+        assert coordinate is not None
+        raise SceneError(f"{name}: {uneven(coordinate.name, places)}")
+
+
 def _steps(coordinates: list[xarray.DataArray | None]) -> Steps | None:
     """The steps of two coordinates that are even and have no unit of length; None if they are others."""
-    steps, units = [], set()
-    for one in coordinates:
-        if (
-            one is None
-            or one.size < 2
-            or one.dtype.kind not in "iuf"
-            or metres(_unit(one.attrs) or "") is not None
-        ):
-            return None
-        places = one.values.astype(float)
-        if not _is_even(places):
-            return None
-        steps.append(abs(places[-1] - places[0]) / (places.size - 1))
-        units.add(_unit(one.attrs))
-    return Steps(steps[0], steps[1], units.pop()) if len(units) == 1 else None
+    places = [_unitless(one) for one in coordinates]
+    if any(one is None or not _is_even(one) for one in places):
+        return None
+    width, height = (float(abs(one[-1] - one[0]) / (one.size - 1)) for one in places)
+    units = {_unit(one.attrs) for one in coordinates if one is not None}
+    return Steps(width, height, units.pop()) if len(units) == 1 else None
 
 
 def _limits(attrs: Any) -> tuple[Any, Any]:
@@ -446,6 +454,17 @@ def _is_below(sign: float, values: Any, limit: Any, encoding: Any) -> Any:
     # Less than a step, and more than the rounding of scaling.
     margin = 0.01 * abs(scale) if stored.kind in "iu" else 1e-6 * abs(bound - offset)
     return sign * (values - bound) < -margin
+
+
+def uneven(dim: Any, places: Any) -> str:
+    """Where the steps of a coordinate are others first, and what would do."""
+    steps = np.diff(places)
+    usual = float(np.median(steps))
+    at = int(np.argmax(np.abs(steps - usual) > 1e-3 * abs(usual)))
+    return (
+        f"its coordinate {dim} is not evenly spaced: from {places[at]:g} to {places[at + 1]:g} it has a step of "
+        f"{steps[at]:g}, and the usual one is {usual:g}; write rows and columns that are missing as NaN"
+    )
 
 
 def _is_even(places: Any) -> bool:

@@ -167,6 +167,11 @@ def pixel_size(value: Any) -> tuple[float, float]:
     if isinstance(value, np.ndarray) and value.dtype.kind in "OSU":
         value = value.ravel().tolist()
     if isinstance(value, str):
+        if found := re.fullmatch(r"\s*(\d+),(\d+(?:[eE][-+]?\d+)?\s*[^\W\d]+)\s*", value):
+            raise SceneError(
+                f"pixel = {value!r}: a comma is between width and height, each with its unit; of a decimal comma make "
+                f'a point: "{found[1]}.{found[2]}"'
+            )
         sizes = [length("pixel", one) for one in value.split(",")]
     elif isinstance(value, list | tuple):
         sizes = [length("pixel", one) for one in value]

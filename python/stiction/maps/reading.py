@@ -195,7 +195,12 @@ def _in_metres(
         raw.warnings += [said] if said else []
     for axis, (dim, places) in raw.uneven.items():
         if size is None or pixel is None or not _agree(places, size[axis]):
-            raise SceneError(f"{called}: {formats.UNEVEN.format(dim)}")
+            near = (
+                ""
+                if pixel is not None
+                else "; places within half a pixel are taken if pixel (--pixel) is given"
+            )
+            raise SceneError(f"{called}: {formats.uneven(dim, places)}{near}")
     if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')

@@ -389,3 +389,71 @@ def test_blank_lines_behind_scan_lines_of_points_are_none_of_maps(tmp_path):
     read = read_map(written(tmp_path, parted), **GIVEN)
     np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
     assert not read.warnings
+
+
+# Messages that say what would do.
+
+
+def test_names_of_columns_begin_with_a_blank_behind_the_mark(tmp_path):
+    body = rows(ROUGH, separator=",")
+    for first in ("row", "#row"):
+        header = f"{first},{','.join(str(20 * i) for i in range(9))}\n"
+        refused(
+            tmp_path, header + body, rf"column 1: `{first}` is not a number.*begin with `# `, with a blank"
+        )
+    for named in (header.replace("#", "# "), "#a,b,c,d,e,f,g,h,i,j\n"):
+        np.testing.assert_allclose(read_map(written(tmp_path, named + body), **GIVEN).heights, 1e-9 * ROUGH)
+
+
+def test_places_are_named_from_the_first_on(tmp_path):
+    down = "\n".join(
+        f"{11 + 20 * i},{line}" for i, line in enumerate(rows(ROUGH, separator=",").splitlines())
+    )
+    refused(tmp_path, down, "column 1 goes evenly from 11 to 231")
+    across = f"11,{','.join(str(31 + 20 * i) for i in range(9))}\n" + rows(ROUGH, separator=",")
+    refused(tmp_path, across, "line 1 goes evenly from 11 to 191.*begin it with `# `")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("2.225,03;2.226,10;2.224,00", "`2.225,03` has points between thousands and a decimal comma: leave"),
+        ("2,225.03;2,226.10;2,224.00", "`2,225.03` has commas between thousands: leave"),
+        ("11.1 nm;12.2 nm;13 nm", r"`11.1 nm` has a unit: leave .* height_unit"),
+        ("1.11D-08 1.22D-08 1.3D-08", "`1.11D-08` has an exponent of Fortran: write E"),
+    ],
+)
+def test_numbers_that_are_written_otherwise_are_known(tmp_path, line, said):
+    refused(tmp_path, "\n".join([line] * 3), f"holds no row of numbers; .*: {said}")
+    if ";" in line:
+        mixed = "\n".join([*LINES, f"{line.split(';')[0]};{LINES[0].split(';', 1)[1]}"])
+        refused(tmp_path, mixed, f"line 10, column 1: .*{said}")
+
+
+def test_a_pixel_with_a_decimal_comma_is_known(tmp_path):
+    path = written(tmp_path, rows())
+    with pytest.raises(SceneError, match=r"pixel = '19,53 nm': a comma is between.*a point: \"19\.53 nm\""):
+        read_map(path, pixel="19,53 nm", height_unit="nm")
+
+
+def test_points_with_more_columns_are_no_map(tmp_path):
+    lines = places(10, 10).splitlines()
+    more = "\n".join(f"{line} {i % 7}" for i, line in enumerate(lines))
+    refused(tmp_path, more, "looks like a list of points x, y, z with more columns.*keep the columns x, y, z")
+    read = read_map(written(tmp_path, "x y z phase\n" + more), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    narrow = np.random.default_rng(3).integers(0, 4, size=(16, 4))
+    np.testing.assert_allclose(read_map(written(tmp_path, rows(narrow)), **GIVEN).heights, 1e-9 * narrow)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("attrs", [{}, {"units": "nm"}])
+def test_the_step_of_a_missing_line_is_named(axis, attrs):
+    even = {"x": 20.0 * np.arange(10), "y": 20.0 * np.arange(12)}
+    even[axis] = np.delete(20.0 * np.arange(len(even[axis]) + 1), 5)
+    z = xarray.DataArray(ROUGH, dims=("y", "x"), coords={one: (one, at, attrs) for one, at in even.items()})
+    for pixel in (None, "20 nm"):
+        with pytest.raises(
+            SceneError, match=f"{axis} is not evenly spaced: from 8.* it has a step of 4.*as NaN"
+        ):
+            read_map(z, pixel=pixel, height_unit="nm")

@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 
-__all__ = ["MISSING", "NUMBER", "Dialect", "any_number", "dialect_of", "is_value"]
+__all__ = ["MISSING", "NUMBER", "Dialect", "any_number", "dialect_of", "hint", "is_value"]
 
 # What instruments, spreadsheets and programs write where there is no height. All else that is no number is
 # refused.
@@ -20,6 +20,19 @@ NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?inf(?:i
 _WHOLE, _BEHIND, _PADDED = re.compile(r"[-+]?\d+"), re.compile(r"\d+([eE][-+]?\d+)?"), re.compile(r"[-+]?0\d")
 _PAIR = f"{_WHOLE.pattern},{_BEHIND.pattern}"
 _PAIRS = re.compile(rf"\s*{_PAIR}(?:,\s+{_PAIR})+[\s,]*")
+# Numbers that are written so that they are none here, and what would do.
+_FOREIGN = (
+    (
+        r"[-+]?\d{1,3}(?:\.\d{3})+,\d+",
+        "has points between thousands and a decimal comma: leave the points out",
+    ),
+    (r"[-+]?\d{1,3}(?:,\d{3})+\.\d+", "has commas between thousands: leave them out"),
+    (r"[-+]?(?:\d+\.?\d*|\.\d+)[dD][-+]?\d+", "has an exponent of Fortran: write E in the place of D"),
+    (
+        r"[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?\s*(?:[fpnu\u00b5\u03bcmk]?m|\u00c5|[mu\u00b5]?V)",
+        "has a unit: leave the units of the cells out, and give that of heights as height_unit (--height-unit)",
+    ),
+)
 # How many cells in columns of one kind, as every second one, are no chance.
 _OTHERS = 12
 # Lines and cells of a line that a dialect is found by.
@@ -87,6 +100,14 @@ def is_value(cell: str) -> bool:
 def any_number(cells: list[str]) -> bool:
     """Whether one of the cells has a number."""
     return any(NUMBER.fullmatch(cell) for cell in cells)
+
+
+def hint(text: str) -> str:
+    """What a number at the beginning of a text looks like, and what would do; empty if nothing is known."""
+    for pattern, said in _FOREIGN:
+        if found := re.match(rf"\s*({pattern})(?![\w.])", text):
+            return f"`{found[1]}` {said}"
+    return ""
 
 
 def dialect_of(lines: list[str]) -> Dialect:

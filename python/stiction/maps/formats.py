@@ -21,17 +21,17 @@ from .. import files, quantities, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
 from .channels import named, numbered
-from .lengths import metres
+from .lengths import Steps, metres
 
 __all__ = [
     "MOST_PIXELS",
-    "UNEVEN",
     "Raw",
     "from_array",
     "from_data_array",
     "from_path",
     "from_pint",
     "from_topography",
+    "uneven",
 ]
 
 # Most pixels of a map that is read.
@@ -53,7 +53,6 @@ _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
 _LARGEST_OF_IMAGES = 1e-5
 _PARK, _NODATA = 50432, 42113
-UNEVEN = "its coordinate {} is not evenly spaced"
 
 
 @dataclass
@@ -62,7 +61,7 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
-    be wrong, and `fixed` that the unit belongs to the numbers. `uneven` has names and places, m, of coordinates that
+    be wrong, and `fixed` that the unit belongs to the numbers. `steps` are of places without a unit. `uneven` has names and places, m, of coordinates that
     are not even: under 0 of those along the width of a pixel, under 1 along its height.
     """
 
@@ -74,6 +73,7 @@ class Raw:
     unsaid: str = ""
     doubt: str = ""
     fixed: bool = False
+    steps: Steps | None = None
     uneven: dict[int, tuple[str, Any]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
@@ -362,7 +362,7 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     Raises
     ------
     SceneError
-        It has no two dimensions, or coordinates without units that are not even.
+        It has no two dimensions, or coordinates without units that are off even places by half a step.
     """
     array = array.squeeze()
     if array.ndim == 2 and set(array.dims) == {"x", "y"}:
@@ -376,16 +376,17 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
     if array.ndim != 2:
         return raw
     sizes: list[float] = []
-    for dim in reversed(array.dims):
-        coordinate = array.coords.get(dim)
+    for dim in array.dims:
+        _check_spacing(name, array.coords.get(dim))
+    coordinates = [(dim, array.coords.get(dim)) for dim in reversed(array.dims)]
+    raw.steps = _steps([coordinate for _, coordinate in coordinates])
+    for dim, coordinate in coordinates:
         if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
             return raw
         unit, places = _unit(coordinate.attrs), coordinate.values.astype(float)
         scale, is_even = metres(unit or ""), _is_even(places)
         step = abs(places[-1] - places[0]) / (places.size - 1)
         if scale is None:
-            if not is_even:
-                raise SceneError(f"{name}: {UNEVEN.format(dim)}")
             if unit is not None:
                 raw.unsaid = f"its coordinate {dim} is in {unit}"
             elif step != 1.0:
@@ -396,6 +397,34 @@ def from_data_array(name: str, array: xarray.DataArray) -> Raw:
         sizes.append(step * scale)
     raw.pixel = (sizes[0], sizes[1])
     return raw
+
+
+def _unitless(coordinate: xarray.DataArray | None) -> Any:
+    """The places of a coordinate without a unit of length; None if it has one, or there are none."""
+    if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
+        return None
+    return coordinate.values.astype(float) if metres(_unit(coordinate.attrs) or "") is None else None
+
+
+def _check_spacing(name: str, coordinate: xarray.DataArray | None) -> None:
+    """Refuses a coordinate without a unit of length that is off even places by half a step or more."""
+    places = _unitless(coordinate)
+    if places is None or _is_even(places):
+        return
+    step = float(np.median(np.diff(places)))
+    if not np.all(np.abs(places - places[0] - step * np.arange(places.size)) < 0.5 * abs(step)):
+        assert coordinate is not None
+        raise SceneError(f"{name}: {uneven(coordinate.name, places)}")
+
+
+def _steps(coordinates: list[xarray.DataArray | None]) -> Steps | None:
+    """The steps of two coordinates that are even and have no unit of length; None if they are others."""
+    places = [_unitless(one) for one in coordinates]
+    if any(one is None or not _is_even(one) for one in places):
+        return None
+    width, height = (float(abs(one[-1] - one[0]) / (one.size - 1)) for one in places)
+    units = {_unit(one.attrs) for one in coordinates if one is not None}
+    return Steps(width, height, units.pop()) if len(units) == 1 else None
 
 
 def _limits(attrs: Any) -> tuple[Any, Any]:
@@ -425,6 +454,17 @@ def _is_below(sign: float, values: Any, limit: Any, encoding: Any) -> Any:
     # Less than a step, and more than the rounding of scaling.
     margin = 0.01 * abs(scale) if stored.kind in "iu" else 1e-6 * abs(bound - offset)
     return sign * (values - bound) < -margin
+
+
+def uneven(dim: Any, places: Any) -> str:
+    """Where the steps of a coordinate are others first, and what would do."""
+    steps = np.diff(places)
+    usual = float(np.median(steps))
+    at = int(np.argmax(np.abs(steps - usual) > 1e-3 * abs(usual)))
+    return (
+        f"its coordinate {dim} is not evenly spaced: from {places[at]:g} to {places[at + 1]:g} it has a step of "
+        f"{steps[at]:g}, and the usual one is {usual:g}; write rows and columns that are missing as NaN"
+    )
 
 
 def _is_even(places: Any) -> bool:
@@ -519,7 +559,7 @@ def _text_or_instrument(path: Path, channel: str | None) -> Raw:
         return _instrument(path, channel)
     return Raw(
         found.heights, found.pixel, found.unit, found.channel or "", unsaid=found.unsaid, doubt=found.doubt,
-        warnings=found.warnings,
+        steps=found.steps, warnings=found.warnings,
     )  # fmt: skip
 
 

@@ -12,13 +12,15 @@ import numpy as np
 from .. import quantities
 from ..errors import SceneError
 
-__all__ = ["PIXELS", "Factor", "factor", "length", "metres", "pixel_size", "power_of_ten"]
+__all__ = ["PIXELS", "Factor", "Steps", "factor", "length", "metres", "pixel_size", "power_of_ten"]
 
 _SYMBOLS = {"f": -15, "p": -12, "n": -9, "u": -6, "\u03bc": -6, "~": -6, "m": -3, "c": -2, "": 0, "k": 3}
 _WORDS = {"femto": -15, "pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "": 0, "kilo": 3}
 _ANGSTROM = {"\u00e5", "angstrom", "\u00e5ngstr\u00f6m"}
 #: Smallest and largest size of a pixel, m, that a map may have.
 PIXELS = (1e-13, 1e3)
+# Relative difference from which on a pixel is another one than the steps of a file.
+_OTHER = 0.01
 
 
 @dataclass
@@ -28,6 +30,57 @@ class Factor:
     scale: float
     is_length: bool = False
     per: str | None = None
+
+
+@dataclass
+class Steps:
+    """Steps of the places of a file, whose unit it does not say, along the width and the height of a pixel.
+
+    `unit` is one that is none of length, and `off` by which relative part the ratio of the steps may be wrong.
+    """
+
+    width: float
+    height: float
+    unit: str | None = None
+    off: float = 0.0
+
+    def disagreement(self, given: Any, size: tuple[float, float]) -> str | None:
+        """What is wrong with a pixel of a size, m, that is given; None if nothing is, or steps only count.
+
+        Raises
+        ------
+        SceneError
+            The pixel that is given is a single number, and the steps are not square.
+        """
+        ratio, tolerance = self.height / self.width, _OTHER + self.off
+        single = (
+            "," not in given if isinstance(given, str) else np.size(getattr(given, "magnitude", given)) == 1
+        )
+        if single and abs(ratio - 1.0) > tolerance:
+            along = size[0] / ratio if self._is(size[0], self.height) else size[0]
+            shown = ",".join(f"{1e9 * one:.6g} nm" for one in (along, along * ratio))
+            raise SceneError(
+                f"its places have steps of {self.width:g} along x and {self.height:g} along y, and a single pixel "
+                f'is square; give pixel="{shown}", which is of such pixels, width and height'
+            )
+        is_known = self._is(size[0], self.width) and self._is(size[1], self.height)
+        if self.unit or self.width == self.height == 1.0:
+            return None
+        if is_known and abs(size[1] / size[0] / ratio - 1.0) <= tolerance:
+            return None
+        steps = " and ".join(
+            f"{step:.4g} along {axis}" for axis, step in zip("xy", (self.width, self.height), strict=True)
+        )
+        shown = " x ".join(quantities.si(one, "m") for one in size)
+        return (
+            f"pixel is {shown}, and places have {'mean ' if self.off else ''}steps of {steps}, which no unit makes "
+            "so large: taken as pixel says"
+        )
+
+    def _is(self, size: float, step: float) -> bool:
+        """Whether a size, m, is a step in a unit of length."""
+        powers = {*_SYMBOLS.values(), -10}
+        return any(abs(size / (step * float(f"1e{power}")) - 1.0) <= _OTHER + self.off for power in powers)
 
 
 def power_of_ten(unit: str) -> int | None:
@@ -114,6 +167,11 @@ def pixel_size(value: Any) -> tuple[float, float]:
     if isinstance(value, np.ndarray) and value.dtype.kind in "OSU":
         value = value.ravel().tolist()
     if isinstance(value, str):
+        if found := re.fullmatch(r"\s*(\d+),(\d+(?:[eE][-+]?\d+)?\s*[^\W\d]+)\s*", value):
+            raise SceneError(
+                f"pixel = {value!r}: a comma is between width and height, each with its unit; of a decimal comma make "
+                f'a point: "{found[1]}.{found[2]}"'
+            )
         sizes = [length("pixel", one) for one in value.split(",")]
     elif isinstance(value, list | tuple):
         sizes = [length("pixel", one) for one in value]

@@ -128,7 +128,9 @@ def read_map(
     path = Path(source) if isinstance(source, str | Path) else None
     of_channel = f", channel {raw.channel}" if raw.channel else ""
     name = path.name if path else raw.channel or "array"
-    return HeightMap(heights, size, name, f"{path}{of_channel}" if path else name, warnings, raw.channel or "")
+    return HeightMap(
+        heights, size, name, f"{path}{of_channel}" if path else name, warnings, raw.channel or ""
+    )
 
 
 def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
@@ -185,9 +187,20 @@ def _in_metres(
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
     if pixel is None and raw.doubt:
         raw.warnings.append(raw.doubt)
+    if size is not None and raw.steps is not None:
+        try:
+            said = raw.steps.disagreement(pixel, size)
+        except SceneError as error:
+            raise SceneError(f"{called}: {error}") from None
+        raw.warnings += [said] if said else []
     for axis, (dim, places) in raw.uneven.items():
         if size is None or pixel is None or not _agree(places, size[axis]):
-            raise SceneError(f"{called}: {formats.UNEVEN.format(dim)}")
+            near = (
+                ""
+                if pixel is not None
+                else "; places within half a pixel are taken if pixel (--pixel) is given"
+            )
+            raise SceneError(f"{called}: {formats.uneven(dim, places)}{near}")
     if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')

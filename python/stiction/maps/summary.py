@@ -154,8 +154,10 @@ def _parameters(surface: Surface) -> Iterator[str]:
     yield f"  {'':<18}{'of summits':>18}{'of moments':>18}{'ratio':>9}"
     yield line("density", ours.density, theirs.density, density)
     yield line("1/mean curvature", ours.radius, theirs.radius, _m)
-    mean = float(np.mean(surface.summits.radius))
-    yield f"  {'mean radius':<18}{_m(mean):>18}  the R of a run of these asperities"
+    found = surface.summits
+    of_scenes = (("mean radius", "mean_curvature", found.radius), ("", "equivalent", found.equivalent_radius))
+    for label, name, radii in of_scenes:
+        yield f'  {label:<18}{_m(float(np.mean(radii))):>18}  R of a run: radius = "{name}"'
     yield line("mean height", ours.height_mean, theirs.height_mean, _m)
     yield line("height std", ours.height_std, theirs.height_std, _m)
     beta = [one.density * one.radius * one.height_std for one in (ours, theirs)]

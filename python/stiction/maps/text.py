@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from .. import quantities
 from ..errors import SceneError
 from .channels import numbered
-from .dialect import MISSING, NUMBER, any_number, dialect_of, is_value
-from .lengths import length, metres
+from .dialect import MISSING, NUMBER, any_number, dialect_of, hint, is_value
+from .lengths import Steps, length, metres
+from .places import BLOCK, MOST_AXES, REGULAR, Places, begin_with_grid, on_grid
 
 __all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
 
@@ -37,7 +38,6 @@ _WEB_PAGE = re.compile(
 )
 # What decimal commas show somewhere, and commas of thousands nowhere.
 _DECIMALS = re.compile(rb"(?<![0-9])0*,|,[0-9]{0,2}(?![0-9])|,[0-9]{4}")
-_REGULAR = "only regular lists of points are read"
 LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimensions"
 
 # Labels of headers. Gwyddion translates its own.
@@ -63,14 +63,11 @@ _HEADER = {
     for name, labels in known.items()
 }
 _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
-_MOST_AXES = 6
 _AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRIMISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
-# The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
-_OFF, _OFF_ROUNDED = 0.02, 0.5
 # Pixels of other sides than that are not square.
 _SQUARE = 0.01
 # Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
@@ -85,7 +82,7 @@ class NoNumbers(SceneError):
 class TextMap:
     """What a text says: heights in `unit` and the pixel in m, as far as it says them.
 
-    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong.
+    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong; `steps` have no unit.
     """
 
     heights: _Array
@@ -95,6 +92,7 @@ class TextMap:
     warnings: list[str] = field(default_factory=list)
     unsaid: str = ""
     doubt: str = ""
+    steps: Steps | None = None
 
 
 @dataclass
@@ -109,20 +107,6 @@ class _Block:
     def says(self, said: dict[str, str], line: int) -> None:
         self.header |= said
         self.said_on |= dict.fromkeys(said, line)
-
-
-@dataclass
-class _Places:
-    """Which row or column of a grid each value is on, and their distance; `rounded` says that they are, if so."""
-
-    name: str
-    index: NDArray[np.intp]
-    step: float
-    rounded: str = ""
-
-    @property
-    def count(self) -> int:
-        return int(self.index.max()) + 1
 
 
 def read(text: str, channel: str | None = None) -> TextMap:
@@ -184,7 +168,10 @@ class _Reader:
         if not blocks:
             first = next((line.strip() for line in self.lines if line.strip()), "")
             begins = f"; it begins with `{_shown(first)}`" if first else ", but blanks"
-            raise NoNumbers(f"holds no row of numbers{begins}: a text has a row of the map on each line")
+            written = hint(next((line for line in self.lines if hint(line)), "")) or (
+                "a text has a row of the map on each line"
+            )
+            raise NoNumbers(f"holds no row of numbers{begins}: {written}")
         return blocks
 
     def _is_comment(self, number: int, comment: str, below: bool) -> bool:
@@ -222,7 +209,7 @@ class _Reader:
             return False
         # The column of names of rows of pandas has none itself.
         unnamed = self.dialect.columns - len(axes)
-        if unnamed not in (0, 1) or len(axes) > _MOST_AXES:
+        if unnamed not in (0, 1) or len(axes) > MOST_AXES:
             return False
         block.header |= {"lateral": units[axes.index("x")], "unit": units[axes.index("z")]}
         block.axes = [*([None] * unnamed), *axes]
@@ -239,6 +226,11 @@ class _Reader:
         columns = values.shape[1]
         is_line = len(numbers) == 1 or columns == 1 or (columns == 2 and "width" not in header)
         are_points = not is_line and (block.axes is not None or (columns == 3 and "width" not in header))
+        if not is_line and not are_points and "width" not in header and begin_with_grid(values):
+            raise SceneError(
+                f"looks like a list of points x, y, z with more columns: it has {columns}, and the first two are the "
+                "places of a grid; keep the columns x, y, z, or name all in a first line, as `x y z phase`"
+            )
         if "scale" in header:
             values *= _number_of(header["scale"])
             header["unit"] = "m"
@@ -246,7 +238,7 @@ class _Reader:
             values = values[[not _EMPTY.fullmatch(self.lines[number]) for number in numbers]]
         else:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
-            self.warnings += said
+            self.warnings += [*said, *self._parted(numbers)]
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRIMISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
@@ -258,6 +250,17 @@ class _Reader:
         found.unit, found.channel = header.get("unit") or None, header.get("channel")
         found.warnings = self.warnings + found.warnings
         return found
+
+    def _parted(self, numbers: list[int]) -> list[str]:
+        """That blank lines part the rows into blocks of one size, as stacked maps; single rows may be parted."""
+        blank = np.array([not line.strip() for line in self.lines]).cumsum()[numbers]
+        sizes = np.unique(blank, return_counts=True)[1]
+        if sizes.size == 1 or sizes.min() < BLOCK or np.ptp(sizes) > 0:
+            return []
+        return [
+            f"blank lines part its rows into {sizes.size} blocks of {sizes[0]} rows, which are read as one map: if "
+            "each block is a map, or a wrapped row, save it in a file of its own, or on one line"
+        ]
 
     def _within_borders(self, values: _Array, numbers: list[int]) -> _Array:
         """The values without columns of empty cells at the borders; a height that is written nan is no empty cell."""
@@ -296,7 +299,7 @@ class _Reader:
             what = f"`{_shown(words[0])}` is not a number" if words else f"has {count} numbers"
             raise SceneError(
                 f"line {number + 1}: {what}, and most lines have {self.dialect.columns} numbers; "
-                "lines that are no rows begin with #"
+                "lines that are no rows begin with `# `"
             )
 
     def _numbers(self, numbers: list[int]) -> _Array:
@@ -351,7 +354,9 @@ class _Reader:
                 is_number = NUMBER.fullmatch(cell) is not None
                 if cell.lower() in MISSING or (is_number and other not in cell):
                     continue
-                advice = "names of columns and other lines that are no rows begin with #"
+                advice = hint(cell) or (
+                    "names of columns and other lines that are no rows begin with `# `, with a blank behind #"
+                )
                 if is_number:
                     advice = f"there are decimal {points}, too; decimal commas have to be in all numbers or in none"
                 elif number > numbers[0] or column > 0:
@@ -449,11 +454,12 @@ def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, lis
             rest, more = _without_labels(values[1:] if part is values else values[:, 1:], line + 1, False)
             return rest, said + more
         if _names(part) or _names(part[:, 1:]):
+            first = part[0, 0 if _names(part) else 1]
             raise SceneError(
-                f"{where} goes evenly from {part[0, 1]:g} to {part[0, -1]:g}, "
+                f"{where} goes evenly from {first:g} to {part[0, -1]:g}, "
                 "as names or places do and heights do not; "
                 "take it out, "
-                + ("or begin it with #" if part is values else "or write the map with numpy.save")
+                + ("or begin it with `# `" if part is values else "or write the map with numpy.save")
             )
     return values, []
 
@@ -487,10 +493,20 @@ def _grid(values: _Array, block: _Block) -> TextMap:
 def _line(values: _Array, block: _Block) -> TextMap:
     """A line scan: heights in one column or on one line, or two columns, places with even steps and heights."""
     if len(values) == 1 or values.shape[1] == 1:
+        header = block.header
+        if (
+            len(values) > 1
+            and {"width", "height"} <= set(header)
+            and _number_of(header.get("rows", "")) != 1.0
+        ):
+            raise SceneError(
+                "its header has a width and a height, as of a map, and its numbers are one column: save it as a "
+                "matrix, a row of the map on each line"
+            )
         width = _length_of(block.header.get("width", ""))
         step = None if width is None else width / values.size
         return TextMap(values.ravel(), None if step is None else (step, step))
-    x = _places(values[:, 0], "x")
+    x = on_grid(values[:, 0], "x")
     heights = np.full(x.count, np.nan)
     if np.unique(x.index).size < x.index.size or x.index.size < heights.size / 2:
         raise SceneError("its points x, z have no even steps: only regular line scans are read")
@@ -509,16 +525,16 @@ def _length_of(text: str) -> float | None:
 
 def _points(values: _Array, block: _Block) -> TextMap:
     """Points x, y, z on a grid as a map: y from row to row, x along the rows, both rising."""
-    x, y = (_places(values[:, axis], name) for axis, name in enumerate("xy"))
+    x, y = (on_grid(values[:, axis], name) for axis, name in enumerate("xy"))
     shape = (y.count, x.count)
     points, places = len(values), x.count * y.count
     if points < places / 2 or min(shape) < 2:
         raise SceneError(
-            f"its {points} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; {_REGULAR}"
+            f"its {points} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; {REGULAR}"
         )
     for axis in (x, y):
         if axis.rounded and points != places:
-            raise SceneError(f"its points x, y, z are no grid: {axis.name} has no even steps; {_REGULAR}")
+            raise SceneError(f"its points x, y, z are no grid: {axis.name} has no even steps; {REGULAR}")
     heights = np.full(shape, np.nan)
     taken = np.zeros(shape, dtype=bool)
     taken[y.index, x.index] = True
@@ -531,33 +547,13 @@ def _points(values: _Array, block: _Block) -> TextMap:
     return found
 
 
-def _placed(heights: _Array, block: _Block, x: _Places, y: _Places) -> TextMap:
+def _placed(heights: _Array, block: _Block, x: Places, y: Places) -> TextMap:
     """Heights with the steps of their places as pixel, if these have a unit."""
     unit = metres(block.header.get("lateral", ""))
     found = TextMap(heights, None if unit is None else (x.step * unit, y.step * unit))
+    if unit is None:
+        found.steps = Steps(x.step, y.step, block.header.get("lateral") or None, x.off + y.off)
     found.unsaid = x.rounded or y.rounded
     if found.unsaid:
         found.warnings.append(f"{found.unsaid}: taken as even")
     return found
-
-
-def _places(values: _Array, name: str) -> _Places:
-    """The rows or columns of a grid that values are on."""
-    if not np.all(np.isfinite(values)):
-        raise SceneError(f"a point x, y, z has no {name}")
-    known = np.unique(values)
-    steps = np.diff(known)
-    if steps.size == 0:
-        raise SceneError(f"all points x, y, z have one {name}: a line scan has a spectrum, but no asperities")
-    # Rounding makes several values of one: steps that are far smaller than the largest are none.
-    step = float(np.median(steps[steps > 0.2 * steps.max()]))
-    index = (values - known[0]) / step
-    rounded = np.rint(index)
-    if np.abs(index - rounded).max() <= max(_OFF, 1e-6 * rounded.max()) and rounded.max() < 1 << 26:
-        return _Places(name, rounded.astype(np.intp), float((known[-1] - known[0]) / rounded.max()))
-    # All places of a grid, each as its own value with few digits.
-    step = float((known[-1] - known[0]) / steps.size)
-    if np.abs(known - known[0] - step * np.arange(known.size)).max() > _OFF_ROUNDED * step:
-        raise SceneError(f"its points x, y, z are no grid: {name} has no even steps; {_REGULAR}")
-    said = f"its {name} is rounded, to steps of {steps.min():.4g} to {steps.max():.4g}"
-    return _Places(name, np.searchsorted(known, values), step, said)

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import xarray
 from test_reading import GIVEN, HEADERS, PIXEL, ROUGH, Z, assert_read, points, rows, written
 
 from stiction import SceneError
@@ -299,3 +300,160 @@ def test_channels_of_one_name_have_numbers(tmp_path):
     path = written(tmp_path, HEADER + rows() + HEADER + rows(ROUGH[:9, :9]))
     np.testing.assert_allclose(read_map(path, channel=1).heights, 1e-9 * ROUGH[:9, :9])
     np.testing.assert_allclose(read_map(path, channel=0).heights, 1e-9 * Z)
+
+
+# A pixel against the steps of places without a unit.
+
+
+def places(width, height, form="{:g}"):
+    """Points with steps without a unit."""
+    places = [
+        (form.format(width * i), form.format(height * j), ROUGH[j, i]) for j in range(12) for i in range(10)
+    ]
+    return "\n".join(" ".join(str(one) for one in place) for place in places)
+
+
+@pytest.mark.parametrize("suffix", ["txt", "nc"])
+def test_a_square_pixel_of_steps_that_are_not_square_is_refused(tmp_path, suffix, capsys):
+    path = tmp_path / f"scan.{suffix}"
+    path.write_text(places(20, 40))
+    if suffix == "nc":
+        coordinates = {"x": 20.0 * np.arange(10), "y": 40.0 * np.arange(12)}
+        xarray.DataArray(ROUGH, dims=("y", "x"), coords=coordinates, name="z").to_netcdf(path)
+    for pixel, shown in (("20 nm", "20 nm,40 nm"), (4e-8, "20 nm,40 nm"), ("10 nm", "10 nm,20 nm")):
+        with pytest.raises(SceneError, match=f'steps of 20 along x and 40 along y.*give pixel="{shown}"'):
+            read_map(path, pixel=pixel, height_unit="nm")
+    assert main([str(path), "--pixel", "20 nm", "--height-unit", "nm"]) == 2
+    assert '--pixel "20 nm,40 nm"' in capsys.readouterr().err
+    read = read_map(path, pixel="20 nm,40 nm", height_unit="nm")
+    assert read.pixel == pytest.approx((2e-8, 4e-8)) and not read.warnings
+    (said,) = read_map(path, pixel="20 nm,30 nm", height_unit="nm").warnings
+    assert "20.00 nm x 30.00 nm" in said and "20 along x and 40 along y" in said
+
+
+@pytest.mark.parametrize(
+    ("steps", "pixel", "warned"),
+    [
+        (20, "20 nm", False), (20, "20 um", False), (0.02, "20 nm", False), (200, "20 nm", False),
+        (2e-8, "20 nm", False), (20, "10 nm", True), (19.53, "20 nm", True), (20, "200 nm", True), (1, "20 nm", False),
+    ],
+)  # fmt: skip
+def test_a_pixel_that_no_unit_makes_of_the_steps_is_warned_of(tmp_path, steps, pixel, warned):
+    read = read_map(written(tmp_path, places(steps, steps)), pixel=pixel, height_unit="nm")
+    said = [warning for warning in read.warnings if "places have" in warning]
+    assert len(said) == warned
+    if warned:
+        assert f"steps of {steps} along x and {steps} along y" in said[0]
+
+
+def test_rounded_places_name_their_mean_step(tmp_path):
+    content, _ = rounded(pixel=0.01953, columns=60, count=40)
+    assert len(read_map(written(tmp_path, content), pixel="19.53 nm", height_unit="nm").warnings) == 1
+    said = read_map(written(tmp_path, content), pixel="25 nm", height_unit="nm").warnings
+    assert "mean steps of 0.01953 along x and 0.01954 along y" in said[1]
+    content, _ = rounded(header="x (um),y (um),z (nm)\n", separator=",", pixel=0.01953, columns=60, count=40)
+    said = read_map(written(tmp_path, content), pixel="25 nm").warnings
+    assert "pixel is 25.00 nm x 25.00 nm, and the map says 19.5" in said[1]
+
+
+# Maps that were wrapped or stacked.
+
+
+def test_a_column_below_width_and_height_is_no_line_scan(tmp_path):
+    column = "\n".join(f"{height:g}" for height in ROUGH.ravel())
+    said = "its header has a width and a height.*one column: save it as a matrix"
+    refused(tmp_path, HEADER + column, said, lines=True)
+    refused(tmp_path, HEADER + column, said)
+    read = read_map(written(tmp_path, "# Number of rows: 1\n" + HEADER + column), lines=True)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH.reshape(1, -1))
+    only_width = "\n".join(line for line in HEADER.splitlines() if "Height" not in line) + "\n"
+    assert read_map(written(tmp_path, only_width + column), lines=True).heights.size == ROUGH.size
+
+
+@pytest.mark.parametrize(
+    ("size", "blank", "blocks"),
+    [(6, "\n", 2), (4, "\n\n \n", 3), (3, "\n", 4), (1, "\n", 0), (2, "\n", 0), (5, "\n", 0)],
+)
+def test_blocks_of_rows_between_blank_lines_are_warned_of(tmp_path, size, blank, blocks):
+    lines = rows(ROUGH).splitlines()
+    parts = ["\n".join(lines[first : first + size]) + "\n" for first in range(0, 12, size)]
+    read = read_map(written(tmp_path, "\n" + blank.join(parts) + "\n\n"), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    said = [f"blank lines part its rows into {blocks} blocks of {size} rows, "] if blocks else []
+    assert [warning[: len(said[0])] for warning in read.warnings] == said
+
+
+def test_blank_lines_behind_scan_lines_of_points_are_none_of_maps(tmp_path):
+    lines = places(10, 10).splitlines()
+    parted = "\n\n".join("\n".join(lines[first : first + 10]) for first in range(0, 120, 10))
+    read = read_map(written(tmp_path, parted), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    assert not read.warnings
+
+
+# Messages that say what would do.
+
+
+def test_names_of_columns_begin_with_a_blank_behind_the_mark(tmp_path):
+    body = rows(ROUGH, separator=",")
+    for first in ("row", "#row"):
+        header = f"{first},{','.join(str(20 * i) for i in range(9))}\n"
+        refused(
+            tmp_path, header + body, rf"column 1: `{first}` is not a number.*begin with `# `, with a blank"
+        )
+    for named in (header.replace("#", "# "), "#a,b,c,d,e,f,g,h,i,j\n"):
+        np.testing.assert_allclose(read_map(written(tmp_path, named + body), **GIVEN).heights, 1e-9 * ROUGH)
+
+
+def test_places_are_named_from_the_first_on(tmp_path):
+    down = "\n".join(
+        f"{11 + 20 * i},{line}" for i, line in enumerate(rows(ROUGH, separator=",").splitlines())
+    )
+    refused(tmp_path, down, "column 1 goes evenly from 11 to 231")
+    across = f"11,{','.join(str(31 + 20 * i) for i in range(9))}\n" + rows(ROUGH, separator=",")
+    refused(tmp_path, across, "line 1 goes evenly from 11 to 191.*begin it with `# `")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("2.225,03;2.226,10;2.224,00", "`2.225,03` has points between thousands and a decimal comma: leave"),
+        ("2,225.03;2,226.10;2,224.00", "`2,225.03` has commas between thousands: leave"),
+        ("11.1 nm;12.2 nm;13 nm", r"`11.1 nm` has a unit: leave .* height_unit"),
+        ("1.11D-08 1.22D-08 1.3D-08", "`1.11D-08` has an exponent of Fortran: write E"),
+    ],
+)
+def test_numbers_that_are_written_otherwise_are_known(tmp_path, line, said):
+    refused(tmp_path, "\n".join([line] * 3), f"holds no row of numbers; .*: {said}")
+    if ";" in line:
+        mixed = "\n".join([*LINES, f"{line.split(';')[0]};{LINES[0].split(';', 1)[1]}"])
+        refused(tmp_path, mixed, f"line 10, column 1: .*{said}")
+
+
+def test_a_pixel_with_a_decimal_comma_is_known(tmp_path):
+    path = written(tmp_path, rows())
+    with pytest.raises(SceneError, match=r"pixel = '19,53 nm': a comma is between.*a point: \"19\.53 nm\""):
+        read_map(path, pixel="19,53 nm", height_unit="nm")
+
+
+def test_points_with_more_columns_are_no_map(tmp_path):
+    lines = places(10, 10).splitlines()
+    more = "\n".join(f"{line} {i % 7}" for i, line in enumerate(lines))
+    refused(tmp_path, more, "looks like a list of points x, y, z with more columns.*keep the columns x, y, z")
+    read = read_map(written(tmp_path, "x y z phase\n" + more), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+    narrow = np.random.default_rng(3).integers(0, 4, size=(16, 4))
+    np.testing.assert_allclose(read_map(written(tmp_path, rows(narrow)), **GIVEN).heights, 1e-9 * narrow)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("attrs", [{}, {"units": "nm"}])
+def test_the_step_of_a_missing_line_is_named(axis, attrs):
+    even = {"x": 20.0 * np.arange(10), "y": 20.0 * np.arange(12)}
+    even[axis] = np.delete(20.0 * np.arange(len(even[axis]) + 1), 5)
+    z = xarray.DataArray(ROUGH, dims=("y", "x"), coords={one: (one, at, attrs) for one, at in even.items()})
+    for pixel in (None, "20 nm"):
+        with pytest.raises(
+            SceneError, match=f"{axis} is not evenly spaced: from 8.* it has a step of 4.*as NaN"
+        ):
+            read_map(z, pixel=pixel, height_unit="nm")

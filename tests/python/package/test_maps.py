@@ -46,7 +46,11 @@ def npy(path):
 
 def text(path):
     """As Gwyddion exports a scan: a row of the map on each line."""
-    np.savetxt(path, heights(), header=f"Width: {NX * DX * 1e9:.12g} nm\nHeight: {NY * DY * 1e9:.12g} nm\nValue units: m")
+    np.savetxt(
+        path,
+        heights(),
+        header=f"Width: {NX * DX * 1e9:.12g} nm\nHeight: {NY * DY * 1e9:.12g} nm\nValue units: m",
+    )
 
 
 WRITTEN = {
@@ -113,11 +117,15 @@ def test_the_filter_is_that_of_scipy():
     z, cutoff, (dx, dy) = rough(), 150e-9, (10e-9, 12e-9)
     z -= z.mean()
     found = stiction.find_asperities(z, pixel=(dx, dy), level="none", smooth=cutoff)
-    expected = scipy.ndimage.gaussian_filter(z, [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant")
+    expected = scipy.ndimage.gaussian_filter(
+        z, [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant"
+    )
     inner = (slice(20, -20), slice(22, -22))
     np.testing.assert_allclose(found.map.values[inner], expected[inner], rtol=0.0, atol=1e-8 * z.std())
     # At the border the weights of what is there: the same filter of a map of ones.
-    ones = scipy.ndimage.gaussian_filter(np.ones_like(z), [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant")
+    ones = scipy.ndimage.gaussian_filter(
+        np.ones_like(z), [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant"
+    )
     np.testing.assert_allclose(found.map.values, expected / ones, rtol=0.0, atol=1e-8 * z.std())
     assert list(found.attrs["border"]) == [math.ceil(75 / 12), math.ceil(75 / 10)]
     assert found.attrs["smooth"] == cutoff
@@ -185,7 +193,9 @@ def hertz(ratio):
 def test_the_summary_tells_the_shape_and_its_force(tmp_path):
     """The median ratio of principal curvatures by numpy's eigenvalues, and what that makes of the Hertz force by scipy's integrals."""
     np.save(tmp_path / "map.npy", rough(9))
-    found = stiction.find_asperities(tmp_path / "map.npy", tmp_path / "map.h5", pixel=1e-8, height_unit="m", smooth=1e-7)
+    found = stiction.find_asperities(
+        tmp_path / "map.npy", tmp_path / "map.h5", pixel=1e-8, height_unit="m", smooth=1e-7
+    )
     of = found.asperities
     xx, yy, xy = of.curvature_x.values, of.curvature_y.values, of.curvature_xy.values
     eigen = np.linalg.eigvalsh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
@@ -193,11 +203,23 @@ def test_the_summary_tells_the_shape_and_its_force(tmp_path):
     np.testing.assert_allclose(of.principal_radius_1, 1.0 / eigen[:, 1], rtol=1e-9)
     np.testing.assert_allclose(of.principal_radius_2[there], 1.0 / eigen[there, 0], rtol=1e-7)
     assert np.isnan(of.principal_radius_2[~there]).all()
-    np.testing.assert_allclose(of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8)
+    np.testing.assert_allclose(
+        of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8
+    )
     np.testing.assert_allclose(of.radius, 2.0 / eigen.sum(axis=1), rtol=1e-9)
     ratio = float(np.median(eigen[there, 1] / eigen[there, 0]))
     assert float(found.tree["measured"].curvature_ratio_median) == pytest.approx(ratio, rel=1e-9)
-    command = [find(), "asperities", tmp_path / "map.npy", "--pixel", "10 nm", "--height-unit", "m", "--smooth", "100 nm"]
+    command = [
+        find(),
+        "asperities",
+        tmp_path / "map.npy",
+        "--pixel",
+        "10 nm",
+        "--height-unit",
+        "m",
+        "--smooth",
+        "100 nm",
+    ]
     told = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
     shown = re.search(r"k1/k2 = ([\d.]+),.*\n.*\n\s+(-[\d.]+) % with R = 1/mean curvature, (-[\d.]+) %", told)
     assert float(shown[1]) == pytest.approx(ratio, abs=5e-3)
@@ -219,9 +241,13 @@ def test_panels_over_the_cutoff_have_the_numbers_of_the_file():
             line = next(line for line in ax.lines if line.get_label() == "of summits")
             there = (of.summit_count > 1).values
             shown = line.get_ydata() / of[name].values[there]
-            assert np.ptp(shown) < 1e-9 * shown[0] and (name != "asperity_density" or shown[0] == pytest.approx(1.0 / factor))
+            assert np.ptp(shown) < 1e-9 * shown[0] and (
+                name != "asperity_density" or shown[0] == pytest.approx(1.0 / factor)
+            )
             words = [str(line.get_label()) for line in ax.lines]
-            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), words
+            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), (
+                words
+            )
 
 
 def test_pixels_that_are_not_square_are_drawn_as_they_are(tmp_path):

@@ -453,3 +453,14 @@ def test_the_page_of_a_result_has_the_command_that_makes_it(command):
     assert again.keys() == before.keys()
     for path, one in before.items():
         np.testing.assert_array_equal(again[path], one, err_msg=path)
+
+
+@pytest.mark.parametrize("radius", ["mean_curvature", "equivalent"])
+def test_the_mean_radius_is_that_of_the_scene(radius, command):
+    """The program prints it of the file, for both radii that a scene may take."""
+    said = command(MAP, "-o", "polished.h5")
+    shown = re.search(rf'([\d.]+) µm  R of a run: radius = "{radius}"', said)
+    scene = (CONFIGS / "surfaces" / "measured.toml").read_text(encoding="utf-8")
+    scene = scene.replace('sample = "bootstrap"', f'sample = "bootstrap", radius = "{radius}"')
+    Path("scene.toml").write_text(scene, encoding="utf-8")
+    assert f"mean radius {shown[1]} µm" in unbroken(call(["check", "scene.toml"]))

@@ -258,8 +258,8 @@ def test_places_among_the_heights_are_refused(tmp_path):
     places = ",".join(f"{10 * i}" for i in range(9))
     down = "".join(f"{80 - 10 * j},{line}\n" for j, line in enumerate(rows(separator=",").splitlines()))
     for content, where in (
-        (f"{places}\n{rows(separator=',')}", "line 1 goes evenly from 10 to 80"),
-        (down, "column 1 goes evenly from 70 to 0"),
+        (f"{places}\n{rows(separator=',')}", "line 1 goes evenly from 0 to 80"),
+        (down, "column 1 goes evenly from 80 to 0"),
         (f",{places}\n{down}", "line 1 goes evenly"),
         (f"{','.join(str(i) for i in range(10))}\n{down}", "column 1 goes evenly"),
     ):

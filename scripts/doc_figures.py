@@ -38,6 +38,9 @@ class Program:
 
     def __init__(self, path, folder):
         self.path, self.folder = path, folder
+        # The scene of the README.
+        scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+        (folder / "pad.toml").write_text(scene)
 
     @functools.cache
     def said(self, *arguments):
@@ -291,7 +294,7 @@ GAINS = "\n".join(f"| {name} | {{}} | {{}} | {{}} |" for name in (
     "pull-off force", "pull-off separation", "peak secant stiffness", "its separation"))
 
 FIGURES = [
-    Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
+    Block("README.md", "  100.0 µN ", ("run", "pad.toml", "--above", "80 nN", "-o", "pad.h5")),
     Block("docs/tutorial.md", "  pull-off ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
     Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
           ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),

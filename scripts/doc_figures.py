@@ -291,7 +291,7 @@ GAINS = "\n".join(f"| {name} | {{}} | {{}} | {{}} |" for name in (
     "pull-off force", "pull-off separation", "peak secant stiffness", "its separation"))
 
 FIGURES = [
-    Block("README.md", "  100.0 µN ", ("run", "pad.toml", "--above", "80 nN", "-o", "pad.h5")),
+    Block("README.md", "  pull-off ", ("run", "pad.toml", "--above", "80 nN", "-o", "pad.h5")),
     Block("docs/index.md", "  pull-off ", ("run", "template.toml", "--above", "80 nN", "-o", "template.h5")),
     Block("docs/tutorial.md", "  pull-off ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
     Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",

@@ -498,7 +498,7 @@ def test_spheres_and_what_is_close_to_them():
 def test_errors_of_spheres_are_those_of_the_page():
     """The table of errors of force, per cent, and that the geometric mean is the nearer one; of curvatures 1
     ± ε the errors are ε²/3 and ε²/12."""
-    page = (ROOT / "docs" / "measured-surfaces.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "my-afm-map.md").read_text(encoding="utf-8")
     for ratio in (1.5, 2, 3, 5, 10, 30):
         mean, geometric = (100.0 * (1.0 - share) for share in forces_of_spheres(ratio))
         assert f"| {ratio} | −{mean:.1f} % | −{geometric:.1f} % |" in page
@@ -745,7 +745,7 @@ def test_summits_of_gaussian_surfaces_are_those_of_nayaks_theory():
     assert (errors < 0.007).all(), errors
     # Student's t of 39 degrees of freedom is below 4.84 with a probability of 1 − 10⁻⁵.
     assert (np.abs(of.mean(axis=0) - 1.0) < 4.84 * errors).all(), of.mean(axis=0)
-    # What docs/measured-surfaces.md says of pixels of 1/14 of the wavelength.
+    # What docs/my-afm-map.md says of pixels of 1/14 of the wavelength.
     mean = np.mean(coarse, axis=0)
     assert (np.abs(mean[:3] - 1.0) < 0.03).all() and 0.94 < mean[3] < 1.0, mean
 

@@ -278,7 +278,7 @@ fn regimes_are_those_of_the_radii() {
         Plan::new(&scene, laws.view()).regimes.iter().map(|plan| plan.asperities).collect::<Vec<f64>>()
     };
     let [sharp, blunt] = ["0.2 um", "5 um"].map(|radius| shares(&format!("asperity_radius = \"{radius}\"")));
-    let both = shares("radii = { law = \"file\", path = \"radii.csv\", column = 1 }");
+    let both = shares("radii = { law = \"file\", path = \"radii.csv\", column = \"radius\" }");
     for ((one, other), of_both) in sharp.iter().zip(&blunt).zip(&both) {
         assert!((of_both - 0.5 * (one + other)).abs() < 1e-9 * 700.0, "{sharp:?} {blunt:?} {both:?}");
     }

@@ -14,6 +14,7 @@ from ..errors import FileError
 from ..finite_size import is_study, study
 from ..results import Result, Run, Sweep
 from . import coupled, loop, others, run
+from .heat_map import heat_map, is_map
 from .style import VERMILION, dressed, inches, plain
 from .sweep import QUANTITIES, quantities_of, sweep
 
@@ -51,6 +52,8 @@ def panels(result: Result) -> dict[str, Panel]:
     """
     if isinstance(result, Sweep):
         of_sweep: dict[str, Panel] = {name: partial(sweep, quantity=name) for name in quantities_of(result)}
+        if is_map(result):
+            of_sweep["heat_map"] = heat_map
         if is_study(result):
             return {name: _of_study(figure) for name, figure in _OF_STUDIES.items()} | of_sweep
         return _OF_LAWS | of_sweep if result.keys == ["model.law"] else of_sweep

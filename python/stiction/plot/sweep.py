@@ -36,6 +36,7 @@ QUANTITIES: dict[str, tuple[str, str, str | None]] = {
     "pull_off_scatter": ("scatter between patches", "%", None),
     "pull_off_separation": ("pull-off separation $h/\\sigma$", "", "pull_off_separation"),
     "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
+    "stuck_probability": ("probability to stay stuck", "", None),
 }
 # Most curves that can be distinguished.
 _MOST = len(COLORS)
@@ -43,7 +44,8 @@ _MOST = len(COLORS)
 
 def quantities_of(result: Sweep) -> list[str]:
     """The quantities of a sweep; of integrals alone those that they have."""
-    return [name for name, (_, _, of_integral) in QUANTITIES.items() if result.has_replicas or of_integral]
+    names = [name for name, (_, _, of_integral) in QUANTITIES.items() if result.has_replicas or of_integral]
+    return [name for name in names if name != "stuck_probability" or "device" in result]
 
 
 def of_points(
@@ -58,6 +60,9 @@ def of_points(
     name = (
         "pull_off_force" if quantity.startswith("pull_off_e") or quantity == "pull_off_scatter" else quantity
     )
+    if quantity == "stuck_probability":
+        share, low, high = (result[f"device/stuck_probability{end}"] for end in ("", "_low", "_high"))
+        return share, 0.25 * (high - low), None
     scalars = result["ensemble"].to_dataset().sel(scalar=name)
     mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
     if quantity == "pull_off_excess":
@@ -139,8 +144,8 @@ def sweep(
     result : Sweep
     ax : matplotlib.axes.Axes, optional
     quantity : str
-        ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation`` or
-        ``peak_secant_stiffness``.
+        ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation``,
+        ``peak_secant_stiffness``, or of a scene with ``[device]`` ``stuck_probability``.
     x, by : str, optional
         The key for the axis, or a number of the points that follows from the keys, such as
         ``asperity_plasticity_index``; and the first of the keys that distinguish the curves. By default the

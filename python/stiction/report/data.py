@@ -71,8 +71,8 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
     """
     source: Any = result
     if isinstance(result, Sweep):
-        if figure in QUANTITIES:
-            return [_of_sweep(result, figure)]
+        if figure in QUANTITIES or figure == "heat_map":
+            return [_of_sweep(result, figure if figure in QUANTITIES else "pull_off_force")]
         source = study(result) if is_study(result) else result
     by_dimension: dict[str, dict[str, Any]] = {}
     for path in _present(result, figure, source):

@@ -48,6 +48,16 @@ MADE = {
         path,
         replicas=20,
     ),
+    "heat_map": lambda path: stiction.sweep(
+        CONFIGS / "quick.toml",
+        {"material.work_of_adhesion": ["10 mJ/m^2", "30 mJ/m^2", "90 mJ/m^2"], "material.hardness": ["1 GPa", "2 GPa", "4 GPa"]},
+        path,
+        replicas=8,
+        **{"device.restoring_force": "30 uN"},
+    ),
+    "sweep_of_one": lambda path: stiction.sweep(
+        CONFIGS / "quick.toml", {"material.work_of_adhesion": ["10 mJ/m^2", "30 mJ/m^2"]}, path, replicas=4
+    ),
     "comparison": lambda path: stiction.compare(
         CONFIGS / "quick.toml", ["hybrid", "emd", "fit:paper", "gw"], path, ensemble=True, replicas=40
     ),

@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
+    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
     "choice", "comparison", "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 
@@ -92,6 +92,19 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
     assert names == [6, 8, 0]
     with pytest.raises(FileError, match=r"x = replicas: not a key of this sweep; it has surface\.lubricant_thickness"):
         plot.sweep(grid, x="replicas")
+
+
+def test_a_heat_map_has_the_points_of_its_grid(result):
+    grid = result("heat_map")
+    assert "heat_map" in plot.panels(grid) and "heat_map" not in plot.panels(result("grid"))
+    ax = plot.heat_map(grid, x="material.hardness")
+    (mesh,) = ax.collections
+    mean = grid.pull_off["mean"].transpose("material_work_of_adhesion", "material_hardness").values
+    cells = np.asarray(mesh.get_array()).reshape(mean.shape)
+    np.testing.assert_allclose(cells / cells[0, 0], mean / mean[0, 0], rtol=1e-12)
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["1.00 GPa", "2.00 GPa", "4.00 GPa"]
+    with pytest.raises(FileError, match="of a grid in which two keys vary; here vary material_work_of_adhesion"):
+        plot.heat_map(result("sweep_of_one"))
 
 
 def test_points_of_a_sweep_are_its_means_and_its_integral(result):

@@ -63,6 +63,9 @@ class PullOff:
         How many replicas it is the mean of.
     most_differing : float or None
         Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
+    preload : float or None
+        The preload that it follows, N: the largest that is reached, where the scene has preloads. The mean curve and the
+        integral are those of the whole loop then.
     """
 
     mean: float
@@ -76,6 +79,7 @@ class PullOff:
     of_integral: float
     replicas: int
     most_differing: float | None = None
+    preload: float | None = None
 
     def __str__(self) -> str:
         return quantities.with_error(self.mean, self.standard_error, "N")
@@ -308,7 +312,10 @@ class Run(_Curves):
 
     @cached_property
     def pull_off(self) -> PullOff:
-        """The pull-off force that is to be quoted; of a loop on retraction."""
+        """The pull-off force that is to be quoted; of a loop on retraction, after the largest preload that is reached."""
+        pressed = self._pressed()
+        if pressed is not None:
+            return pressed
         ensemble, replicas = self.group("ensemble"), self.group("replicas")
         force = ensemble.sel(scalar="pull_off_force")
         values = replicas["pull_off_force"].values
@@ -328,6 +335,33 @@ class Run(_Curves):
             replicas=int(values.size),
             most_differing=differing if differing > 0.0 else None,
         )
+
+    def _pressed(self) -> PullOff | None:
+        """The pull-off after the largest preload that a replica reaches; None without preloads."""
+        if "replicas/pull_off_after_preload" not in self:
+            return None
+        from scipy import stats
+
+        group = self.group("replicas")
+        forces = group["pull_off_after_preload"].transpose("replica", "preload").values
+        preloads = np.atleast_1d(group["preload"].values)
+        reached = [i for i in range(preloads.size) if np.isfinite(preloads[i]) and np.isfinite(forces[:, i]).any()]
+        if not reached:
+            return None
+        largest = max(reached, key=lambda i: preloads[i])
+        values = forces[np.isfinite(forces[:, largest]), largest]
+        places = group["pull_off_after_preload_separation"].transpose("replica", "preload").values[:, largest]
+        mean, std = float(values.mean()), float(values.std(ddof=1)) if values.size > 1 else float("nan")
+        level = float(self.group("ensemble").attrs["interval_level"])
+        error = std / math.sqrt(values.size)
+        reach = error * float(stats.t.ppf(0.5 + 0.5 * level, max(values.size - 1, 1)))
+        return PullOff(
+            mean=mean, standard_error=error, interval=(mean - reach, mean + reach), interval_level=level, std=std,
+            scatter=std / mean if mean > 0.0 else float("nan"), separation=float(np.nanmean(places)),
+            of_mean_curve=float(self.group("ensemble").attrs["pull_off_force"]),
+            of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
+            replicas=int(values.size), preload=float(preloads[largest]),
+        )  # fmt: skip
 
     @cached_property
     def mean_plane_forces(self) -> dict[str, str]:

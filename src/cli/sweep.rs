@@ -61,6 +61,9 @@ type Column = Vec<String>;
 /// Most characters of the head of a column; the whole key is above the table.
 const HEAD: usize = 10;
 
+/// Columns of results that are of whole loops, and not of preloads: the integral and the difference to the first.
+const OF_LOOP: [usize; 2] = [1, 2];
+
 /// Columns of results that follow from the integral alone.
 const OF_INTEGRAL: [usize; 2] = [1, 4];
 
@@ -130,7 +133,20 @@ fn results(rows: &[SweepPoint]) -> Vec<Column> {
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
     let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());
-    columns.into_iter().take(if has_device { 6 } else { 5 }).collect()
+    let mut columns: Vec<Column> = columns.into_iter().take(if has_device { 6 } else { 5 }).collect();
+    if let Some(heads) = after_preloads(rows) {
+        columns[OF_LOOP[0]] = heads;
+        columns.remove(OF_LOOP[1]);
+    }
+    columns
+}
+
+/// The preloads that the pull-offs follow, where there are some.
+fn after_preloads(rows: &[SweepPoint]) -> Option<Column> {
+    let cell = |row: &SweepPoint| if row.preload.is_nan() { "-".to_owned() } else { si(row.preload, "N") };
+    rows.iter()
+        .any(|row| !row.preload.is_nan())
+        .then(|| std::iter::once("after".to_owned()).chain(rows.iter().map(cell)).collect())
 }
 
 /// Columns side by side.

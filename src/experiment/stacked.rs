@@ -76,11 +76,14 @@ pub(crate) fn stacked(
 /// ```
 #[derive(Clone, Debug)]
 pub struct SweepPoint {
-    /// Mean pull-off force over replicas and its standard error, N, with control variates where there are some.
+    /// Mean pull-off force over replicas and its standard error, N, with control variates where there are some; after the
+    /// largest preload that is reached, where there are preloads.
     pub pull_off: [f64; 2],
     /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
     /// confidence; otherwise NaN.
     pub most_differing: f64,
+    /// The preload that the pull-off follows, N; NaN without one.
+    pub preload: f64,
     /// Share of the replicas that hold harder than the restoring force of the device; NaN without one.
     pub stuck_probability: f64,
     /// Pull-off force of the integral, N.
@@ -98,6 +101,7 @@ impl SweepPoint {
     const ABSENT: Self = Self {
         pull_off: [f64::NAN; 2],
         most_differing: f64::NAN,
+        preload: f64::NAN,
         stuck_probability: f64::NAN,
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
@@ -331,7 +335,7 @@ fn compared(
     let are_whole = |point: &Compared| scene.stopping.is_some() || point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
-    Ok(SweepPoint {
+    let of_loop = SweepPoint {
         pull_off: [
             of_pull_off("/ensemble/scalar_controlled_mean")?,
             of_pull_off("/ensemble/scalar_controlled_standard_error")?,
@@ -344,7 +348,34 @@ fn compared(
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
+    };
+    Ok(match after_preload(&reader)? {
+        None => of_loop,
+        Some(SweepPoint { pull_off, preload, stuck_probability, .. }) => {
+            SweepPoint { pull_off, preload, stuck_probability, ..of_loop }
+        }
     })
+}
+
+/// The pull-off of a point after the largest preload that is reached, if it has preloads.
+fn after_preload(reader: &Reader) -> Result<Option<SweepPoint>, OutputError> {
+    if !reader.has("/instability/pull_off_after_preload_mean") {
+        return Ok(None);
+    }
+    let of = |name: &str| reader.values::<f64>(&format!("/instability/{name}"));
+    let preloads = of("preload")?;
+    let [means, stds] = [of("pull_off_after_preload_mean")?, of("pull_off_after_preload_std")?];
+    let counts = reader.values::<u64>("/instability/preload_reached_count")?;
+    let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
+    let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
+    let Some(i) = largest else { return Ok(None) };
+    let stuck = "/device/stuck_probability_after_preload";
+    Ok(Some(SweepPoint {
+        pull_off: [means[i], stds[i] / (counts[i] as f64).sqrt()],
+        preload: preloads[i],
+        stuck_probability: if reader.has(stuck) { reader.values::<f64>(stuck)?[i] } else { f64::NAN },
+        ..SweepPoint::ABSENT
+    }))
 }
 
 fn write_differences(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {

@@ -7,7 +7,8 @@ use super::reader::Section;
 pub(super) fn restoring_force(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
     let Some(section) = root.section("device", false)? else { return Ok(None) };
     if section.get("restoring_force").is_some() {
-        section.excluded("restoring_force", "determines restoring_force too; give either")?;
+        section
+            .excluded("restoring_force", "determines restoring_force too, which --above sets; give either")?;
     }
     if section.get("stiffness").is_none() && section.get("gap").is_none() {
         return section.measured("restoring_force").map(Some);

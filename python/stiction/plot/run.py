@@ -335,11 +335,15 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     run : Run
-        Of a loop both ways are drawn.
+        Of a loop both ways are drawn; where there are preloads, the pull-off after the largest that is reached.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)
     of_replicas, quoted = values(run, "replicas/pull_off_force"), run.pull_off
+    way = "retraction"
+    if quoted.preload is not None:
+        pressed = run["replicas/pull_off_after_preload"].sel(preload=quoted.preload).values
+        of_replicas, way = pressed[np.isfinite(pressed)], f"after {quantities.si(quoted.preload, 'N')}"
     if not of_replicas.max() > 0.0:
         return empty(ax, "no replica pulls")
     there = (
@@ -349,7 +353,7 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     handles: list[Any] = []
     if there is not None:
         handles.append(histogram(ax, there, unit, f"approach, {there.size} patches", BLUE))
-    handles.append(histogram(ax, of_replicas, unit, f"{'retraction, ' if there is not None else ''}{of_replicas.size} patches",
+    handles.append(histogram(ax, of_replicas, unit, f"{f'{way}, ' if there is not None else ''}{of_replicas.size} patches",
                              "0.8" if there is None else VERMILION))  # fmt: skip
     for value, words, color, line in (
         (quoted.mean, f"mean, {quoted}", "black", "-"),
@@ -366,7 +370,9 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
             DASH_DOT,
         ),
     ):
-        handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+        # The mean curve and the integral turn at the closest separation.
+        if quoted.preload is None or value == quoted.mean:
+            handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
     legend(ax, handles)

@@ -279,7 +279,8 @@ def _run(run: Run) -> Facts:
         level, single = f"{100 * quoted.interval_level:g} %", quoted.replicas == 1
         note = "of one patch: it has no standard error" if single else f"mean over {quoted.replicas} patches and its standard error"
         note = quoted.agreement or note
-        numbers = [Number("pull-off force", str(quoted), note, quoted.mean, quoted.standard_error)]
+        after = "" if quoted.preload is None else f" after {quantities.si(quoted.preload, 'N', 3)}"
+        numbers = [Number(f"pull-off force{after}", str(quoted), note, quoted.mean, quoted.standard_error)]
         if not single and not quoted.agreement:
             numbers += [
                 Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
@@ -289,11 +290,18 @@ def _run(run: Run) -> Facts:
         numbers += [
             Number("separation of pull-off", quantities.si(quoted.separation, "m"),
                    f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
-            Number("pull-off of the mean curve", quantities.si(quoted.of_mean_curve, "N"),
-                   "smaller: each patch has its deepest point at its own separation", quoted.of_mean_curve),
-            Number("pull-off of the integral", quantities.si(quoted.of_integral, "N"),
-                   "the statistical integral over asperity heights", quoted.of_integral),
         ]  # fmt: skip
+        if quoted.preload is not None:
+            whole, error = _scalar(run, "pull_off_force")
+            place = "the closest separation, beyond the preloads"
+            numbers.append(Number("pull-off of the whole loop", quantities.with_error(whole, error, "N"), f"from {place}", whole, error))
+        else:
+            numbers += [
+                Number("pull-off of the mean curve", quantities.si(quoted.of_mean_curve, "N"),
+                       "smaller: each patch has its deepest point at its own separation", quoted.of_mean_curve),
+                Number("pull-off of the integral", quantities.si(quoted.of_integral, "N"),
+                       "the statistical integral over asperity heights", quoted.of_integral),
+            ]  # fmt: skip
     else:
         numbers = [Number("pull-off force", "none", "no patch pulls", 0.0)]
     if loop:

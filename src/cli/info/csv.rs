@@ -69,6 +69,21 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
 /// The columns of the pull-off force that is to be quoted at each of some points, in front of all others.
 fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<Vec<Column>, OutputError> {
     let mut columns = Vec::new();
+    let preloads = "/instability/preload";
+    if described.iter().any(|own| own.path == preloads)
+        && let Stored::Numbers(preloads) = reader.stored(preloads)?
+    {
+        for name in ["pull_off_after_preload_mean", "pull_off_after_preload_std"] {
+            let Stored::Numbers(values) = reader.stored(&format!("/instability/{name}"))? else { continue };
+            for (i, preload) in preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite()) {
+                let texts = values.iter().skip(i).step_by(preloads.len()).map(|value| format!("{value:?}"));
+                columns.push((format!("{name}[{preload:?} N] [N]"), texts.collect()));
+            }
+        }
+        if !columns.is_empty() {
+            return Ok(columns);
+        }
+    }
     for (dataset, names) in [
         ("mean", &["pull_off_force"][..]),
         ("standard_error", &["pull_off_force_standard_error"]),

@@ -349,7 +349,7 @@ fn compared(
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
     };
-    Ok(match after_preload(&reader)? {
+    Ok(match of_largest_preload(&reader)? {
         None => of_loop,
         Some(SweepPoint { pull_off, preload, stuck_probability, .. }) => {
             SweepPoint { pull_off, preload, stuck_probability, ..of_loop }
@@ -358,7 +358,7 @@ fn compared(
 }
 
 /// The pull-off of a point after the largest preload that is reached, if it has preloads.
-fn after_preload(reader: &Reader) -> Result<Option<SweepPoint>, OutputError> {
+fn of_largest_preload(reader: &Reader) -> Result<Option<SweepPoint>, OutputError> {
     if !reader.has("/instability/pull_off_after_preload_mean") {
         return Ok(None);
     }

@@ -65,7 +65,7 @@ def test_xarray_sees_laws_by_number(path, engine):
 
 
 def test_root_attributes(file):
-    assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [4, 6]
+    assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [4, 7]
     assert file.attrs["sweep_keys"] == "model.law" and file.attrs["points"] == len(LAWS)
     assert file.attrs["replicas"] == REPLICAS and np.all(file["replicas/asperity_count"][()] == 739)
 

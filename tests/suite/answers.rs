@@ -59,8 +59,8 @@ fn patches_above_a_force_are_counted() {
         text(&run.stdout)
     );
     // The median lies between order statistics that hold it with 95 %; 99.9 % needs 3688 patches.
-    let quantiles = values(&folder, "scene.h5", "/ensemble/pull_off_force_quantile");
-    let intervals = values(&folder, "scene.h5", "/ensemble/pull_off_force_quantile_interval");
+    let quantiles = values(&folder, "scene.h5", "/pull_off/force_quantile");
+    let intervals = values(&folder, "scene.h5", "/pull_off/force_quantile_interval");
     assert!((quantiles[1] - 0.5 * (forces[31] + forces[32])).abs() < 1e-12 * forces[31]);
     assert_eq!(intervals[2..4], [forces[23], forces[40]]);
     assert!(quantiles[3].is_nan());

@@ -14,6 +14,8 @@ use crate::output::schema::{OF_ENSEMBLE, Statistic, quantile, quantities, regime
 use crate::output::writer::Writer;
 
 const GROUP: &str = "/ensemble";
+/// Of its own, so that the means over replicas remain a small table.
+const PULL_OFF: &str = "/pull_off";
 
 /// Probabilities of the quantiles of the pull-off force of single patches.
 pub const PULL_OFF_QUANTILES: [f64; 4] = [0.05, 0.5, 0.95, 0.999];
@@ -36,16 +38,21 @@ pub(super) fn datasets() -> Vec<Dataset> {
     let mut all: Vec<Dataset> = [control].into_iter().chain(of_histories).collect();
     all.extend(of_scalars());
     all.extend(of_targets());
+    all.extend(jumps(GROUP, OF_ENSEMBLE[0], |results, way| {
+        let (_, states) = results.paths().swap_remove(way);
+        let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
+        Some(counts.map(|row| row[states.clone()].to_vec()).collect())
+    }));
     all.extend([
         Dataset::new(
-            path(GROUP, "pull_off_force_quantile"),
+            path(PULL_OFF, "force_quantile"),
             &[PullOffQuantile],
             "N",
             "quantiles of the pull-off force of single replicas; NaN where they are too few",
             |results| Some(pull_off_quantiles(results).map(|one| one.value).to_vec()),
         ),
         Dataset::new(
-            path(GROUP, "pull_off_force_quantile_interval"),
+            path(PULL_OFF, "force_quantile_interval"),
             &[PullOffQuantile, RangeEnd],
             "N",
             "95 % intervals of these quantiles, between order statistics",
@@ -54,11 +61,6 @@ pub(super) fn datasets() -> Vec<Dataset> {
             },
         ),
     ]);
-    all.extend(jumps(GROUP, OF_ENSEMBLE[0], |results, way| {
-        let (_, states) = results.paths().swap_remove(way);
-        let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
-        Some(counts.map(|row| row[states.clone()].to_vec()).collect())
-    }));
     all
 }
 

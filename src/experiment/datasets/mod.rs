@@ -51,12 +51,21 @@ pub(super) const OPTIONAL_GROUPS: &[&str] = &[
     "fit",
     "independence",
     "instability",
+    "pull_off",
     "validation",
 ];
 
 /// Groups of what replicas have; a run of the integral alone has none of them.
-const OF_REPLICAS: [&str; 7] =
-    ["/ensemble", "/replicas", "/coupling", "/asperities", "/instability", "/device", "/validation"];
+const OF_REPLICAS: [&str; 8] = [
+    "/ensemble",
+    "/replicas",
+    "/coupling",
+    "/asperities",
+    "/instability",
+    "/device",
+    "/pull_off",
+    "/validation",
+];
 
 /// All datasets of runs, group by group.
 static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {

@@ -38,6 +38,8 @@ fn variables() -> Vec<Variable> {
         "/validation",
         "/diagnostics",
         "/instability",
+        "/device",
+        "/pull_off",
     ];
     groups.into_iter().flat_map(of_group).chain(differences()).collect()
 }

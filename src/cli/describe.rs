@@ -96,7 +96,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
     }
     if let Some(critical_approach) = scene.critical_approach {
         let length = si(critical_approach, "m");
-        text += &labelled("delta_A", &format!("{length}  critical approach, as the scene sets it"));
+        text += &labelled("delta_A", &format!("{length}: critical approach, as the scene sets it"));
     }
     let (mean, std) = surface.heights.moments();
     let varies = match surface.count_law {
@@ -121,9 +121,9 @@ fn parameters(scene: &Scene) -> String {
     let [length, critical] = [length, scene.asperity.critical_interference()].map(|length| si(length, "m"));
     let plastic = "plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1";
     let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
-    labelled("lambda", &format!("{lambda}  adhesion parameter (unit of approach {length})"))
-        + &labelled("psi of sigma_s", &format!("{of_asperities}  {plastic}"))
-        + &labelled("psi of sigma", &format!("{of_surface}  {printed}"))
+    labelled("lambda", &format!("{lambda}: adhesion parameter (unit of approach {length})"))
+        + &labelled("psi of sigma_s", &format!("{of_asperities}: {plastic}"))
+        + &labelled("psi of sigma", &format!("{of_surface}, {printed}"))
 }
 
 /// The liquid that condenses around the asperities.

@@ -1,7 +1,7 @@
 //! `stiction new`: a scene to begin with, and what is known of materials.
 
 use super::failure::Failure;
-use super::rows::broken;
+use super::rows::{COLUMNS, broken};
 use super::terminal::print;
 use anyhow::anyhow;
 use clap::Args;
@@ -21,20 +21,20 @@ const TEMPLATES: [(&str, &str); 6] = [
 ];
 /// Numbers of materials, each with its source.
 const MATERIALS: &str = include_str!("new/materials.csv");
-/// What surface energies are good for.
+/// How the work of adhesion follows from surface energies.
 const ADHESION: &str = "The work of adhesion of two faces is the sum of their surface energies less the energy of their \
     interface; of two faces with one coating it is twice its surface energy. Faces in air are mostly covered: 5 to 100 mJ/m^2 \
     are measured.";
 /// Columns in front of notes and sources, and those of notes and sources.
 const INDENT: usize = 33;
-const NOTE: usize = 80 - INDENT;
+const NOTE: usize = COLUMNS - INDENT;
 
 #[derive(Args)]
 pub(super) struct NewArguments {
     /// The scene to write
     #[arg(value_name = "SCENE.toml", required_unless_present = "materials")]
     scene: Option<PathBuf>,
-    /// What it is of
+    /// The kind of scene
     #[arg(long, default_value = "mems-pad", value_parser = PossibleValuesParser::new(TEMPLATES.map(|(name, _)| name)))]
     template: String,
     /// Print moduli, hardness and surface energies of materials, with their sources, and write nothing
@@ -81,7 +81,7 @@ fn materials() -> String {
             text += &format!("{label:<INDENT$}{line}\n");
         }
     }
-    text + &(broken(ADHESION, 80).join("\n") + "\n")
+    text + &(broken(ADHESION, COLUMNS).join("\n") + "\n")
 }
 
 #[cfg(test)]

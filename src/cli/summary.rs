@@ -97,7 +97,7 @@ fn pull_off(results: &Results) -> String {
     if of_integral.value >= 0.0 && !replicas.iter().any(|replica| replica.pull_off_force > 0.0) {
         return labelled("pull-off", "none: the external force is compressive at all separations");
     }
-    if !results.scene.instability.preload.is_empty() && results.scene.cycle {
+    if !results.scene.instability.preload.is_empty() {
         return preloads(results);
     }
     let own = &results.scalars[0];
@@ -144,17 +144,16 @@ fn preloads(results: &Results) -> String {
     let snaps = Snaps::of(results);
     let mut text = labelled("pull-off", "after a preload, on average of the patches that reach it");
     for (preload, turn) in snaps.loading.preload.iter().zip(snaps.places_of_turns()) {
-        let pull_offs = snaps.pull_offs(turn);
-        let (count, of) = (pull_offs.len() as u64, results.scene.replicas);
+        let moments = snaps.pull_off(turn);
+        let (count, of) = (moments.count(), results.scene.replicas);
         if count == 0 {
             text += &labelled(&si(*preload, "N"), "no patch reaches it: begin nearer by [separation]");
             continue;
         }
-        let moments = Moments::of(pull_offs.iter().copied());
         let (mean, std) = (moments.mean()[0], moments.std()[0]);
         let value = si_with_error(mean, std / (count as f64).sqrt(), "N");
         let part = if count < of { format!("; {count} of {of} patches reach it") } else { String::new() };
-        text += &labelled(&si(*preload, "N"), &format!("{value}; {}{part}", below(pull_offs)));
+        text += &labelled(&si(*preload, "N"), &format!("{value}; {}{part}", below(snaps.pull_offs(turn))));
     }
     text
 }
@@ -165,7 +164,7 @@ fn stuck_patches(results: &Results) -> String {
     let snaps = Snaps::of(results);
     let label = format!("above {}", si(force, "N"));
     let preloads = &results.scene.instability.preload;
-    if preloads.is_empty() || !results.scene.cycle {
+    if preloads.is_empty() {
         return stuck(results).map_or(String::new(), |counts| labelled(&label, &probability(counts)));
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
@@ -174,8 +173,7 @@ fn stuck_patches(results: &Results) -> String {
         let of = match counts.known {
             0 => "no patch reaches it".to_owned(),
             _ => {
-                let (low, high) = counts.interval();
-                let [share, low, high] = [counts.share(), low, high].map(percent);
+                let [share, low, high] = chances(counts);
                 format!("P = {share} ({low} to {high})")
             }
         };
@@ -184,10 +182,15 @@ fn stuck_patches(results: &Results) -> String {
     lines.collect()
 }
 
+/// A share of patches and the ends of the interval of its probability, in per cent.
+fn chances(counts: Counts) -> [String; 3] {
+    let (low, high) = counts.interval();
+    [counts.share(), low, high].map(percent)
+}
+
 /// A probability of patches with its interval.
 fn probability(counts: Counts) -> String {
-    let (low, high) = counts.interval();
-    let [share, low, high] = [counts.share(), low, high].map(percent);
+    let [share, low, high] = chances(counts);
     let rare = match counts.snap {
         0 => "; rarer: stiction design, or more replicas",
         _ => "",

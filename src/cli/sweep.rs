@@ -61,9 +61,6 @@ type Column = Vec<String>;
 /// Most characters of the head of a column; the whole key is above the table.
 const HEAD: usize = 10;
 
-/// Columns of results that are of whole loops, and not of preloads: the integral and the difference to the first.
-const OF_LOOP: [usize; 2] = [1, 2];
-
 /// Columns of results that follow from the integral alone.
 const OF_INTEGRAL: [usize; 2] = [1, 4];
 
@@ -76,7 +73,8 @@ fn table(sweep: &Sweep, rows: &[SweepPoint], has_replicas: bool) -> String {
         results = OF_INTEGRAL.map(|column| results[column].clone()).into();
     }
     let narrowed = |left: &[Column]| {
-        let mut texts = (0..=if has_replicas { 2 } else { 0 }).map(|left_out| {
+        let most_left_out = if has_replicas && !is_pressed(rows) { 2 } else { 0 };
+        let mut texts = (0..=most_left_out).map(|left_out| {
             let right: Vec<Column> = [&results[..1], &results[1 + left_out..]].concat();
             aligned(left, &right)
         });
@@ -116,8 +114,10 @@ fn numbers(points: usize) -> Column {
 /// whether asperities are independent.
 fn results(rows: &[SweepPoint]) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
-    let mut columns = ["pull-off", "integral", "to the first", "p", "asperities", "stuck"]
-        .map(|head| vec![head.to_owned()]);
+    let is_pressed = is_pressed(rows);
+    let second = if is_pressed { "after" } else { "integral" };
+    let mut columns =
+        ["pull-off", second, "to the first", "p", "asperities", "stuck"].map(|head| vec![head.to_owned()]);
     for (point, row) in rows.iter().enumerate() {
         let difference = &row.differences[0];
         let to_first = match point {
@@ -129,24 +129,22 @@ fn results(rows: &[SweepPoint]) -> Vec<Column> {
         let verdict = row.independence.map_or("-", |own| own.verdict().name()).to_owned();
         let [mean, error] = row.pull_off;
         let stuck = percent(row.stuck_probability);
-        let cells = [si_with_error(mean, error, "N"), si(row.integral, "N"), to_first, p, verdict, stuck];
+        let second = match is_pressed {
+            true if row.preload.is_nan() => "-".to_owned(),
+            true => si(row.preload, "N"),
+            false => si(row.integral, "N"),
+        };
+        let cells = [si_with_error(mean, error, "N"), second, to_first, p, verdict, stuck];
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
     let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());
-    let mut columns: Vec<Column> = columns.into_iter().take(if has_device { 6 } else { 5 }).collect();
-    if let Some(heads) = after_preloads(rows) {
-        columns[OF_LOOP[0]] = heads;
-        columns.remove(OF_LOOP[1]);
-    }
-    columns
+    let shown = [true, true, !is_pressed, true, true, has_device];
+    columns.into_iter().zip(shown).filter_map(|(column, is_shown)| is_shown.then_some(column)).collect()
 }
 
-/// The preloads that the pull-offs follow, where there are some.
-fn after_preloads(rows: &[SweepPoint]) -> Option<Column> {
-    let cell = |row: &SweepPoint| if row.preload.is_nan() { "-".to_owned() } else { si(row.preload, "N") };
-    rows.iter()
-        .any(|row| !row.preload.is_nan())
-        .then(|| std::iter::once("after".to_owned()).chain(rows.iter().map(cell)).collect())
+/// Whether pull-offs follow preloads; the integral and the differences to the first are of whole loops.
+fn is_pressed(rows: &[SweepPoint]) -> bool {
+    rows.iter().any(|row| !row.preload.is_nan())
 }
 
 /// Columns side by side.

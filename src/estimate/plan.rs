@@ -113,9 +113,12 @@ fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
 /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation
 /// with most of them.
 pub fn beyond(scene: &Scene, law: Laws<'_>) -> f64 {
-    let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
+    let last = law.regimes().len();
+    if law.boundaries().len() < last {
+        return 0.0;
+    }
     let smallest = scene.surface.asperity_separation(scene.separations[0]);
-    let share = scene.surface.heights.probability(end.interference + smallest, f64::INFINITY);
+    let share: f64 = classes(scene, law).iter().map(|class| class.in_regime(last, smallest)).sum();
     scene.surface.asperity_count as f64 * share
 }
 

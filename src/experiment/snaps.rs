@@ -48,7 +48,7 @@ impl Counts {
     }
 }
 
-/// Of pull-off forces, N, how many are larger than a force.
+/// Counts pull-off forces, N, that are larger than a force.
 fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
     let mut counts = Counts { known: 0, snap: 0, unstopped: 0 };
     for pull_off in pull_offs {

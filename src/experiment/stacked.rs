@@ -22,9 +22,6 @@ use crate::validation::{Difference, SIGNIFICANCE, overall};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-/// The dataset of the probability that a device does not part its surfaces.
-const STUCK: &str = "/device/stuck_probability";
-
 /// Computes the points and puts them together into the output: what each has to say, or none where the output
 /// was complete.
 ///
@@ -341,26 +338,24 @@ fn compared(
             of_pull_off("/ensemble/scalar_controlled_standard_error")?,
         ],
         most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
-        stuck_probability: match reader.has(STUCK) {
-            true => reader.values::<f64>(STUCK)?[0],
-            false => f64::NAN,
-        },
+        stuck_probability: stuck(&reader, "stuck_probability", 0)?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
     };
-    Ok(match of_largest_preload(&reader)? {
-        None => of_loop,
-        Some(SweepPoint { pull_off, preload, stuck_probability, .. }) => {
-            SweepPoint { pull_off, preload, stuck_probability, ..of_loop }
-        }
-    })
+    after_largest_preload(of_loop, &reader)
 }
 
-/// The pull-off of a point after the largest preload that is reached, if it has preloads.
-fn of_largest_preload(reader: &Reader) -> Result<Option<SweepPoint>, OutputError> {
+/// A probability of a device; NaN without one.
+fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> {
+    let path = format!("/device/{name}");
+    if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
+}
+
+/// A point with the pull-off after the largest preload that is reached, where there are preloads.
+fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPoint, OutputError> {
     if !reader.has("/instability/pull_off_after_preload_mean") {
-        return Ok(None);
+        return Ok(of_loop);
     }
     let of = |name: &str| reader.values::<f64>(&format!("/instability/{name}"));
     let preloads = of("preload")?;
@@ -368,14 +363,13 @@ fn of_largest_preload(reader: &Reader) -> Result<Option<SweepPoint>, OutputError
     let counts = reader.values::<u64>("/instability/preload_reached_count")?;
     let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
     let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
-    let Some(i) = largest else { return Ok(None) };
-    let stuck = "/device/stuck_probability_after_preload";
-    Ok(Some(SweepPoint {
+    let Some(i) = largest else { return Ok(of_loop) };
+    Ok(SweepPoint {
         pull_off: [means[i], stds[i] / (counts[i] as f64).sqrt()],
         preload: preloads[i],
-        stuck_probability: if reader.has(stuck) { reader.values::<f64>(stuck)?[i] } else { f64::NAN },
-        ..SweepPoint::ABSENT
-    }))
+        stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,
+        ..of_loop
+    })
 }
 
 fn write_differences(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {

@@ -73,9 +73,7 @@ fn bodies(section: &Section<'_>) -> Result<(f64, Vec<f64>), SceneError> {
     let Some(moduli) = section.get("youngs_modulus") else {
         return (section.measured("reduced_modulus"), ratios).together();
     };
-    if section.get("reduced_modulus").is_some() {
-        section.excluded("reduced_modulus", "determines reduced_modulus too; give either")?;
-    }
+    section.excluded("reduced_modulus", "determines reduced_modulus too; give either")?;
     let (moduli, ratios) = (moduli.one_or_two(Entry::measured), ratios).together()?;
     let compliance = |body: usize| {
         let ratio = ratios[body % ratios.len()];
@@ -102,9 +100,7 @@ fn softer(entry: &Entry<'_>, hardness: &[f64], ratios: &[f64]) -> Result<(f64, f
 
 /// The work of adhesion, J/m², as it is given or that of two surfaces and their interface.
 fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
-    if section.get("work_of_adhesion").is_some() {
-        section.excluded("work_of_adhesion", "determines work_of_adhesion too; give either")?;
-    }
+    section.excluded("work_of_adhesion", "determines work_of_adhesion too; give either")?;
     if section.get("surface_energy").is_none() && section.get("interface_energy").is_none() {
         return section.measured("work_of_adhesion");
     }

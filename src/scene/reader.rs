@@ -183,8 +183,11 @@ impl<'a> Section<'a> {
         self.require(key)?.measured()
     }
 
-    /// Refuses keys that must not be given with a key of this table, by the table of keys.
+    /// Refuses keys that must not be given with a key of this table, where that is given, by the table of keys.
     pub fn excluded(&self, key: &str, problem: &str) -> Result<(), SceneError> {
+        if self.get(key).is_none() {
+            return Ok(());
+        }
         let excluded = find(&self.dotted(key)).map_or(&[][..], |key| key.excluded);
         let keys = excluded.iter().filter_map(|name| name.strip_prefix(self.name)?.strip_prefix('.'));
         let others = keys.filter_map(|key| self.get(key));

@@ -20,8 +20,8 @@ const DEFAULT_COUNT: u32 = 161;
 const REACH: f64 = 9.0;
 /// The probability that a replica has a tip that touches at the furthest of them.
 const TOUCHING: f64 = 1e-3;
-/// Ends of the range are multiples of this in h*.
-const STEP_OF_ENDS: f64 = 0.1;
+/// Ends of the range are whole multiples of 1 over this in h*, so that a few digits give their bits.
+const STEPS_OF_ENDS: f64 = 10.0;
 /// Heights that stand for the law of heights, at equal probabilities.
 const HEIGHTS: u32 = 2000;
 /// Largest external load of the closest separation over the largest preload, as contacts without adhesion bear it.
@@ -68,7 +68,7 @@ impl Tips<'_> {
         let shortest = normal.gaussian_quantile(libm::pow(TOUCHING, 1.0 / surface.asperity_count as f64));
         let highest = surface.heights.of_normal(shortest.min(HIGHEST));
         let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
-        let end = |d: f64| (d + surface.mean_plane_offset) / (STEP_OF_ENDS * sigma);
+        let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
                 let wanted = MARGIN_OF_LOADS * self.preload;
@@ -76,7 +76,7 @@ impl Tips<'_> {
             }
             false => end(touching).floor().max(end(small).ceil()),
         };
-        let [from, to] = [from, end(furthest).ceil()].map(|steps| STEP_OF_ENDS * steps * sigma);
+        let [from, to] = [from, end(furthest).ceil()].map(|steps| steps / STEPS_OF_ENDS * sigma);
         spaced(from, to, DEFAULT_COUNT)
     }
 

@@ -38,7 +38,7 @@ pub fn taken(scene: &Scene) -> Vec<String> {
     lines
 }
 
-/// Whether a key is one of every scene, and what it sets one of this one.
+/// Whether the default of a key counts in this scene.
 fn applies(key: &Key, scene: &Scene) -> bool {
     let table = key.name.rsplit_once('.').map_or("", |(table, _)| table);
     TABLES.contains(&table)

@@ -90,32 +90,35 @@ fn the_range_reaches_the_preload() {
 /// The defaults that are listed, written into the scene, give the bits of the scene without them.
 #[test]
 fn listed_defaults_are_what_a_scene_takes() {
-    let folder = Folder::new(SMALLEST);
-    let output = text(&folder.stiction(&["check", "scene.toml"]).stdout);
-    let lines: Vec<&str> = output
-        .lines()
-        .skip_while(|line| !line.contains("by default"))
-        .take_while(|line| line.contains(" = "))
-        .map(|line| line.trim().trim_start_matches("by default").trim())
-        .collect();
-    assert!(lines.len() > 10 && lines[0] == "format = 1", "{lines:?}");
-    let whole = format!("{}\n{SMALLEST}", lines.join("\n"));
-    let own = |text: &str| {
-        let mut scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        scene.text.clear();
-        format!("{scene:?}")
-    };
-    // Dotted keys above and tables below name one table, which TOML refuses: all dotted.
-    let mut table = String::new();
-    let dotted: Vec<String> = whole
-        .lines()
-        .filter_map(|line| match line.strip_prefix('[') {
-            Some(name) => {
-                table = format!("{}.", name.trim_end_matches(']'));
-                None
-            }
-            None => Some(format!("{table}{line}")),
-        })
-        .collect();
-    assert_eq!(own(&dotted.join("\n")), own(SMALLEST));
+    for std in ["8 nm", "4.1 nm", "5.3 nm", "7 nm", "9.7 nm", "13 nm"] {
+        let scene = SMALLEST.replace("8 nm", std);
+        let folder = Folder::new(&scene);
+        let output = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+        let lines: Vec<&str> = output
+            .lines()
+            .skip_while(|line| !line.contains("by default"))
+            .take_while(|line| line.contains(" = "))
+            .map(|line| line.trim().trim_start_matches("by default").trim())
+            .collect();
+        assert!(lines.len() > 10 && lines[0] == "format = 1", "{lines:?}");
+        let whole = format!("{}\n{scene}", lines.join("\n"));
+        let own = |text: &str| {
+            let mut scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            scene.text.clear();
+            format!("{scene:?}")
+        };
+        // Dotted keys above and tables below name one table, which TOML refuses: all dotted.
+        let mut table = String::new();
+        let dotted: Vec<String> = whole
+            .lines()
+            .filter_map(|line| match line.strip_prefix('[') {
+                Some(name) => {
+                    table = format!("{}.", name.trim_end_matches(']'));
+                    None
+                }
+                None => Some(format!("{table}{line}")),
+            })
+            .collect();
+        assert_eq!(own(&dotted.join("\n")), own(&scene), "{std}");
+    }
 }

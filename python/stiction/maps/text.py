@@ -65,7 +65,7 @@ _HEADER = {
 _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
 _AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
-_ESRIMISSING = -9999.0
+_ESRI_MISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # Pixels of other sides than that are not square.
@@ -240,7 +240,7 @@ class _Reader:
             values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
             self.warnings += [*said, *self._parted(numbers)]
         if header.get("missing") or "cell" in header:
-            missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRIMISSING
+            missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
         if block.axes is not None and are_points:
             if block.axes[0] is None and not _counting(values[:, 0]):

@@ -2,7 +2,7 @@
 
 use super::ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 use super::replicas::GROUP as REPLICAS;
-use super::{Dataset, Results, Values, path};
+use super::{Dataset, Results, Texts, path, proportions};
 use crate::experiment::snaps::{Counts, Snaps};
 use crate::math::quantile::Quantile;
 use crate::output::OutputError;
@@ -39,7 +39,9 @@ pub(super) fn datasets() -> Vec<Dataset> {
     let mut all = snaps("in", D, stable, inward);
     all.extend(snaps("off", PD, retracted, off));
     let unstopped = "replicas that snap off and that nothing within the separations stops";
-    all.push(counted("fly_off_count", PD, unstopped, off, |counts| counts.unstopped));
+    all.push(Dataset::new(path(GROUP, "fly_off_count"), PD, "1", unstopped, |results| {
+        Some(counts(results, off)?.iter().map(|counts| counts.unstopped).collect::<Vec<u64>>())
+    }));
     all.extend([
         Dataset::new(
             path(GROUP, "preload_reached_count"),
@@ -102,42 +104,21 @@ fn pull_off_quantiles(results: &Results) -> Option<Vec<[Quantile; PULL_OFF_QUANT
 }
 
 /// The share of surfaces that snap, with the interval of its probability.
-fn snaps(name: &str, dimensions: &'static [Dimension], share: &str, places: Places) -> Vec<Dataset> {
-    let end = |end: &str| {
-        format!("{end} end of the 95 % interval of Clopper and Pearson of the probability to snap {name}")
-    };
-    let own = |of: &str, meaning: &str, value: fn(&Counts) -> f64| {
-        counted(&format!("snap_{name}_{of}"), dimensions, meaning, places, value)
-    };
-    vec![
-        counted(
-            &format!("snap_{name}_count"),
-            dimensions,
-            &format!("replicas that snap {name}"),
-            places,
-            |counts| counts.snap,
-        ),
-        own("probability", share, |counts| counts.share()),
-        own("probability_low", &end("lower"), |counts| counts.interval().0),
-        own("probability_high", &end("upper"), |counts| counts.interval().1),
-    ]
+fn snaps(way: &str, dimensions: &'static [Dimension], share: &str, places: Places) -> Vec<Dataset> {
+    let texts =
+        Texts { count: &format!("replicas that snap {way}"), share, probability: &format!("to snap {way}") };
+    proportions(
+        |of| path(GROUP, &format!("snap_{way}_{of}")),
+        dimensions,
+        &texts,
+        move |results| counts(results, places),
+    )
 }
 
-/// A number by the counts at each place.
-fn counted<T: 'static>(
-    name: &str,
-    dimensions: &[Dimension],
-    meaning: &str,
-    places: Places,
-    of: fn(&Counts) -> T,
-) -> Dataset
-where
-    Vec<T>: Into<Values>,
-{
-    Dataset::new(path(GROUP, name), dimensions, "1", meaning, move |results| {
-        let own = Snaps::of(results);
-        Some(places(&own)?.iter().map(|place| of(&own.counts(*place))).collect::<Vec<T>>())
-    })
+/// The counts at each place.
+fn counts(results: &Results, places: Places) -> Option<Vec<Counts>> {
+    let own = Snaps::of(results);
+    Some(places(&own)?.iter().map(|place| own.counts(*place)).collect())
 }
 
 /// Numbers that are kept of every replica, for each snap or turn.

@@ -18,6 +18,7 @@ mod validation;
 pub(crate) use ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 
 use super::results::Results;
+use super::snaps::Counts;
 use crate::engine::Ways;
 use crate::integral::Expectations;
 use crate::output::OutputError;
@@ -209,6 +210,42 @@ impl History {
 /// The path of a name in a group.
 fn path(group: &str, name: &str) -> String {
     format!("{group}/{name}")
+}
+
+/// What is said of how often something happened in replicas.
+struct Texts<'a> {
+    count: &'a str,
+    share: &'a str,
+    /// The probability, behind the word.
+    probability: &'a str,
+}
+
+/// How often something happened in replicas, its share, and the ends of the interval of its probability, each under the name
+/// that `named` makes of `count`, `probability`, `probability_low` and `probability_high`.
+fn proportions(
+    named: impl Fn(&str) -> String,
+    dimensions: &[Dimension],
+    texts: &Texts<'_>,
+    counts: impl Fn(&Results) -> Option<Vec<Counts>> + Copy + Send + Sync + 'static,
+) -> Vec<Dataset> {
+    let one = |name: &str, meaning: &str, of: fn(&Counts) -> f64| {
+        Dataset::new(named(name), dimensions, "1", meaning, move |results| {
+            Some(counts(results)?.iter().map(of).collect::<Vec<f64>>())
+        })
+    };
+    let end = |end: &str| {
+        let probability = texts.probability;
+        format!("{end} end of the 95 % interval of Clopper and Pearson of the probability {probability}")
+    };
+    let count = Dataset::new(named("count"), dimensions, "1", texts.count, move |results| {
+        Some(counts(results)?.iter().map(|counts| counts.snap).collect::<Vec<u64>>())
+    });
+    vec![
+        count,
+        one("probability", texts.share, |counts| counts.share()),
+        one("probability_low", &end("lower"), |counts| counts.interval().0),
+        one("probability_high", &end("upper"), |counts| counts.interval().1),
+    ]
 }
 
 /// Writes all datasets of a run whose curves are written, with their dimensions and the attributes of groups.

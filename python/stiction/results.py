@@ -299,6 +299,42 @@ class _Curves(Result):
         )
 
     @cached_property
+    def after_largest_preload(self) -> xarray.Dataset | None:
+        """Pull-off after the largest preload that replicas reach, of a sweep at each point; None without preloads.
+
+        `mean`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
+        replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval.
+        """
+        if "instability/preload" not in self or not self.has_replicas:
+            return None
+        from scipy import stats
+
+        group = self.group("instability")
+        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
+        if not reached.any():
+            return None
+        largest = group["preload"].where(reached, -np.inf).argmax("preload")
+
+        def of(array: xarray.DataArray) -> xarray.DataArray:
+            return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
+
+        mean, std = (of(group[f"pull_off_after_preload_{name}"]) for name in ("mean", "std"))
+        count = of(group["preload_reached_count"])
+        error = std / np.sqrt(count)
+        level = float(self.group("ensemble").attrs["interval_level"])
+        half = error * stats.t.ppf(0.5 + 0.5 * level, np.maximum(count - 1, 1))
+        places = self.group("replicas")["pull_off_after_preload_separation"].mean("replica")
+        found = {
+            "mean": mean, "standard_error": error, "std": std, "count": count, "separation": of(places),
+            "interval": xarray.concat([mean - half, mean + half], "range_end"), "preload": of(group["preload"].reset_coords(drop=True)),
+        }  # fmt: skip
+        if "device" in self:
+            device = self.group("device")
+            for name in ("stuck_probability", "stuck_probability_low", "stuck_probability_high"):
+                found[name] = of(device[f"{name}_after_preload"])
+        return xarray.Dataset(found)
+
+    @cached_property
     def curves(self) -> xarray.Dataset:
         """Curves of each replica over `separation`, with ``curves = true`` in ``[output]``."""
         whole = self.group("replicas")
@@ -313,10 +349,19 @@ class Run(_Curves):
     @cached_property
     def pull_off(self) -> PullOff:
         """The pull-off force that is to be quoted; of a loop on retraction, after the largest preload that is reached."""
-        pressed = self._pressed()
-        if pressed is not None:
-            return pressed
         ensemble, replicas = self.group("ensemble"), self.group("replicas")
+        of_loop = float(ensemble.attrs["pull_off_force"]), float(self.tree["integral"].attrs["pull_off_force"])
+        pressed = self.after_largest_preload
+        if pressed is not None:
+            number = {str(name): float(of) for name, of in pressed.data_vars.items() if not of.dims}
+            low, high = (float(value) for value in pressed["interval"].values)
+            return PullOff(
+                mean=number["mean"], standard_error=number["standard_error"], interval=(low, high),
+                interval_level=float(ensemble.attrs["interval_level"]), std=number["std"],
+                scatter=number["std"] / number["mean"] if number["mean"] > 0.0 else float("nan"),
+                separation=number["separation"], of_mean_curve=of_loop[0], of_integral=of_loop[1],
+                replicas=int(number["count"]), preload=number["preload"],
+            )  # fmt: skip
         force = ensemble.sel(scalar="pull_off_force")
         values = replicas["pull_off_force"].values
         low, high = (float(value) for value in force["scalar_controlled_interval"].values)
@@ -330,38 +375,11 @@ class Run(_Curves):
             std=std,
             scatter=std / float(values.mean()) if values.mean() > 0.0 else float("nan"),
             separation=float(replicas["pull_off_separation"].mean()),
-            of_mean_curve=float(ensemble.attrs["pull_off_force"]),
-            of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
+            of_mean_curve=of_loop[0],
+            of_integral=of_loop[1],
             replicas=int(values.size),
             most_differing=differing if differing > 0.0 else None,
         )
-
-    def _pressed(self) -> PullOff | None:
-        """The pull-off after the largest preload that a replica reaches; None without preloads."""
-        if "replicas/pull_off_after_preload" not in self:
-            return None
-        from scipy import stats
-
-        group = self.group("replicas")
-        forces = group["pull_off_after_preload"].transpose("replica", "preload").values
-        preloads = np.atleast_1d(group["preload"].values)
-        reached = [i for i in range(preloads.size) if np.isfinite(preloads[i]) and np.isfinite(forces[:, i]).any()]
-        if not reached:
-            return None
-        largest = max(reached, key=lambda i: preloads[i])
-        values = forces[np.isfinite(forces[:, largest]), largest]
-        places = group["pull_off_after_preload_separation"].transpose("replica", "preload").values[:, largest]
-        mean, std = float(values.mean()), float(values.std(ddof=1)) if values.size > 1 else float("nan")
-        level = float(self.group("ensemble").attrs["interval_level"])
-        error = std / math.sqrt(values.size)
-        reach = error * float(stats.t.ppf(0.5 + 0.5 * level, max(values.size - 1, 1)))
-        return PullOff(
-            mean=mean, standard_error=error, interval=(mean - reach, mean + reach), interval_level=level, std=std,
-            scatter=std / mean if mean > 0.0 else float("nan"), separation=float(np.nanmean(places)),
-            of_mean_curve=float(self.group("ensemble").attrs["pull_off_force"]),
-            of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
-            replicas=int(values.size), preload=float(preloads[largest]),
-        )  # fmt: skip
 
     @cached_property
     def mean_plane_forces(self) -> dict[str, str]:
@@ -458,13 +476,18 @@ class Sweep(_Curves):
     def pull_off(self) -> xarray.Dataset:
         """The pull-off force of each point: `mean`, `standard_error`, `interval` and `of_integral`, N.
 
-        Without replicas there is `of_integral` alone.
+        Without replicas there is `of_integral` alone. Where the scene has preloads the pull-off follows the largest that is
+        reached, `preload`, and `of_integral` is that of the whole loop.
         """
         if not self.has_replicas:
             return xarray.Dataset({"of_integral": self.tree["integral"]["pull_off_force"]})
-        force = self.group("ensemble").sel(scalar="pull_off_force")
-        names = {"mean": "mean", "standard_error": "standard_error", "interval": "interval"}
-        quoted = {name: force[f"scalar_controlled_{of}"] for name, of in names.items()}
+        names = ("mean", "standard_error", "interval")
+        pressed = self.after_largest_preload
+        if pressed is not None:
+            quoted = {name: pressed[name] for name in (*names, "preload")}
+        else:
+            force = self.group("ensemble").sel(scalar="pull_off_force")
+            quoted = {name: force[f"scalar_controlled_{name}"] for name in names}
         whole = xarray.Dataset({**quoted, "of_integral": self.tree["integral"]["pull_off_force"]})
         kept = set(self.tree.dims) | {"range_end"}
         return whole.drop_vars([name for name in whole.coords if name not in kept])

@@ -45,7 +45,11 @@ _MOST = len(COLORS)
 def quantities_of(result: Sweep) -> list[str]:
     """The quantities of a sweep; of integrals alone those that they have."""
     names = [name for name, (_, _, of_integral) in QUANTITIES.items() if result.has_replicas or of_integral]
-    return [name for name in names if name != "stuck_probability" or "device" in result]
+    # The integral and the separation of pull-off are of whole loops.
+    left_out = set() if "device" in result else {"stuck_probability"}
+    if result.has_replicas and result.after_largest_preload is not None:
+        left_out |= {"pull_off_excess", "pull_off_separation"}
+    return [name for name in names if name not in left_out]
 
 
 def of_points(
@@ -60,9 +64,15 @@ def of_points(
     name = (
         "pull_off_force" if quantity.startswith("pull_off_e") or quantity == "pull_off_scatter" else quantity
     )
+    pressed = result.after_largest_preload
     if quantity == "stuck_probability":
-        share, low, high = (result[f"device/stuck_probability{end}"] for end in ("", "_low", "_high"))
+        of = result["device"].to_dataset() if pressed is None else pressed
+        share, low, high = (of[f"stuck_probability{end}"] for end in ("", "_low", "_high"))
         return share, 0.25 * (high - low), None
+    if pressed is not None and quantity == "pull_off_force":
+        return pressed["mean"], pressed["standard_error"], None
+    if pressed is not None and quantity == "pull_off_scatter":
+        return _scatter(pressed["std"] / pressed["mean"], pressed["count"])
     scalars = result["ensemble"].to_dataset().sel(scalar=name)
     mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
     if quantity == "pull_off_excess":
@@ -71,14 +81,19 @@ def of_points(
         return 100.0 * (mean / integral - 1.0), 100.0 * error / integral, None
     if quantity == "pull_off_scatter":
         replicas = result["replicas/pull_off_force"]
-        scatter = 100.0 * replicas.std("replica", ddof=1) / replicas.mean("replica")
-        return scatter, scatter / np.sqrt(2.0 * max(replicas.sizes["replica"] - 1, 1)), None
+        return _scatter(replicas.std("replica", ddof=1) / replicas.mean("replica"), replicas.sizes["replica"])
     integral_name = QUANTITIES[quantity][2]
     integral = result[f"integral/{integral_name}"]
     if quantity.endswith("separation"):
         sigma = result["surface_height_std"]
         return mean / sigma, error / sigma, integral / sigma
     return mean, error, integral
+
+
+def _scatter(relative: xarray.DataArray, count: Any) -> tuple[xarray.DataArray, xarray.DataArray, None]:
+    """A relative standard deviation of some patches and its standard error, in per cent."""
+    scatter = 100.0 * relative
+    return scatter, scatter / np.sqrt(2.0 * np.maximum(count - 1, 1)), None
 
 
 def axes_of(result: Sweep, x: str | None, by: str | None) -> tuple[str, str | None]:

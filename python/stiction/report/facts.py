@@ -449,7 +449,11 @@ def _sweep(sweep: Sweep) -> Facts:
     if sweep.has_replicas:
         means = pull_off["mean"].values
         span = _span(np.nanmin(means), np.nanmax(means), "N")
-        numbers.insert(0, Number("pull-off force", span, f"smallest and largest mean of {_several(means.size, 'point')}"))
+        note = f"smallest and largest mean of {_several(means.size, 'point')}"
+        if "preload" in pull_off:
+            note += ", each after the largest preload that is reached"
+            numbers = []
+        numbers.insert(0, Number("pull-off force", span, note))
         overall = str(sweep["validation"].attrs["overall_verdict"])
         smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
         level = 100 * float(sweep["validation"].attrs["significance"])
@@ -483,8 +487,9 @@ def _edges(sweep: Sweep) -> Any:
 def _points(sweep: Sweep, keys: list[str]) -> Table:
     import xarray
 
-    pull_off, heads = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
-    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", "of_integral") if name in pull_off})
+    pull_off, heads = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "preload": "after", "verdict": "cross-check"}
+    second = "preload" if "preload" in pull_off else "of_integral"
+    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", second) if name in pull_off})
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
         if path in sweep:
             whole[name] = sweep[path].drop_vars(list(sweep[path].coords))
@@ -494,6 +499,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
     words = {
         "mean": lambda row: "none" if row["mean"] <= 0.0 else quantities.with_error(row["mean"], row["standard_error"], "N"),
         "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
+        "preload": lambda row: quantities.si(row["preload"], "N", 3),
         "verdict": lambda row: str(row["verdict"]),
         "independence": lambda row: str(row["independence"]),
     }

@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
+    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "pressed_sweep", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
     "choice", "comparison", "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 

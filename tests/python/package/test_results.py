@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 import stiction
-from stiction import FileError
+from stiction import FileError, plot
 from stiction.backend import StictionBackend
 
 KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Sweep}
@@ -149,3 +149,21 @@ def test_results_without_a_name_are_there_as_long_as_they_are_used(result):
     with stiction.open_run(kept) as again:
         assert again.pull_off.replicas == 10
     kept.unlink()
+
+
+def test_a_sweep_with_preloads_quotes_the_largest_that_is_reached(result):
+    """30 mN of 1 mN, 30 mN and 10 N, by hand from the replicas."""
+    sweep = result("pressed_sweep")
+    forces = sweep["replicas/pull_off_after_preload"].transpose("material_work_of_adhesion", "replica", "preload").values
+    assert np.isnan(forces[..., 2]).all() and np.isfinite(forces[..., 1]).all()
+    of = forces[..., 1]
+    quoted = sweep.pull_off
+    np.testing.assert_allclose(quoted["mean"], of.mean(axis=1), rtol=1e-13)
+    error = of.std(axis=1, ddof=1) / np.sqrt(12)
+    np.testing.assert_allclose(quoted["standard_error"], error, rtol=1e-11)
+    assert list(quoted["preload"].values) == [0.03, 0.03]
+    # Student's t of 11 degrees of freedom, 97.5 %: 2.200985.
+    np.testing.assert_allclose(quoted["interval"].isel(range_end=1) - quoted["mean"], 2.200985 * error, rtol=1e-6)
+    stuck = sweep.after_largest_preload["stuck_probability"]
+    np.testing.assert_allclose(stuck, (of > 1e-4).mean(axis=1), rtol=1e-15)
+    assert "pull_off_excess" not in plot.panels(sweep) and "stuck_probability" in plot.panels(sweep)

@@ -33,7 +33,7 @@ pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     text += &verdict(&results.joint);
     text += &independence(&results.independence, &results.scene);
     text += &flowed_tops(results);
-    text += &refused_sums(&results.summation);
+    text += &sums(&results.summation);
     text += &coupling::troubles(results);
     text += &open_loops(results);
     text + &warned(results) + "\n" + &written(results, output)
@@ -296,8 +296,12 @@ fn flowed_tops(results: &Results) -> String {
     labelled("flowed tops", &format!("{change} by the integral with unloaded_radius = \"{name}\""))
 }
 
-/// The reason why surfaces were summed directly, if sums by moments were asked for.
-fn refused_sums(summation: &Summation) -> String {
+/// Sums by moments and their error, or the reason why surfaces were summed directly although they were asked for.
+fn sums(summation: &Summation) -> String {
+    if summation.matrix.is_some() {
+        let error = format!("{:.0e} of adhesion and load in a trial", summation.achieved_error);
+        return labelled("sums", &format!("by moments of the heights; error at most {error}"));
+    }
     let Some((tolerance, refusal)) = summation.tolerance.zip(summation.refusal) else { return String::new() };
     labelled("sums", &format!("direct, although moments to {tolerance:e} were asked for: {refusal}"))
 }

@@ -167,7 +167,7 @@ fn skips(scene: &Scene, law: Laws<'_>, regimes: &[RegimePlan]) -> Vec<String> {
         "load and area where nothing touches: {:.3} % of asperities and separations",
         100.0 * loads / all
     ));
-    if let Some(tolerance) = scene.sum_tolerance {
+    if let Some(tolerance) = scene.sum_tolerance() {
         skips.push(format!("asperities one by one: sums by moments to {tolerance:e}, if a trial meets it"));
     }
     if !scene.surface.is_polydisperse() {

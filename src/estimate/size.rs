@@ -77,7 +77,8 @@ impl Estimate {
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
         let spread = scene.separations[separations - 1] - scene.separations[0];
         let step = spread / (separations - 1) as f64 / scene.surface.heights.std;
-        let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));
+        let periods =
+            scene.sum_tolerance().map(|_| periods(&scene.surface, step * scene.surface.heights.std));
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,

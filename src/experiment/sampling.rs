@@ -9,7 +9,7 @@ use crate::engine::{
 };
 use crate::integral::Expectations;
 use crate::output::OutputError;
-use crate::scene::{self, Instability, Scene};
+use crate::scene::{self, Instability, Scene, Sums};
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, Draws, JointTest, basis_of_loop, basis_to, z_scores};
 use std::sync::atomic::AtomicBool;
@@ -69,11 +69,13 @@ impl Sampling<'_> {
 
     /// The summation of the replicas.
     pub fn summation(&self, pool: &rayon::ThreadPool) -> Summation {
-        match self.scene.sum_tolerance {
+        match self.scene.sum_tolerance() {
             // On replicas that are in the result wherever it ends.
             Some(tolerance) if self.scene.replicas > 0 => {
                 let job = Job { replicas: self.scene.fewest_replicas(), ..self.job() };
-                pool.install(|| Summation::by_moments(&job, tolerance))
+                let tried = pool.install(|| Summation::by_moments(&job, tolerance));
+                let is_asked = self.scene.sums.is_some_and(|(sums, _)| sums == Sums::Moments);
+                if tried.matrix.is_some() || is_asked { tried } else { Summation::direct() }
             }
             _ => Summation::direct(),
         }
@@ -151,7 +153,7 @@ pub(crate) fn basis_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Ba
     let draws = Draws { scheme: scene.sampling, replicas: scene.fewest_replicas() };
     match cycle {
         Some(cycle) => basis_of_loop(law, cycle, surface, separations, draws),
-        None => basis_to(law, surface, separations, draws, scene.sum_tolerance.unwrap_or(0.0)),
+        None => basis_to(law, surface, separations, draws, scene.sum_tolerance().unwrap_or(0.0)),
     }
 }
 

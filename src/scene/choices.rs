@@ -1,5 +1,6 @@
 //! Closed lists and ranges of the values that keys of scenes take.
 
+use super::definition::Sums;
 use crate::asperity::Path;
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
@@ -12,8 +13,9 @@ pub(super) const FORMAT: u64 = 1;
 /// gets faster.
 pub(super) const SUM_TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
 
-/// Ways of summing; whether by moments.
-pub(super) const SUMS: [(&str, bool); 2] = [("direct", false), ("moments", true)];
+/// Ways of summing.
+pub(super) const SUMS: [(&str, Option<Sums>); 3] =
+    [("auto", Some(Sums::Auto)), ("direct", None), ("moments", Some(Sums::Moments))];
 
 /// Histories: their paths, of a loop that of its first way, and whether the surfaces are pulled back.
 pub(super) const HISTORIES: [(&str, (Path, bool)); 3] = [

@@ -16,6 +16,18 @@ use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use std::sync::Arc;
 
+/// Responses of asperities, one for each asperity, separation and replica, from which sums by moments repay their trial.
+const MANY_RESPONSES: f64 = 2e8;
+
+/// When sums over asperities are taken by moments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// Where the run is large enough to gain by it.
+    Auto,
+    /// Wherever they meet their tolerance.
+    Moments,
+}
+
 /// A validated scene, SI.
 ///
 /// # Examples
@@ -83,8 +95,8 @@ pub struct Scene {
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Tolerance of sums by moments; asperities are summed directly without one.
-    pub sum_tolerance: Option<f64>,
+    /// Sums by moments and their tolerance; asperities are summed directly without them.
+    pub sums: Option<(Sums, f64)>,
     /// Whether every replica's curves are kept.
     pub curves: bool,
 }
@@ -93,6 +105,16 @@ impl Scene {
     /// The fewest replicas that a run of it ends with.
     pub fn fewest_replicas(&self) -> u64 {
         self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
+    }
+
+    /// The tolerance of sums by moments, where they are to be tried.
+    pub fn sum_tolerance(&self) -> Option<f64> {
+        let responses = self.surface.asperity_count as f64 * self.states() as f64 * self.replicas as f64;
+        let is_fit = !self.cycle && self.substrate.is_none() && !self.surface.is_polydisperse();
+        let (_, tolerance) = self
+            .sums
+            .filter(|(sums, _)| *sums == Sums::Moments || (is_fit && responses >= MANY_RESPONSES))?;
+        Some(tolerance)
     }
 
     /// The range of interferences, m, that the heights of any replica reach.

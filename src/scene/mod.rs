@@ -51,7 +51,7 @@ pub use canonical::difference;
 pub use choices::MOST_POINTS;
 pub use choices::Mode;
 #[doc(hidden)]
-pub use definition::Scene;
+pub use definition::{Scene, Sums};
 pub use document::Document;
 pub use error::{Problem, SceneError};
 #[doc(hidden)]

@@ -3,7 +3,7 @@
 use super::background::{ForceSections, Setting};
 use super::capillary::{CapillaryTable, capillary, wet};
 use super::choices::{DEFAULT_LAW, DEFAULT_LAW_IN_LIQUID, FORMAT, HISTORIES, SUM_TOLERANCES, SUMS};
-use super::definition::Scene;
+use super::definition::{Scene, Sums};
 use super::device::restoring_force;
 use super::error::{SceneError, Together};
 use super::files::Files;
@@ -40,7 +40,7 @@ struct Readings<'a> {
     instability: InstabilityTable,
     ensemble: Section<'a>,
     draws: EnsembleTable,
-    sum_tolerance: Option<f64>,
+    sums: Option<(Sums, f64)>,
     curves: bool,
     substrate: Option<SubstrateTable<'a>>,
     forces: ForceSections<'a>,
@@ -74,11 +74,10 @@ impl<'a> Readings<'a> {
             .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
         let readings =
             (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-        let (solver, output, forces) = (sum_tolerance(root), curves(root), ForceSections::read(root));
+        let (solver, output, forces) = (sums(root), curves(root), ForceSections::read(root));
         let device = restoring_force(root);
         let readings = (readings.together(), solver, output, substrate, forces, capillary(root), device);
-        let (readings, sum_tolerance, curves, substrate, forces, liquid, restoring_force) =
-            readings.together()?;
+        let (readings, sums, curves, substrate, forces, liquid, restoring_force) = readings.together()?;
         let ((), title, material, population, model, separation, instability, (ensemble, draws)) = readings;
         let (population, lubricant_thickness) = population;
         Ok(Self {
@@ -91,7 +90,7 @@ impl<'a> Readings<'a> {
             instability,
             ensemble,
             draws,
-            sum_tolerance,
+            sums,
             curves,
             substrate,
             forces,
@@ -159,7 +158,7 @@ impl<'a> Readings<'a> {
             stopping,
             sampling,
             seed,
-            sum_tolerance: self.sum_tolerance,
+            sums: self.sums,
             curves: self.curves,
         };
         resolved(&scene).map_err(|problem| {
@@ -262,21 +261,21 @@ fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
     root.section("output", false)?.map_or(Ok(false), |output| output.value("curves").boolean())
 }
 
-fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
-    let Some(solver) = root.section("solver", false)? else { return Ok(None) };
-    if !solver.value("summation").choice("summation", &SUMS)? {
+fn sums(root: &Section<'_>) -> Result<Option<(Sums, f64)>, SceneError> {
+    let solver = root.section_or_empty("solver")?;
+    let Some(sums) = solver.value("summation").choice("summation", &SUMS)? else {
         return match solver.get("tolerance") {
             None => Ok(None),
             Some(entry) => Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one")),
         };
-    }
+    };
     let entry = solver.value("tolerance");
     let tolerance = entry.number()?;
     if !SUM_TOLERANCES.contains(&tolerance) {
         let (low, high) = (SUM_TOLERANCES.start(), SUM_TOLERANCES.end());
         return Err(entry.wrong(&format!("a tolerance of sums is between {low:e} and {high:e}")));
     }
-    Ok(Some(tolerance))
+    Ok(Some((sums, tolerance)))
 }
 
 fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {

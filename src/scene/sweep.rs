@@ -329,7 +329,7 @@ mod tests {
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
-                    scene.sum_tolerance,
+                    scene.sums,
                     scene.substrate,
                     scene.model.name,
                     scene.unloading,

@@ -616,22 +616,23 @@ static REST: &[Key] = &[
         .what("deflection of the suspension where the surfaces touch")
         .about("Needs `stiffness`.")
         .follows("not used where `restoring_force` is given"),
-    key("solver", "{ summation = \"moments\" }", Table).what("how forces are summed").follows("direct sums"),
+    key("solver", "{ summation = \"direct\" }", Table).what("how forces are summed").follows("what is faster"),
     key("solver.summation", "\"moments\"", Choice(|| names(&SUMS)))
         .formerly("sum")
         .what("way of summing")
         .about(
-            "`direct`: asperity by asperity. `moments`: by moments of bins of heights, faster, to a \
-             tolerance.",
+            "`direct`: asperity by asperity. `moments`: by moments of bins of heights, to a tolerance. `auto`: by \
+             moments where the run is large enough to gain by it and a trial on four replicas meets the tolerance; \
+             the summary says so.",
         )
-        .defaults_to("\"direct\""),
+        .defaults_to("\"auto\""),
     key(
         "solver.tolerance",
         "1e-9",
         Number(Included(*SUM_TOLERANCES.start()), Included(*SUM_TOLERANCES.end())),
     )
     .what("tolerance of sums by moments")
-    .about("Needs `summation = \"moments\"`. One of F_s + P.")
+    .about("Relative to F_s + P.")
     .defaults_to("1e-9")
     .swept(),
     key("output", "{ curves = true }", Table).what("what is kept").follows("no curves of replicas"),

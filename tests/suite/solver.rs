@@ -31,9 +31,9 @@ fn attributes(path: &Path, group: &str) -> Vec<String> {
     unlocked::open(path).group(group).unwrap().attr_names().unwrap()
 }
 
-/// Direct, by default and when asked for: the same bits, and no attribute of a tolerance.
+/// Small runs are summed directly, by default and when asked for: the same bits, and no attribute of a tolerance.
 #[test]
-fn sums_are_direct_by_default() {
+fn sums_of_small_runs_are_direct() {
     let folder = Folder::new(&small());
     std::fs::write(folder.path("direct.toml"), scene("summation = \"direct\"")).unwrap();
     std::fs::write(folder.path("empty.toml"), scene("")).unwrap();
@@ -48,6 +48,37 @@ fn sums_are_direct_by_default() {
         assert!(bits(&path) == bits(&folder.path("scene.h5")), "{name}");
         let check = text(&folder.stiction(&["check", &format!("{name}.toml")]).stdout);
         assert!(!check.contains("moments"), "{check}");
+    }
+}
+
+/// Large runs are summed by moments by default, and say so; directly where they are asked to be, and without a word
+/// where moments do not fit.
+#[test]
+fn sums_of_large_runs_are_by_moments() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("direct.toml"), scene("summation = \"direct\"")).unwrap();
+    std::fs::write(folder.path("uneven.toml"), small().replace(UNEVEN.0, UNEVEN.1)).unwrap();
+    for (name, way) in [("scene", "moments"), ("direct", "direct"), ("uneven", "direct")] {
+        let run = folder.stiction(&["run", &format!("{name}.toml"), "--replicas", "40000"]);
+        assert_exit(&run, 0);
+        let path = folder.path(&format!("{name}.h5"));
+        assert_eq!(attribute(&path, "/ensemble", "summation"), way, "{name}");
+        assert_eq!(
+            text(&run.stdout).contains("by moments of the heights; error at most"),
+            way == "moments",
+            "{name}"
+        );
+        assert_eq!(
+            attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")),
+            way == "moments"
+        );
+        assert_eq!(compressed_sums(&path) > 0, way == "moments");
+    }
+    let [mine, truth] = ["scene", "direct"]
+        .map(|name| dataset(&folder.path(&format!("{name}.h5")), "/ensemble/external_force_mean"));
+    let largest = truth.iter().fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    for (mine, truth) in mine.iter().zip(&truth) {
+        assert!((mine - truth).abs() <= 1e-8 * largest, "{mine:e} {truth:e}");
     }
 }
 

@@ -20,11 +20,14 @@ from . import files, quantities, stored
 from .errors import FileError
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from .plot.accessors import Plot
 
 __all__ = [
     "Asperities",
     "CrossCheck",
+    "Finding",
     "Place",
     "PullOff",
     "Result",
@@ -570,7 +573,58 @@ class Asperities(Result):
         ]
 
 
-_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Asperities)}
+class Finding(Result):
+    """What `stiction infer`, `sensitivity` or `design` found: words and a figure."""
+
+    major_version = 1
+
+    @property
+    def words(self) -> str:
+        """What the command said."""
+        return str(self.attrs["summary"])
+
+    def figure(self, width: str | float | None = None) -> Figure:
+        """The figure of the command.
+
+        Parameters
+        ----------
+        width : str or float, optional
+            A text such as ``85mm``, or mm; 180mm by default.
+        """
+        raise NotImplementedError
+
+    def _summary(self) -> list[tuple[str, str]]:
+        return [("", line) for line in self.words.splitlines()]
+
+
+class _Inferred(Finding):
+    kind, format, made_by = "inference", "stiction-inference", "stiction infer"
+
+    def figure(self, width: str | float | None = None) -> Figure:
+        from .inference import figures, open_inference
+
+        return figures.page(open_inference(self.path), width)
+
+
+class _OfSensitivity(Finding):
+    kind, format, made_by = "sensitivity", "stiction-sensitivity", "stiction sensitivity"
+
+    def figure(self, width: str | float | None = None) -> Figure:
+        from .sensitivity import draw
+
+        return draw(self.tree.to_dataset(), width or "180mm")
+
+
+class _Designed(Finding):
+    kind, format, made_by = "design", "stiction-design", "stiction design"
+
+    def figure(self, width: str | float | None = None) -> Figure:
+        from .design.figure import draw
+
+        return draw(self.tree.to_dataset(), width or "90mm")
+
+
+_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Asperities, _Inferred, _OfSensitivity, _Designed)}
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
@@ -579,11 +633,11 @@ def open_run(path: str | os.PathLike[str]) -> Any:
     Parameters
     ----------
     path : str or pathlib.Path
-        What `stiction run`, `compare` or `asperities` left.
+        What `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design` left.
 
     Returns
     -------
-    Run, Sweep or Asperities
+    Run, Sweep, Asperities or Finding
         By the root attribute `format` of the file.
 
     Raises

@@ -30,6 +30,10 @@ impl Draw {
         let count = count(surface, seed, index);
         heights.resize(count, 0.0);
         radii.resize(if surface.is_polydisperse() { count } else { 0 }, 0.0);
+        if let Some(patches) = &surface.patches {
+            let first = index as usize % (patches.len() / count) * count;
+            return heights.copy_from_slice(&patches[first..first + count]);
+        }
         match (&surface.radii, surface.heights.values()) {
             (Radii::Measured(asperities), _) if surface.whole => {
                 for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {

@@ -1,6 +1,6 @@
 //! The integral of a scene, and what is read off it.
 
-use crate::asperity::{self, Laws, Loop, Path, Quantity};
+use crate::asperity::{self, Laws, Loop, Path, Quantity, Regime};
 use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, downhill, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
@@ -194,11 +194,20 @@ fn reading(
     at: &Expectations,
 ) -> Reading {
     let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
-    let regimes = law.regimes().iter().zip(&at.regime_adhesion_force);
-    let flowed: f64 = regimes.filter(|(regime, _)| regime.is_plastic()).map(|(_, force)| force[0]).sum();
     let adhesion = at.expected[Quantity::AdhesionForce.index()][0];
-    let flowed_adhesion = if adhesion > 0.0 { flowed / adhesion } else { 0.0 };
-    Reading { what, separation, share_in_contact, flowed_adhesion, missed: 0.0 }
+    let share = |is_of: &dyn Fn(Regime) -> bool| {
+        let regimes = law.regimes().iter().zip(&at.regime_adhesion_force);
+        let of: f64 = regimes.filter(|(regime, _)| is_of(**regime)).map(|(_, force)| force[0]).sum();
+        if adhesion > 0.0 { of / adhesion } else { 0.0 }
+    };
+    Reading {
+        what,
+        separation,
+        share_in_contact,
+        flowed_adhesion: share(&Regime::is_plastic),
+        untouched_adhesion: share(&|regime| regime == Regime::Noncontact),
+        missed: 0.0,
+    }
 }
 
 impl Integral {

@@ -132,7 +132,7 @@ impl Sampling<'_> {
 /// [`Error::Replicas`] when the scene cannot have this number.
 pub(crate) fn set_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Error> {
     if let Some(replicas) = replicas {
-        scene.sampling.check(replicas).map_err(|problem| Error::Replicas { replicas, problem })?;
+        scene.check_replicas(replicas).map_err(|problem| Error::Replicas { replicas, problem })?;
         (scene.replicas, scene.stopping) = (replicas, None);
     }
     scene.seed = seed.unwrap_or(scene.seed);

@@ -261,6 +261,8 @@ pub fn interference_range(heights: &Heights, surface: &Surface, separations: &[f
     let d = separations.iter().map(|&h| surface.asperity_separation(h));
     let (nearest, furthest) =
         d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
-    let (lowest, highest) = heights.reach(HEIGHT_REACH);
+    let given = surface.patches.iter().flat_map(|patches| patches.iter());
+    let (lowest, highest) =
+        given.fold(heights.reach(HEIGHT_REACH), |(low, high), z| (low.min(*z), high.max(*z)));
     (lowest - furthest, highest - nearest)
 }

@@ -107,6 +107,15 @@ impl Scene {
         self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
     }
 
+    /// Checks that there are so many replicas: whole groups of the sampling scheme, and no more than given patches.
+    ///
+    /// # Errors
+    /// A text that says what would do.
+    pub fn check_replicas(&self, replicas: u64) -> Result<(), String> {
+        self.sampling.check(replicas)?;
+        enough(&self.surface, replicas)
+    }
+
     /// The tolerance of sums by moments, where they are to be tried.
     pub fn sum_tolerance(&self) -> Option<f64> {
         let responses = self.surface.asperity_count as f64 * self.states() as f64 * self.replicas as f64;
@@ -235,4 +244,18 @@ impl Scene {
         let parameters = LawParameters::new(&self.asperity, self.history, self.interference_range())?;
         Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
     }
+}
+
+/// Checks that given patches are at least as many as replicas.
+pub(super) fn enough(surface: &Surface, replicas: u64) -> Result<(), String> {
+    let (Some(patches), count) = (&surface.patches, surface.asperity_count) else { return Ok(()) };
+    let given = patches.len() / count;
+    if patches.len().is_multiple_of(count) && given as u64 >= replicas {
+        return Ok(());
+    }
+    let heights = patches.len();
+    Err(format!(
+        "{heights} heights are given, and {replicas} patches of {count} asperities take {}; give as many, or fewer replicas",
+        replicas * count as u64
+    ))
 }

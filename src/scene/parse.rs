@@ -3,10 +3,11 @@
 use super::background::{ForceSections, Setting};
 use super::capillary::{CapillaryTable, capillary, wet};
 use super::choices::{DEFAULT_LAW, DEFAULT_LAW_IN_LIQUID, FORMAT, HISTORIES, SUM_TOLERANCES, SUMS};
-use super::definition::{Scene, Sums};
+use super::column::of_file;
+use super::definition::{Scene, Sums, enough};
 use super::device::restoring_force;
 use super::error::{SceneError, Together};
-use super::files::Files;
+use super::files::{Files, Input};
 use super::instability::{InstabilityTable, instability};
 use super::material::Material;
 use super::measured::measured;
@@ -103,7 +104,7 @@ impl<'a> Readings<'a> {
     // One line a table or a field of the scene: long, but flat.
     fn scene(self, text: &str, root: &Section<'a>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
         let Self { title, material, population, model, separation, instability, .. } = self;
-        let Population { surface, places, inputs } = population;
+        let Population { surface, places, mut inputs } = population;
         let asperity = material.asperity(surface.asperity_radius, self.lubricant_thickness)?;
         let ModelTable { law, history, cycle, unloading, critical_approach } = model;
         let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
@@ -132,6 +133,7 @@ impl<'a> Readings<'a> {
             separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
         reached(&asperity, &surface, range)?;
         let EnsembleTable { replicas, stopping, sampling, seed } = self.draws;
+        let surface = with_patches(&self.ensemble, surface, replicas, files.as_ref(), &mut inputs)?;
         related(&self.ensemble, sampling, &surface)?;
         let scene = Scene {
             text: text.to_owned(),
@@ -212,9 +214,30 @@ fn reached(asperity: &Asperity, surface: &Surface, range: (f64, f64)) -> Result<
     )))
 }
 
+/// The surface with the patches of `[ensemble] heights`, if there are such.
+fn with_patches(
+    ensemble: &Section<'_>,
+    surface: Surface,
+    replicas: u64,
+    files: &dyn Files,
+    inputs: &mut Vec<Input>,
+) -> Result<Surface, SceneError> {
+    let Some(entry) = ensemble.get("heights") else { return Ok(surface) };
+    if surface.is_polydisperse() || surface.whole || surface.count_law == CountLaw::Poisson {
+        return Err(entry.wrong("gives patches of a fixed number of asperities of one radius; leave out `radii`, `asperities` and `count`"));
+    }
+    let patches = of_file(&entry, Some(&entry.table()?), files, inputs)?;
+    let surface = Surface { patches: Some(patches.into()), ..surface };
+    enough(&surface, replicas).map_err(|problem| entry.wrong(&problem))?;
+    Ok(surface)
+}
+
 /// Refuses replicas that are related to each other where a surface does not allow it.
 fn related(ensemble: &Section<'_>, sampling: SamplingScheme, surface: &Surface) -> Result<(), SceneError> {
     let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1) else { return Ok(()) };
+    if surface.patches.is_some() {
+        return Err(entry.wrong("has no meaning with given `heights`; leave it out"));
+    }
     if surface.whole {
         return Err(entry.wrong(
             "has no meaning with sample = \"whole\" in [surface], of which every replica is the same; leave it out",

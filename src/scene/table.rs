@@ -527,6 +527,23 @@ static FIRST: &[Key] = &[
              heights; both need a fixed number of asperities, and measured ones that are drawn.",
         )
         .defaults_to("\"independent\""),
+    key("ensemble.heights", "{ path = \"patches.h5\", dataset = \"/height\", unit = \"m\" }", Table)
+        .what("file of the heights of all patches, in the place of drawn ones")
+        .about(
+            "Above the mean plane of the asperities; those of the first patch, then of the second, and so on. For patches of \
+             your own, such as correlated ones: the integral and the cross-check remain those of `[surface]`.",
+        )
+        .follows("none; heights are drawn by the law of `[surface]`"),
+    key("ensemble.heights.path", "\"heights.csv\"", Text).what("file of heights").about(FILE_PATH),
+    key("ensemble.heights.column", "\"height\"", Various("a name, or a number from 1"))
+        .what("column of the file")
+        .about(FILE_COLUMN)
+        .excludes(&["ensemble.heights.dataset"]),
+    key("ensemble.heights.dataset", "\"/asperities/height\"", Text).what("dataset of the file").about(FILE_DATASET),
+    key("ensemble.heights.unit", "\"nm\"", Various("a unit of length"))
+        .what("unit of the file")
+        .about(FILE_UNIT)
+        .follows("the unit that is above the column; where there is none it has to be there"),
     key("ensemble.seed", "1", Whole(0, i64::MAX as u64))
         .what("seed of the random numbers")
         .about("The same seed gives the same bits.")

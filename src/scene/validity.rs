@@ -9,7 +9,9 @@ use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
 use crate::asperity::models::{
     Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity, SMALLEST_JKR_LAMBDA,
 };
+use crate::asperity::scale::Asperity;
 use crate::asperity::{Law, Path, Regime, Unloading};
+use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
 use crate::substrate::Coupling;
@@ -29,6 +31,8 @@ const LARGEST_MISSED: f64 = 0.05;
 const RESOLVING: f64 = 0.15;
 /// Largest share by which surfaces that have touched may be pulled off harder.
 const LARGEST_HELD: f64 = 0.01;
+/// Largest share of the adhesion at pull-off that asperities which do not touch may have.
+const LARGEST_UNTOUCHED: f64 = 0.5;
 /// Largest relative error of an integral that is one.
 const LARGEST_ERROR: f64 = 1e-6;
 /// Largest shift, in σ, by which a patch gives way that is called none.
@@ -64,6 +68,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(shallow(scene, law));
     warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
+    warnings.extend(tails(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
     warnings.extend(pressed(scene, model));
     warnings.extend(unresolved(scene, &expected.readings));
@@ -353,6 +358,30 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
                  random one in three overlaps",
         "turn at a larger separation; at pull-off no key helps",
     ))
+}
+
+/// Whether the pull-off is that of contacts, and not of the tails of attraction of asperities that do not touch, which
+/// together stand for the attraction between the faces.
+fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
+    let surface = &scene.surface;
+    let Asperity { work_of_adhesion, equilibrium_spacing, .. } = scene.asperity;
+    let reading = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
+    let (h, share) = (reading.separation, reading.untouched_adhesion);
+    (share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0).then(|| {
+        let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
+        let flat = surface.nominal_area * planes.at(h).pressure;
+        let h_star = h / surface.surface_height_std;
+        Warning::new(
+            format!(
+                "{:.0} % of the adhesion at pull-off, h* = {h_star:.3}, is of asperities that do not touch; flat faces attract \
+                 with {} at this h",
+                100.0 * share,
+                si(flat, "N")
+            ),
+            "the tails of asperities are no sum over the faces: between these act the van der Waals forces of all their points",
+            "compare with [van_der_waals], the attraction between the mean planes",
+        )
+    })
 }
 
 /// Whether surfaces that have touched hold harder than the approach tells, N.

@@ -56,6 +56,8 @@ pub struct Reading {
     pub share_in_contact: f64,
     /// Expected share of the adhesion force there that contacts carry which have flowed.
     pub flowed_adhesion: f64,
+    /// Expected share of the adhesion force there that asperities have which do not touch.
+    pub untouched_adhesion: f64,
     /// The share of it that the curve does not have at any of the scene's separations.
     pub missed: f64,
 }

@@ -129,6 +129,9 @@ pub struct Surface {
     pub count_law: CountLaw,
     /// Whether every replica is the given sample of asperities itself, so that nothing is left to chance.
     pub whole: bool,
+    /// Heights of the asperities of given patches above their mean plane, m, one patch after the other; drawn by the law
+    /// without them.
+    pub patches: Option<Arc<[f64]>>,
     /// Asperities per area η, 1/m².
     pub asperity_density: f64,
     /// Nominal area A_n, m².
@@ -268,6 +271,7 @@ impl Surface {
             asperity_count,
             count_law: CountLaw::Fixed,
             whole: false,
+            patches: None,
             asperity_density: asperity_count as f64 / nominal_area,
             nominal_area,
             background: None,

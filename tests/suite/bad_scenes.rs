@@ -504,7 +504,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[solver]\nsummation = \"fast\"\n[output]",
-        &["line 31", "`solver.summation = \"fast\"`", "unknown summation", "known: direct, moments"],
+        &["line 31", "`solver.summation = \"fast\"`", "unknown summation", "known: auto, direct, moments"],
     ),
     ("[output]", "[solver]\nsummation = true\n[output]", &["line 31", "`solver.summation = true`", "text"]),
     (
@@ -870,6 +870,21 @@ const VARIANTS: &[Variant] = &[
         &[],
     ),
     (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
+    (
+        &["surface.nominal_area", "ensemble.replicas"],
+        &["ensemble.heights.path", "ensemble.heights.column", "ensemble.heights.unit"],
+        &[("surface.nominal_area", "\"0.1353 um^2\""), ("ensemble.replicas", "4")],
+    ),
+    (
+        &["surface.nominal_area", "ensemble.replicas"],
+        &["ensemble.heights.dataset"],
+        &[
+            ("surface.nominal_area", "\"0.1353 um^2\""),
+            ("ensemble.replicas", "4"),
+            ("ensemble.heights.path", "\"asperities.h5\""),
+            ("ensemble.heights.unit", "\"m\""),
+        ],
+    ),
     (
         &["model.history"],
         &[

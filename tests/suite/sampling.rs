@@ -2,6 +2,8 @@
 //! that they say.
 
 use crate::common::pool::{Coverage, Pool, deviations, patch};
+use crate::common::program::{Folder, assert_exit, small, text, unbroken};
+use crate::common::unlocked;
 use crate::common::{case, job, law};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -565,4 +567,57 @@ fn every_surface_is_drawn_by_every_scheme() {
             );
         }
     }
+}
+
+/// Patches of given heights are these, each by itself: in another order they have other places and the same bits; what
+/// does not fit them is refused. The heights are of a rule worked out here.
+#[test]
+fn given_heights_are_those_of_the_patches() {
+    const COUNT: usize = 739;
+    let folder = Folder::new("");
+    let height = |patch: usize, i: usize| {
+        1.5 * (2.0 * ((i * (3 + 2 * patch) % COUNT) as f64 + 0.5) / COUNT as f64 - 1.0)
+    };
+    let heights = |patches: &[usize]| -> String {
+        let of =
+            |patch: &usize| (0..COUNT).map(|i| height(*patch, i).to_string()).collect::<Vec<_>>().join("\n");
+        format!("height\n{}\n", patches.iter().map(of).collect::<Vec<_>>().join("\n"))
+    };
+    let scene = |replicas: usize, more: &str| {
+        small().replace("replicas = 40", &format!("replicas = {replicas}\nheights = {{ path = \"own.csv\", column = \"height\", unit = \"nm\" }}{more}"))
+    };
+    let pull_off = |patches: &[usize]| -> Vec<f64> {
+        std::fs::write(folder.path("own.csv"), heights(patches)).unwrap();
+        std::fs::write(folder.path("scene.toml"), scene(patches.len(), "")).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+        unlocked::open(folder.path("scene.h5"))
+            .dataset("/replicas/highest_asperity")
+            .unwrap()
+            .read_raw()
+            .unwrap()
+    };
+    let [one, other] = [[0, 1], [1, 0]].map(|patches| pull_off(&patches));
+    assert!(one[0] == other[1] && one[1] == other[0], "{one:?} {other:?}");
+    for (patch, highest) in one.iter().enumerate() {
+        let expected = (0..COUNT).map(|i| 1e-9 * height(patch, i)).fold(f64::MIN, f64::max);
+        assert!((highest / expected - 1.0).abs() < 1e-12, "{highest} {expected}");
+    }
+    for (replicas, more, said) in [
+        (3, "", "1478 heights are given, and 3 patches of 739 asperities take 2217"),
+        (2, "\nsampling = \"antithetic\"", "has no meaning with given `heights`"),
+        (2, "\n[surface]\ncount = \"poisson\"", "a fixed number of asperities of one radius"),
+    ] {
+        let mut own = scene(replicas, more);
+        if more.contains("poisson") {
+            own = scene(replicas, "").replace("[surface]", "[surface]\ncount = \"poisson\"");
+        }
+        std::fs::write(folder.path("scene.toml"), own).unwrap();
+        let run = folder.stiction(&["run", "scene.toml", "--force"]);
+        assert_exit(&run, 2);
+        assert!(unbroken(&text(&run.stderr)).contains(said), "{}", text(&run.stderr));
+    }
+    std::fs::write(folder.path("scene.toml"), scene(2, "")).unwrap();
+    let run = folder.stiction(&["run", "scene.toml", "--force", "--replicas", "4"]);
+    assert_exit(&run, 2);
+    assert!(unbroken(&text(&run.stderr)).contains("--replicas 4: 1478 heights"), "{}", text(&run.stderr));
 }

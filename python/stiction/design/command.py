@@ -5,9 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from .. import priors, quantities
+import numpy as np
+import xarray
+
+from .. import files, priors, quantities
 from ..errors import SceneError
+from ..scenes import named_files
 from ..terminal import ended
 from .estimate import Probability
 from .search import Best, Design, best, design, event, probability
@@ -36,6 +41,9 @@ def _parser() -> argparse.ArgumentParser:
     which.add_argument("--maximise", metavar="KEY", help="the number of which the largest value is looked for, or pull_off_force")
     which.add_argument("--minimise", metavar="KEY", help="the number of which the smallest value is looked for, or pull_off_force")
     parser.add_argument("--probability", type=float, metavar="P", help="largest probability of the patches")
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
+                        help="the result as a file, for `stiction info`, `report` and, of a search, `plot`; by default none")  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
     parser.add_argument("--error", type=float, default=0.1, metavar="E",
                         help="relative standard error of each probability; by default 0.1")  # fmt: skip
     parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
@@ -56,19 +64,56 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _design(given: argparse.Namespace, key: str | None) -> None:
+    if given.output is not None:
+        files.check(given.output, force=given.force, inputs=named_files(given.scene))
+    words, found = _found(given, key)
+    print(words)
+    if given.output is None:
+        return
+    tables = priors.opened(given.scene)
+    text = given.scene.read_text(encoding="utf-8")
+    found.attrs |= {"format": "stiction-design", "format_version": np.array(_VERSION), "title": str(tables.get("title", "")),
+                    "scene": text, "summary": words}  # fmt: skip
+    with files.writing_hdf5(given.output, force=given.force, inputs=named_files(given.scene)) as part:
+        found.to_netcdf(part, engine="h5netcdf")
+    print(given.output)
+
+
+def _found(given: argparse.Namespace, key: str | None) -> tuple[str, xarray.Dataset]:
+    """What was found, in words and as a dataset."""
     if key == _FORCE:
         most = given.maximise is not None
-        print(_best(best(given.scene, given.probability, largest=most, error=given.error, seed=given.seed, threads=given.threads), given))
-        return
+        force = best(given.scene, given.probability, largest=most, error=given.error, seed=given.seed, threads=given.threads)
+        values = {"force": ("value", [of for _, of in force.tried], {"units": "N", "long_name": "pull-off force of the wanted probability"})}
+        return _best(force, given), _searched(force, values, given, "pull-off force")
     happens = event(given.above, given.below)
     common = {"above": given.above, "below": given.below, "error": given.error, "seed": given.seed, "threads": given.threads}
     if key is None:
-        print(f"probability of {happens}\n{_told(probability(given.scene, **common), given.below is not None)}")
-        return
+        one = probability(given.scene, **common)
+        after = " after the largest preload" if "preload" in priors.opened(given.scene).get("instability", {}) else ""
+        alone = {"probability": one.value, "probability_standard_error": one.standard_error, "probability_interval": ("range_end", list(one.interval))}
+        words = f"probability of {happens}{after}\n{_told(one, given.below is not None)}"
+        return words, xarray.Dataset(alone, attrs={"event": f"{happens}{after}"})
     found = priors.read(given.scene)
     if found.keys != [key]:
         raise SceneError(f"{key}: this number of the scene, and no other, needs a range (a prior); there is one of {', '.join(found.keys)}")
-    print(_designed(design(given.scene, given.probability, largest=given.maximise is not None, **common), given, str(happens)))
+    searched = design(given.scene, given.probability, largest=given.maximise is not None, **common)
+    values = {
+        "probability": ("value", [of.value for _, of in searched.tried], {"units": "1", "long_name": "probability of the event"}),
+        "probability_standard_error": ("value", [of.standard_error for _, of in searched.tried], {"units": "1", "long_name": "its standard error"}),
+    }
+    return _designed(searched, given, str(happens)), _searched(searched, values, given, str(happens))
+
+
+def _searched(found: Design | Best, values: dict[str, Any], given: argparse.Namespace, event: str) -> xarray.Dataset:
+    """What was found at each value that was tried, in the order of the values."""
+    tried = [value for value, _ in found.tried]
+    units = {"units": found.unit, "long_name": found.key}
+    attrs = {"key": found.key, "event": event, "wanted": given.probability, "found": found.value, "interval": np.array(found.interval)}
+    if isinstance(found, Best):
+        # The interval of the force, at the value that was found.
+        attrs |= {"interval": np.array([found.value, found.value]), "force": found.force, "force_interval": np.array(found.interval)}
+    return xarray.Dataset(values, coords={"value": ("value", tried, units)}, attrs=attrs).sortby("value")
 
 
 def _told(found: Probability, below: bool) -> str:
@@ -113,6 +158,7 @@ def _best(found: Best, given: argparse.Namespace) -> str:
     return "\n".join(lines)
 
 
+_VERSION = (1, 0)
 _RARER = "none, or rarer than 10⁻¹⁸"
 # Not a number of the scene but what its patches do.
 _FORCE = "pull_off_force"

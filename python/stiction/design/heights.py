@@ -1,4 +1,4 @@
-"""Laws of heights of a scene, expectations over them, and the attraction of an asperity."""
+"""Laws of heights of a scene, and the attraction of an asperity."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special, stats
+from scipy import stats
 
 from .. import single
 from ..errors import SceneError
@@ -15,36 +15,12 @@ from ..errors import SceneError
 # Attributes of a run that `asperity` takes by their names.
 _ASPERITY = ("reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness", "poisson_ratio", "lubricant_thickness", "law")
 
-__all__ = ["LAWS", "Array", "Quadrature", "attraction", "law"]
+__all__ = ["LAWS", "Array", "attraction", "law"]
 
 Array = NDArray[np.float64]
 
 # Laws of heights whose densities are known.
 LAWS = ("gaussian", "truncated", "exponential", "weibull", "lognormal")
-
-
-class Quadrature:
-    """Expectations over heights on a grid of equal steps, the trapezoidal rule on the density."""
-
-    def __init__(self, heights: Any, low: float, high: float, size: int) -> None:
-        self.z = np.linspace(low, high, size)
-        # For each point the probability of its cell, so that kinks and ends of the law lose nothing.
-        edges = np.concatenate([[low], 0.5 * (self.z[1:] + self.z[:-1]), [high]])
-        middle = float(heights.median())
-        self.weights = np.where(
-            edges[1:] > middle, heights.sf(edges[:-1]) - heights.sf(edges[1:]), heights.cdf(edges[1:]) - heights.cdf(edges[:-1])
-        )
-        self.weights /= self.weights.sum()
-        with np.errstate(divide="ignore"):
-            self.log_weights = np.log(self.weights)
-
-    def mean(self, values: Array) -> float:
-        """E of values at the points."""
-        return float(self.weights @ values)
-
-    def log_moment(self, exponent: Array) -> float:
-        """log E exp(exponent)."""
-        return float(special.logsumexp(exponent + self.log_weights))
 
 
 def law(given: Any, sigma: float) -> Any:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import functools
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from .. import experiments, quantities
@@ -24,6 +27,10 @@ _EFFECTIVE = 25.0
 _MOST_ABOVE, _MOST_BELOW = 200_000, 20_000_000
 # Pilots for a force above which patches pull with a probability; how near the last one's is, as a logarithm.
 _FORCES, _NEAR = 20, 1.5
+# Share of patches that may miss the preload.
+_MISSED = 0.05
+# Standard deviations below the lowest height at which nothing acts, and above the largest separation from which on heights are alike.
+_FAR, _BEYOND = 50.0, 8.0
 # Scatter of low heights that splitting leaves out at most, as a share of the least pull-off of the pilot, and of the scatter of pull-offs.
 _IN_BINS, _OF_SCATTER = 2e-3, 0.03
 
@@ -34,7 +41,8 @@ class Patches:
     Parameters
     ----------
     tables : mapping
-        A scene of independent asperities of one radius, whose heights have a law of a formula, on approach or retraction.
+        A scene of independent asperities of one radius, whose heights have a law of a formula, on any history; after the
+        largest preload where there are preloads.
     seed, threads : int, optional
         As in `stiction.run`.
 
@@ -46,45 +54,106 @@ class Patches:
 
     def __init__(self, tables: Mapping[str, Any], *, seed: int | None = None, threads: int | None = None) -> None:
         _checked(tables)
-        ensemble = {key: value for key, value in tables.get("ensemble", {}).items() if key in ("seed",)}
-        self.tables = {**tables, "ensemble": {**ensemble, "replicas": _PILOT}, "output": {**tables.get("output", {}), "curves": True}}
+        seeded = {key: value for key, value in tables.get("ensemble", {}).items() if key == "seed"}
+        instability = {"preload": tables["instability"]["preload"]} if "preload" in tables.get("instability", {}) else {}
+        self.tables = {key: value for key, value in tables.items() if key not in ("device", "instability", "output")}
+        self.tables |= {"ensemble": seeded, **({"instability": instability} if instability else {})}
         self.threads = threads
-        self.reseed(int(ensemble.get("seed", 1)) if seed is None else seed)
-        with experiments.run(self.tables, seed=int(self._seeds.integers(2**62)), threads=threads, progress=False) as run:
+        self.reseed(int(seeded.get("seed", 1)) if seed is None else seed)
+        pilot = {**self.tables, "ensemble": {"replicas": _PILOT}, "output": {"curves": True}}
+        with experiments.run(pilot, seed=int(self._seeds.integers(2**62)), threads=threads, progress=False) as run:
+            self._scene = dict(run.attrs)
+            self.is_loop = self._scene["history"] == "loop"
             self.separations = run["replicas/separation"].values
-            self.offset = float(run.attrs["mean_plane_offset"])
-            self.pull_off = run["replicas/pull_off_force"].values
-            attraction = -run["replicas/external_force"].transpose("replica", "separation").values
+            self.pull_off, self.preload = self._of(run), None
+            turn = float(self.separations.min())
+            if instability:
+                self.preload = float(run["replicas/preload"].values[-1])
+                turns = run["replicas/preload_separation"].values[:, -1]
+                if (missed := int(np.isnan(turns).sum())) > _MISSED * turns.size:
+                    raise SceneError(
+                        f"instability.preload: {missed} of {turns.size} patches do not reach {quantities.si(self.preload, 'N')}; "
+                        "begin nearer by [separation], or press less"
+                    )
+                turn = float(np.nanmedian(turns))
+                self.tables["instability"] = {"preload": [f"{self.preload!r} N"]}
+            self._turn = turn
+            name = "replicas/retraction_external_force" if self.is_loop else "replicas/external_force"
+            attraction = -run[name].transpose("replica", "separation").values
             count = float(run["replicas/asperity_count"].values[0])
-            sigma = float(run.attrs["asperity_height_std"])
-            mean_count = float(run.attrs["asperity_density"]) * float(run.attrs["nominal_area"])
-            of_asperity = dict(run.attrs)
         surface = tables["surface"]
         self.poisson = surface.get("count", "fixed") == "poisson"
-        self.count = mean_count if self.poisson else count
-        self.heights = heights.law(surface.get("heights", "gaussian"), sigma)
+        self.count = float(self._scene["asperity_density"]) * float(self._scene["nominal_area"]) if self.poisson else count
+        self.heights = heights.law(surface.get("heights", "gaussian"), float(self._scene["asperity_height_std"]))
         self._ends = float(self.heights.ppf(1e-18)), float(self.heights.isf(1e-18))
-        self.tops = self.separations - self.offset
+        # Separations of the mean plane of the asperities.
+        self.tops = self.separations - float(self._scene["mean_plane_offset"])
         # Where each patch pulls most, nearly.
         self._most = self.tops[attraction.argmax(axis=1)]
-        self._asperity = heights.attraction(of_asperity, self._ends[0] - float(self.tops.max()), self._ends[1] - float(self.tops.min()))
+
+    def _of(self, run: Any) -> Array:
+        """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""
+        if "preload" not in self.tables.get("instability", {}):
+            return np.asarray(run["replicas/pull_off_force"].values)
+        force: Array = run["replicas/pull_off_after_preload"].values[:, -1]
+        return np.where(np.isnan(force), 0.0, force)
 
     def reseed(self, seed: int) -> None:
         """Begins another stream of random numbers; what the program has computed of the scene remains."""
         self._seeds = np.random.default_rng([seed, 2])
 
+    def _computed(self, z: Array, **changes: Any) -> Any:
+        """The run of patches of given heights above the mean plane of the asperities, m."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "heights.h5")
+            with h5py.File(path, "w") as file:
+                file["height"] = z.ravel()
+            area = f"{z.shape[1] / float(self._scene['asperity_density'])!r} m^2"
+            surface = {**self.tables["surface"], "nominal_area": area, "count": "fixed"}
+            ensemble = {"replicas": z.shape[0], "heights": {"path": str(path), "dataset": "height", "unit": "m"}}
+            tables = {key: value for key, value in {**self.tables, "surface": surface, "ensemble": ensemble, **changes}.items() if value is not None}
+            return experiments.run(tables, threads=self.threads, progress=False)
+
+    def _pull_off(self, z: Array) -> Array:
+        """Pull-off force of patches, N, by their heights, m, of NaN where there is no asperity."""
+        # Nothing acts so far below.
+        low = self._ends[0] - _FAR * float(self.heights.std())
+        with self._computed(np.where(np.isnan(z), low, z)) as run:
+            return self._of(run)
+
+    def _one(self, h: Array) -> Array:
+        """Attraction, N, of single asperities, (separations, cells), on the way back from where patches turn."""
+        given = np.unique([self._turn, *h]) if self.is_loop else h
+        separation = {"h": [f"{float(one)!r} m" for one in given]}
+        with self._computed(self._cells.z[:, None], separation=separation, output={"curves": True}, instability=None) as run:
+            name = "replicas/retraction_external_force" if self.is_loop else "replicas/external_force"
+            force = run[name].transpose("separation", "replica").values
+        return np.asarray(-force[np.searchsorted(given, h)])
+
+    @functools.cached_property
+    def _cells(self) -> tilting.Cells:
+        sigma = float(self.heights.std())
+        high = min(self._ends[1], max(float(self.tops.max()) + _BEYOND * sigma, self._ends[0] + sigma))
+        return tilting.Cells(self.heights, self._ends[0], high)
+
     @functools.cached_property
     def _tilts(self) -> tilting.Tilts:
-        return tilting.Tilts(self.heights, self._ends, self.count, self._asperity, self.tops)
+        patch = tilting.Patch(self._cells, self.count, self.poisson, self._one, self._pull_off)
+        back = self.separations[self.separations >= self._turn] if self.is_loop else self.separations
+        return tilting.Tilts(patch, back)
+
+    @functools.cached_property
+    def _asperity(self) -> tuple[Array, Array]:
+        """Interferences (m) and attraction (N) of one asperity."""
+        return heights.attraction(self._scene, self._ends[0] - float(self.tops.max()), self._ends[1] - float(self.tops.min()))
 
     @functools.cached_property
     def _below(self) -> splitting.Curves:
+        if self.is_loop:
+            raise SceneError('model.history = "loop": probabilities below a force are of approach or retraction; count the patches of a long run')
         low, middle, high = (float(of(self._most)) for of in (np.min, np.median, np.max))
         # Half as far again as patches of the pilot reach.
         where = max(1.5 * low - 0.5 * middle, float(self.tops.min())), min(1.5 * high - 0.5 * middle, float(self.tops.max()))
-        return self._curves(where)
-
-    def _curves(self, where: tuple[float, float]) -> splitting.Curves:
         forces = self.pull_off
         error = min(_IN_BINS * max(float(forces.min()), 0.1 * float(np.median(forces))), _OF_SCATTER * float(forces.std()))
         return splitting.Curves(self.heights, self.count, self.poisson, self._asperity, np.sort(self.tops), where, error)
@@ -153,7 +222,7 @@ class Patches:
 
     def _pilot(self, threshold: float, most: int | None) -> tuple[tilting.Mixture, tilting.Drawn] | None:
         """A mixture for patches above a threshold and the first patches of it; none where the event never happens."""
-        mixture = self._tilts.mixture(threshold, self._curves)
+        mixture = self._tilts.mixture(threshold)
         if mixture is None:
             return None
         size, most = _FIRST, most or _MOST_ABOVE
@@ -194,7 +263,7 @@ def _exceeded(drawn: tilting.Drawn, weights: Array, probabilities: Array) -> Arr
 
 
 # Tables of scenes that this knows.
-_TABLES = ("material", "surface", "model", "separation", "ensemble", "solver", "output")
+_TABLES = ("material", "surface", "model", "separation", "instability", "device", "ensemble", "solver", "output")
 
 
 def _checked(tables: Mapping[str, Any]) -> None:
@@ -210,7 +279,7 @@ def _checked(tables: Mapping[str, Any]) -> None:
     name = given.get("law") if isinstance(given, Mapping) else given
     if name not in heights.LAWS:
         raise SceneError(f"surface.heights.law = {name!r}: a law of a formula is needed: {', '.join(heights.LAWS)}")
-    if tables.get("model", {}).get("history", "approach") == "loop":
-        raise SceneError('model.history = "loop": "approach" or "retraction" is needed')
     if ensemble.get("sampling", "independent") != "independent":
         raise SceneError(f"ensemble.sampling = {ensemble['sampling']!r}: independent patches are needed")
+    if "heights" in ensemble:
+        raise SceneError("ensemble.heights: patches are drawn by the law of `[surface]`; leave it out")

@@ -1,18 +1,17 @@
 r"""Patches that pull more than a threshold, by tilted heights.
 
-The asperities of a patch are independent, so its force is a sum, and its pull-off F the largest attraction over all
-separations: F = max_h S(h), S(h) = Σ_i a(z_i − d), with the attraction a(δ) of one asperity (minus its external force)
-at the interference δ = z − d. Heights are drawn from tilted laws
+The asperities of a patch are independent, so its attraction on the way back is a sum, S(h) = Σ_i a(z_i; h), with the attraction a (minus the external
+force) of one asperity of the height z at the separation h, and its pull-off F about the largest S. Heights are drawn from tilted laws
 
-.. math:: q_j(z) = p(z) \exp(\theta_j\, a(z - d_j) - \psi_j), \qquad \psi_j = \log \operatorname{E} \exp(\theta_j\, a(z - d_j)),
+.. math:: q_j(z) = p(z) \exp(\theta_j\, a(z; h_j) - \psi_j), \qquad \psi_j = \log \operatorname{E} \exp(\theta_j\, a(z; h_j)),
 
-under which a patch of N asperities has the likelihood ratio exp(Nψ_j − θ_j S(d_j)): a number of *the curve of the patch
-itself*. Patches of all laws are weighed together (balance heuristic),
+under which a patch has the likelihood ratio exp(Σ_i θ_j a(z_i; h_j) − ψ_j), whatever its pull-off is by the program: on approach, after a
+loop, or after a preload. Patches of all laws are weighed together (balance heuristic),
 
-.. math:: \hat p = \frac1n \sum_i \frac{1[F_i > x]}{\sum_j \alpha_j \exp(\theta_j S_i(d_j) - N \psi_j)},
+.. math:: \hat p = \frac1n \sum_i \frac{1[F_i > x]}{\sum_j \alpha_j \exp(\theta_j S_i(h_j) - N \psi_j)},
 
 which is unbiased for any shares α_j and tilts that do not depend on these patches. F above x is a union over
-separations. For each of them θ is that of Chernoff's bound, the supremum of θx − Nψ(θ), which makes x the mean of S(d):
+separations. For each of them θ is that of Chernoff's bound, the supremum of θx − Nψ(θ), which makes x the mean of S(h):
 all tops that pull together are drawn more often, not the highest alone.
 
 **Every separation at which the event happens has a law.** An asperity pulls over a part of a nanometre only. A patch
@@ -24,7 +23,7 @@ fifth of the patches in equal shares, and a tenth is of the scene's own heights:
 probable it is that a patch of the event is of each) and the second moment of the weights, and that the number of patches
 for an error. Then it is thrown away.
 
-Patches are explicit heights as below a threshold: see `splitting`.
+Heights are in cells, in which the attraction of one asperity counts as that of the middle: the likelihood ratio is exact for what is drawn.
 
 References: D. Siegmund, *Ann. Stat.* **4** (1976) 673; D. Q. Naiman, C. E. Priebe, *J. Comput. Graph. Stat.* **10**
 (2001) 296 (maxima); E. Veach, L. J. Guibas, *Proc. SIGGRAPH* (1995) 419; A. Owen, Y. Zhou, *J. Am. Stat. Assoc.* **95**
@@ -33,6 +32,7 @@ References: D. Siegmund, *Ann. Stat.* **4** (1976) 673; D. Q. Naiman, C. E. Prie
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -42,23 +42,67 @@ from numpy.typing import NDArray
 from scipy import optimize, special
 
 from .estimate import LEAST, Probability, shared
-from .heights import Array, Quadrature
-from .splitting import Curves, Tilt
+from .heights import Array
 
-__all__ = ["Drawn", "Mixture", "Tilts"]
+__all__ = ["Cells", "Drawn", "Mixture", "Tilts"]
 
-# Points of the quadrature over heights at which tilts are looked for.
-_GRID = 2**12
+# Cells of heights.
+_CELLS = 2**12
+# Heights, and numbers in cells, at once.
+_HEIGHTS, _NUMBERS = 8_000_000, 20_000_000
 # Tilted laws within the part of the attraction that is above half of its largest, and at most in all.
 _WITHIN, _LAWS = 4, 128
-# Steps between separations at which bounds are looked at first, in σ_s; ln of the least bound over the largest.
-_SCAN, _REACH = 0.25, 8.0
+# ln of the least bound over the largest.
+_REACH = 8.0
 # Shares of the scene's own heights, and of all laws alike.
 _OWN, _ALIKE = 0.1, 0.2
 # Patches of an estimate at least, and as how many alike ones those in the event are to weigh.
 _PATCHES, _ALIKE_PATCHES = 500, 200
 # More patches than a pilot says, as it knows the second moment of weights no better than so.
 _MARGIN = 2.0
+
+
+class Cells:
+    """A law of heights in cells of equal width, the last one without end.
+
+    Parameters
+    ----------
+    law : scipy.stats distribution
+        Law of heights, m.
+    low, high : float
+        Where the first cell begins, and the last but one ends, m.
+
+    Attributes
+    ----------
+    z, masses : Array
+        Middle of each cell, m, and its probability.
+    """
+
+    def __init__(self, law: Any, low: float, high: float) -> None:
+        self._law, edges = law, np.linspace(low, high, _CELLS)
+        self._edges = edges
+        beyond, below, upper = law.sf(edges), law.cdf(edges), edges[1:] > float(law.median())
+        inner = np.where(upper, beyond[:-1] - beyond[1:], below[1:] - below[:-1])
+        self.masses = np.append(inner, beyond[-1])
+        self.masses /= self.masses.sum()
+        with np.errstate(divide="ignore"):
+            self.log_masses = np.log(self.masses)
+            density = law.logpdf(edges)
+        # How much less dense heights are at the end of a cell than where it begins, ln.
+        self._fall: Array = np.nan_to_num(density[:-1] - density[1:], nan=0.0, posinf=0.0, neginf=0.0)
+        self.z = np.append(0.5 * (edges[1:] + edges[:-1]), high)
+
+    def drawn(self, cells: NDArray[np.int64], rng: np.random.Generator) -> Array:
+        """Heights in cells, m, of a density that falls evenly in each."""
+        share, inner = rng.random(cells.size), np.minimum(cells, _CELLS - 2)
+        fall = self._fall[inner]
+        steep = np.abs(fall) > 1e-6
+        safe = np.where(steep, fall, 1.0)
+        place = np.where(steep, -np.log1p(share * np.expm1(-safe)) / safe, share)
+        z = self._edges[inner] + place * (self._edges[1] - self._edges[0])
+        last = cells == _CELLS - 1
+        z[last] = self._law.isf(share[last] * self._law.sf(self._edges[-1]))
+        return np.asarray(z)
 
 
 @dataclass(frozen=True)
@@ -73,26 +117,64 @@ class Drawn:
 
 
 @dataclass(frozen=True)
-class Mixture:
-    """Tilted laws, the scene's own first, and how many of the patches each has."""
+class Patch:
+    """What patches are made of, and their pull-off.
 
-    curves: Curves
-    laws: list[Tilt]
+    Attributes
+    ----------
+    cells : Cells
+        Law of heights.
+    count : float
+        Asperities of a patch.
+    poisson : bool
+        Whether their number scatters about it.
+    one : callable
+        Attraction of one asperity, N, (separations, cells), on the way back at separations h, m.
+    pull_off : callable
+        Pull-off force of patches, N, by their heights (n, asperities), m, with NaN where there is none.
+    """
+
+    cells: Cells
+    count: float
+    poisson: bool
+    one: Callable[[Array], Array]
+    pull_off: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and how many of the
+    patches each has.
+    """
+
+    patch: Patch
+    ratios: Array
     shares: Array
 
     def drawn(self, patches: int, rng: np.random.Generator) -> Drawn:
         """Patches, of each law as many as its share, rounded up."""
-        columns, theta, psi = (np.array([getattr(law, name) for law in self.laws]) for name in ("column", "theta", "psi"))
-        sizes = np.maximum(np.ceil(patches * self.shares), 2).astype(int)
-        forces, likelihoods = [], []
-        for law, size in zip(self.laws, sizes, strict=True):
-            some = self.curves.tilted(law, int(size), rng)
-            forces.append(some.force)
-            # At the separations of the laws alone.
-            attraction = some.sums[:, columns] + some.low @ self.curves.of_low[:, columns]
-            likelihoods.append(theta * attraction - self.curves.number(some)[:, None] * psi)
-        laws = np.repeat(np.arange(sizes.size), sizes)
-        return Drawn(np.concatenate(forces), np.concatenate(likelihoods), laws)
+        laws = np.repeat(np.arange(self.shares.size), np.maximum(np.ceil(patches * self.shares), 2).astype(int))
+        step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
+        parts = [self._part(laws[first : first + step], rng) for first in range(0, laws.size, step)]
+        forces, likelihoods = (np.concatenate(of) for of in zip(*parts, strict=True))
+        return Drawn(forces, likelihoods, laws)
+
+    def _part(self, laws: NDArray[np.int64], rng: np.random.Generator) -> tuple[Array, Array]:
+        """Pull-off and likelihoods of patches of laws."""
+        patch = self.patch
+        number = rng.poisson(patch.count, laws.size) if patch.poisson else np.full(laws.size, round(patch.count))
+        heights = np.full((laws.size, int(number.max())), np.nan)
+        in_cells = np.zeros((laws.size, _CELLS))
+        for law in np.unique(laws):
+            rows = np.flatnonzero(laws == law)
+            cumulated = np.cumsum(patch.cells.masses * np.exp(self.ratios[law]))
+            cells = np.searchsorted(cumulated, rng.random(int(number[rows].sum())) * cumulated[-1]).clip(0, _CELLS - 1)
+            of = np.repeat(np.arange(rows.size), number[rows])
+            in_cells[rows] = np.bincount(of * _CELLS + cells, minlength=rows.size * _CELLS).reshape(rows.size, _CELLS)
+            own = np.full((rows.size, heights.shape[1]), np.nan)
+            own[np.arange(heights.shape[1]) < number[rows, None]] = patch.cells.drawn(cells, rng)
+            heights[rows] = own
+        return patch.pull_off(heights), in_cells @ self.ratios.T
 
     def _weights(self, drawn: Drawn, shares: Array) -> Array:
         return np.asarray(np.exp(-special.logsumexp(drawn.likelihood, axis=1, b=shares)))
@@ -103,11 +185,11 @@ class Mixture:
 
     def fitted(self, pilot: Drawn, threshold: float) -> Mixture:
         """The mixture whose shares are the probabilities that a patch of the event is of each law."""
-        if len(self.laws) == 1:
+        if self.shares.size == 1:
             return self
         weights = self.weights(pilot)
         of = np.exp(pilot.likelihood) * self.shares * weights[:, None]
-        return Mixture(self.curves, self.laws, _shares((weights * (pilot.pull_off > threshold)) @ of[:, 1:]))
+        return Mixture(self.patch, self.ratios, _shares((weights * (pilot.pull_off > threshold)) @ of[:, 1:]))
 
     def patches(self, pilot: Drawn, by: Mixture, threshold: float, error: float) -> int:
         """The number of patches of this mixture that an error takes, from a pilot by another one."""
@@ -119,7 +201,7 @@ class Mixture:
         """The probability of patches above a threshold, N."""
         weights, inside, n = self.weights(drawn), drawn.pull_off > threshold, drawn.law.size
         value = variance = total = total_variance = 0.0
-        for law in range(len(self.laws)):
+        for law in range(self.shares.size):
             of = drawn.law == law
             size = int(of.sum())
             share, weight = size / n, weights[of]
@@ -133,71 +215,57 @@ class Mixture:
 
 
 class Tilts:
-    """The tilted laws of a scene.
+    """The tilted laws of patches.
 
     Parameters
     ----------
-    heights : scipy.stats distribution
-        Law of heights, m.
-    ends : tuple of float
-        Heights between which all are, m.
-    count : float
-        Asperities of a patch.
-    asperity : tuple of Array
-        Interferences (m) and attraction there (N).
-    tops : Array
-        Separations of the tops, m.
+    patch : Patch
+        What they are made of.
+    separations : Array
+        Separations h at which bounds are looked at first, m, rising.
     """
 
-    def __init__(
-        self, heights: Any, ends: tuple[float, float], count: float, asperity: tuple[Array, Array], tops: Array
-    ) -> None:
-        self.count, self.tops, self._asperity = count, tops, asperity
-        self._sigma = float(heights.std())
-        self._grid = Quadrature(heights, *ends, _GRID)
-        at, values = asperity
-        strong = at[values > 0.5 * values.max()]
-        self._width = float(strong[-1] - strong[0])
-        # Beyond the highest asperity nothing happens.
-        low = float(tops.min())
-        self._range = low, max(min(float(tops.max()), ends[1] - float(strong[0])), low)
+    def __init__(self, patch: Patch, separations: Array) -> None:
+        self.patch, self._separations = patch, separations
 
-    def mixture(self, x: float, curves: Callable[[tuple[float, float]], Curves]) -> Mixture | None:
-        """The laws for patches above x (N), with curves that are close between two separations; none where such
-        patches are rarer than `LEAST`.
-        """
-        low, high = self._range
-        inside = self.tops[(self.tops > low) & (self.tops < high)]
-        scan = np.unique([*np.arange(low, high, _SCAN * self._sigma), *inside, high])
-        rates = np.array([self._chernoff(x, top)[1] for top in scan])
+    @functools.cached_property
+    def _coarse(self) -> Array:
+        return self.patch.one(self._separations)
+
+    def mixture(self, x: float) -> Mixture | None:
+        """The laws for patches above x (N); none where such patches are rarer than `LEAST`."""
+        rates = np.array([self._chernoff(x, a)[1] for a in self._coarse])
         if rates.min() > -np.log(LEAST):
             return None
-        near = np.flatnonzero(rates < rates.min() + _REACH)
-        where = float(scan[max(near[0] - 1, 0)]), float(scan[min(near[-1] + 1, scan.size - 1)])
-        found = curves(where)
-        own = found.tilt(0, 0.0)
+        own = np.zeros((1, _CELLS))
         if not (rates > 1.0).all():
-            return Mixture(found, [own], np.ones(1))
-        d = found.separations
-        places = np.flatnonzero((d >= where[0] - found.step) & (d <= where[1] + found.step))
+            return Mixture(self.patch, own, np.ones(1))
+        near = np.flatnonzero(rates < rates.min() + _REACH)
+        h, z = self._separations, self.patch.cells.z
+        low, high = float(h[max(near[0] - 1, 0)]), float(h[min(near[-1] + 1, h.size - 1)])
+        best = self._coarse[rates.argmin()]
+        strong = z[best > 0.5 * best.max()]
         # As close as laws are to be, and not closer.
-        step = max(self._width / _WITHIN, (where[1] - where[0]) / _LAWS)
-        places = places[np.unique(np.floor((d[places] - where[0]) / step + 1e-9), return_index=True)[1]]
-        tilts, rates = np.transpose([self._chernoff(x, float(d[place])) for place in places])
-        laws = [found.tilt(int(place), tilt) for place, tilt in zip(places, tilts, strict=True) if tilt > 0.0]
-        return Mixture(found, [own, *laws], _shares(np.exp(rates.min() - rates[tilts > 0.0])))
+        step = max(float(strong[-1] - strong[0]) / _WITHIN, float(z[1] - z[0]))
+        places = np.linspace(low, high, int(np.clip(np.ceil((high - low) / step), 1, _LAWS - 1)) + 1)
+        attraction = self.patch.one(places)
+        found = [self._chernoff(x, a) for a in attraction]
+        tilts, rates = np.transpose(found)
+        used = np.flatnonzero(tilts > 0.0)
+        exponents = tilts[used, None] * attraction[used]
+        ratios = exponents - special.logsumexp(exponents + self.patch.cells.log_masses, axis=1, keepdims=True)
+        return Mixture(self.patch, np.concatenate([own, ratios]), _shares(np.exp(rates.min() - rates[used])))
 
-    def _chernoff(self, x: float, top: float) -> tuple[float, float]:
-        """θ ≥ 0 (1/N) and the supremum of θx − Nψ(θ) at a separation."""
-        a, scale = np.interp(self._grid.z - top, *self._asperity), float(self._asperity[1].max())
-        mean = self.count * self._grid.mean(a)
-        if mean >= x:
+    def _chernoff(self, x: float, a: Array) -> tuple[float, float]:
+        """θ ≥ 0 (1/N) and the supremum of θx − Nψ(θ) for the attraction of cells."""
+        count, scale, cells = self.patch.count, float(a.max()), self.patch.cells
+        if count * float(cells.masses @ a) >= x:
             return 0.0, 0.0
-        if a.max() * self.count <= x:
+        if scale * count <= x:
             return 0.0, np.inf
 
         def cost(t: float) -> float:
-            return self.count * self._grid.log_moment(t / scale * a) - t * x / scale
+            return count * float(special.logsumexp(t / scale * a + cells.log_masses)) - t * x / scale
 
         found = optimize.minimize_scalar(cost, bounds=(0.0, 200.0), method="bounded", options={"xatol": 1e-4})
         return float(found.x) / scale, -float(found.fun)

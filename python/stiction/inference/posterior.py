@@ -41,7 +41,7 @@ _MOST_BATCHES = 8
 _SCORED = 4000
 # Draws of the prior.
 _PRIOR = 20_000
-_FORMAT = "stiction-inference"
+_FORMAT, _VERSION = "stiction-inference", (1, 0)
 
 
 @dataclass(frozen=True)
@@ -340,7 +340,10 @@ def _result(
         emulator_share=share, simulated_patches=simulated, batches=batches,
         farthest="\n".join(_farthest(measured, farthest(emulator, groups, values, random))),
     )  # fmt: skip
-    return Inference(data)
+    found = Inference(data)
+    data.attrs = {"format": _FORMAT, "format_version": np.array(_VERSION), "title": data.posterior.attrs["title"],
+                  "scene": data.posterior.attrs["scene"], "summary": str(found)}  # fmt: skip
+    return found
 
 
 def _farthest(measured: Measurements, found: list[tuple[int, float]]) -> Iterator[str]:

@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from .. import files, stored
 from ..errors import FileError
-from ..results import Sweep, open_run
+from ..results import Finding, Sweep, open_run
 from ..terminal import ended
 from .pages import page, panels
 from .style import context, inches
@@ -24,7 +26,7 @@ _ENDINGS = (".png", ".pdf", ".svg")
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction plot",
-        description="Draw results: of runs, sweeps, patches of several sizes, asperities of maps.",
+        description="Draw results: of runs, sweeps, patches of several sizes, asperities of maps, inferences, sensitivities, searches.",
         epilog="Examples: stiction plot case_ii.h5; stiction plot case_ii.h5 --what force --width 85mm -o force.pdf; "
         "stiction plot sweep.h5 --x material.hardness --by surface.lubricant_thickness. "
         "Exit codes: 0 done; 1 a picture cannot be written; 2 the command or a file is wrong.",
@@ -96,6 +98,10 @@ def _draw_all(given: argparse.Namespace) -> None:
 def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
     """A picture of a result, or the names of its figures."""
     with open_run(path) as result:
+        if isinstance(result, Finding):
+            if given.what is not None or given.x is not None or given.by is not None:
+                raise FileError(f"{path}: a result of `{result.made_by}` has one figure; leave out --what, --x and --by")
+            return _saved(result.figure(given.width), ending, given.dpi)
         if given.what == "list":
             return "\n".join(panels(result)).encode()
         options: dict[str, Any] = {}
@@ -106,10 +112,14 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
                 options[name] = getattr(given, name)
         what = given.what.split(",") if given.what else None
         figure = page(result, given.width, what=what, title=given.title, **options)
-        stream = io.BytesIO()
-        with context():
-            figure.savefig(stream, format=ending[1:], dpi=given.dpi, metadata=_UNDATED.get(ending))
-        return stream.getvalue()
+        return _saved(figure, ending, given.dpi)
+
+
+def _saved(figure: Figure, ending: str, dpi: int) -> bytes:
+    stream = io.BytesIO()
+    with context():
+        figure.savefig(stream, format=ending[1:], dpi=dpi, metadata=_UNDATED.get(ending))
+    return stream.getvalue()
 
 
 # A result always gives the same bytes.

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import quantities
 from ..finite_size import is_study, study
-from ..results import Asperities, Result, Run, Sweep, agreement
+from ..results import Asperities, Finding, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
 __all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
@@ -78,7 +78,7 @@ def facts(result: Result) -> Facts:
 
     Parameters
     ----------
-    result : Run, Sweep or Asperities
+    result : Run, Sweep, Asperities or Finding
     """
     for kind, of in _OF.items():
         if isinstance(result, kind):
@@ -600,4 +600,8 @@ def _asperities(result: Asperities) -> Facts:
     return Facts("asperities of a map", numbers, verdicts, computed, commands, [str(attrs["map"])], [table])
 
 
-_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Asperities: _asperities}
+def _finding(result: Finding) -> Facts:
+    return Facts(f"result of `{result.made_by}`", [], [], [], "", [])
+
+
+_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Asperities: _asperities, Finding: _finding}

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from matplotlib.figure import Figure
 
 from .. import files, quantities, stored
 from ..errors import FileError
@@ -24,7 +25,7 @@ from ..plot import page as drawn_page
 from ..plot import panels
 from ..plot.style import COLORS, context
 from ..plot.sweep import QUANTITIES
-from ..results import Result, Sweep, open_run
+from ..results import Finding, Result, Sweep, open_run
 from .data import tables
 from .facts import Facts, Table, Verdict, facts
 
@@ -104,13 +105,13 @@ def page(results: Sequence[Result]) -> str:
         f"<header><h1>{escape(title)}</h1>{_under(results, said)}</header>",
         _side_by_side(names, said) if len(results) > 1 else "",
         section("The number to quote", _number),
-        section("Verdicts", lambda _, fact: _verdicts(fact.verdicts)),
+        section("Verdicts", lambda _, fact: _verdicts(fact.verdicts) if fact.verdicts else ""),
         section("Warnings", lambda result, _: _list(result.warnings)),
         section("Figures", lambda result, _: _figures(result, figures)),
         section("Tables", lambda _, fact: "".join(_table(table) for table in fact.tables)),
         section("What was computed", lambda _, fact: _rows(fact.computed)),
         section("The scene", lambda result, _: f"<pre>{escape(result.scene_text)}</pre>" if result.scene_text else ""),
-        section("How to make it again", _again),
+        section("How to make it again", lambda result, fact: _again(result, fact) if fact.commands else ""),
         section("Provenance", lambda result, _: _rows(_provenance(result))),
     ]
     style = resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8")
@@ -156,6 +157,8 @@ def _partial(result: Result) -> str:
 
 
 def _number(result: Result, fact: Facts) -> str:
+    if isinstance(result, Finding):
+        return f"<pre>{escape(result.words)}</pre>"
     first, *rest = fact.numbers
     told = f"<div>{escape(first.label)}</div><div class=value>{escape(first.text)}</div><div class=quiet>{escape(first.note)}</div>"
     rows = "".join(
@@ -230,6 +233,12 @@ def _against(first: Any, other: Any) -> str:
 
 
 def _figures(result: Result, numbers: Any) -> str:
+    if isinstance(result, Finding):
+        try:
+            drawing = result.figure("180mm")
+        except FileError:
+            return ""
+        return f"<figure>{_svg(drawing, f'f{next(numbers)}-', result.kind)}</figure>"
     return f"<div class=figures>{''.join(_figure(result, name, next(numbers)) for name in panels(result))}</div>"
 
 
@@ -239,16 +248,20 @@ def _figure(result: Result, name: str, number: int) -> str:
     told = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
     if isinstance(result, Sweep) and name in QUANTITIES:
         told = QUANTITIES[name][0]
-    with context():
-        stream = io.StringIO()
-        drawing.savefig(stream, format="svg", metadata={"Date": None}, transparent=True)
     stem = result.path.stem
     links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
     return (
-        f'<figure id="figure-{number}">{_inline(stream.getvalue(), f"f{number}-", words)}'
+        f'<figure id="figure-{number}">{_svg(drawing, f"f{number}-", words)}'
         f"<figcaption>{escape(told.partition(chr(10))[0])}</figcaption>"
         f"<details class=data-of-figure><summary>Data of {escape(words)}</summary>{''.join(links)}</details></figure>"
     )
+
+
+def _svg(drawing: Figure, prefix: str, words: str) -> str:
+    with context():
+        stream = io.StringIO()
+        drawing.savefig(stream, format="svg", metadata={"Date": None}, transparent=True)
+    return _inline(stream.getvalue(), prefix, words)
 
 
 def _inline(svg: str, prefix: str, words: str) -> str:

@@ -6,14 +6,11 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-import xarray
-
-from .. import files, quantities
+from .. import files
 from ..scenes import named_files
 from ..terminal import ended
 from .figure import draw
-from .study import QUANTITIES, sensitivity
+from .study import sensitivity
 
 __all__ = ["main"]
 
@@ -59,41 +56,5 @@ def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:
     )  # fmt: skip
     with files.writing(picture, force=given.force, inputs=inputs) as part:
         draw(found).savefig(part, dpi=200)
-    print(told(found))
+    print(found.attrs["summary"])
     print(f"{output}, {picture}")
-
-
-def told(found: xarray.Dataset) -> str:
-    """A study in words."""
-    level = 100.0 * float(found.attrs["interval_level"])
-    lines = [f"Sobol indices of the mean over patches, with {level:g} % intervals"]
-    width = max(len(str(key)) for key in found["key"].values) + 2
-    for name in found["quantity"].values:
-        one = found.sel(quantity=name)
-        unit = str(one["unit"].item())
-        mean, std = (quantities.si(one[what], unit) for what in ("mean", "standard_deviation"))
-        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}; standard deviation of one patch, by numbers and by chance, {std}")
-        lines.append(f"    {'':{width}}{'first order':26}total")
-        least = one["total"] < one["first_order"] - _ROUNDED
-        for key in found["key"].values:
-            of = one.sel(key=key)
-            columns = [_within(of[kind], of[f"{kind}_interval"]) for kind in ("first_order", "total")]
-            lines.append(f"    {key:{width}}{columns[0]:26}{columns[1]}")
-        lines.append(f"    {'scatter between patches, of all variance':{width + 26}}{_within(one['scatter'], one['scatter_interval'])}")
-        if least.any():
-            few = ", ".join(str(key) for key in found["key"].values[least.values])
-            lines.append(f"    too few samples: the total of {few} is below its first order, which it contains; more --samples")
-    return "\n".join(lines)
-
-
-# Indices that differ by less are alike, as chance has them of numbers that act each by itself.
-_ROUNDED = 0.01
-
-
-def _within(value: xarray.DataArray, interval: xarray.DataArray) -> str:
-    if np.isnan(float(value)):
-        return "none"
-    if np.isnan(interval.values).any():
-        return f"{float(value):.3f} [not known]"
-    low, high = (f"{float(end):.3f}" for end in interval.values)
-    return f"{float(value):.3f} [{low}, {high}]".replace("-", "−")

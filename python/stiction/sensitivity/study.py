@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from .. import experiments, files, priors
+from .. import experiments, files, priors, quantities
 from ..errors import SceneError, StictionError
 from ..results import Result
 from ..scenes import Scene, named_files, toml
@@ -119,7 +119,7 @@ def sensitivity(
     result = _dataset(found, estimated, level)
     # As the run had it: with what the arguments say.
     result.attrs |= {"title": str(tables.get("title", "")), "samples": samples, "blocks": BLOCKS, "replicas": patches,
-                     "seed": first, "scene": _text(scene)}  # fmt: skip
+                     "seed": first, "scene": _text(scene), "summary": _words(result)}  # fmt: skip
     if output is not None:
         with files.writing_hdf5(output, force=force, inputs=inputs) as part:
             result.to_netcdf(part, engine="h5netcdf")
@@ -226,3 +226,39 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     }  # fmt: skip
     attributes = {"format": "stiction-sensitivity", "format_version": np.array(_VERSION), "interval_level": level}
     return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+
+
+def _words(found: xarray.Dataset) -> str:
+    """A study in words."""
+    level = 100.0 * float(found.attrs["interval_level"])
+    lines = [f"Sobol indices of the mean over patches, with {level:g} % intervals"]
+    width = max(len(str(key)) for key in found["key"].values) + 2
+    for name in found["quantity"].values:
+        one = found.sel(quantity=name)
+        unit = str(one["unit"].item())
+        mean, std = (quantities.si(one[what], unit) for what in ("mean", "standard_deviation"))
+        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}; standard deviation of one patch, by numbers and by chance, {std}")
+        lines.append(f"    {'':{width}}{'first order':26}total")
+        least = one["total"] < one["first_order"] - _ROUNDED
+        for key in found["key"].values:
+            of = one.sel(key=key)
+            columns = [_within(of[kind], of[f"{kind}_interval"]) for kind in ("first_order", "total")]
+            lines.append(f"    {key:{width}}{columns[0]:26}{columns[1]}")
+        lines.append(f"    {'scatter between patches, of all variance':{width + 26}}{_within(one['scatter'], one['scatter_interval'])}")
+        if least.any():
+            few = ", ".join(str(key) for key in found["key"].values[least.values])
+            lines.append(f"    too few samples: the total of {few} is below its first order, which it contains; more --samples")
+    return "\n".join(lines)
+
+
+# Indices that differ by less are alike, as chance has them of numbers that act each by itself.
+_ROUNDED = 0.01
+
+
+def _within(value: xarray.DataArray, interval: xarray.DataArray) -> str:
+    if np.isnan(float(value)):
+        return "none"
+    if np.isnan(interval.values).any():
+        return f"{float(value):.3f} [not known]"
+    low, high = (f"{float(end):.3f}" for end in interval.values)
+    return f"{float(value):.3f} [{low}, {high}]".replace("-", "−")

@@ -8,11 +8,12 @@ use self::rows::Row;
 use super::failure::Failure;
 use super::rows::row;
 use super::terminal::print;
-use crate::experiment::layouts::{LAYOUTS, SWEEP};
+use crate::experiment::layouts::{FINDINGS, LAYOUTS, SWEEP};
 use crate::experiment::partial::PartialFile;
 use crate::format::{duration, replicas as shown};
 use crate::output::partial::RESTART;
 use crate::output::reader::Reader;
+use crate::output::schema::Layout;
 use crate::output::{OutputError, PARTIAL, beside};
 use crate::scene::echo::one_line;
 use clap::Args;
@@ -26,7 +27,7 @@ const LONGEST: usize = 1 << 28;
 
 #[derive(Args)]
 pub(super) struct InfoArguments {
-    /// A result of `stiction run`, `compare` or `asperities`
+    /// A result of `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design`
     pub file: PathBuf,
     /// All of a result as one JSON object: attributes, and of each group its attributes and datasets with
     /// dimensions, shape, units, long_name and values, row by row; NaN and infinities are null
@@ -59,8 +60,13 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
 
 /// All that is in a result but for the values of large datasets, which `run --verbose` prints, too.
 pub(super) fn of_result(path: &Path) -> Result<String, Failure> {
-    let reader = Reader::open(path, &LAYOUTS)?;
+    let known: Vec<&'static Layout> = LAYOUTS.iter().copied().chain(&FINDINGS).collect();
+    let reader = Reader::open(path, &known)?;
     let scene = reader.optional_text("/", "scene")?.unwrap_or_default();
+    if let Some(summary) = reader.optional_text("/", "summary")? {
+        let lines = summary.lines().map(|line| format!("{}\n", one_line(line))).collect::<String>();
+        return Ok(format!("{}\n{lines}", one_line(&path.display().to_string())) + &scene_text(&scene));
+    }
     let rows = rows::rows(&reader, completeness(&reader)?)?;
     Ok(format!("{}\n", one_line(&path.display().to_string())) + &rows + &scene_text(&scene))
 }

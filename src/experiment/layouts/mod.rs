@@ -6,9 +6,29 @@ pub use super::datasets::RUN;
 pub use sweep::SWEEP;
 
 use crate::output::schema::{ASPERITIES, Layout};
+use std::sync::LazyLock;
 
 /// All kinds of files.
 pub static LAYOUTS: [&Layout; 3] = [&RUN, &SWEEP, &ASPERITIES];
+
+/// Files of the commands in Python, which say in words what they hold: the root attribute `summary`.
+pub static FINDINGS: [Layout; 3] = [
+    findings("stiction-inference", "stiction infer"),
+    findings("stiction-sensitivity", "stiction sensitivity"),
+    findings("stiction-design", "stiction design"),
+];
+
+const fn findings(format: &'static str, command: &'static str) -> Layout {
+    Layout {
+        format,
+        command,
+        version: [1, 0],
+        groups: &[],
+        optional_groups: &[],
+        variables: LazyLock::new(Vec::new),
+        of_points: None,
+    }
+}
 
 #[cfg(test)]
 mod tests {

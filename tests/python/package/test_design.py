@@ -285,6 +285,48 @@ def test_a_search_goes_on_from_an_end_where_nothing_happens(monkeypatch):
     assert found.value == pytest.approx(1e-6 / ((least - 1) * ONE / 0.01), rel=0.05)
 
 
+def pressed(preload=None):
+    """A small patch of case II, pressed together and pulled apart."""
+    return {
+        "material": {"reduced_modulus": "85.29 GPa", "hardness": "2.5 GPa", "poisson_ratio": 0.27, "work_of_adhesion": "90 mJ/m^2",
+                     "equilibrium_spacing": "0.2 nm"},
+        "surface": {"asperity_radius": "3.33 um", "asperity_density": "7.39 /um^2", "surface_height_std": "1.619 nm", "nominal_area": "20 um^2"},
+        "model": {"law": "md_plastic", "history": "loop"},
+        "separation": {"h_star": {"from": 0.0, "to": 7.0, "count": 36}},
+        "instability": {} if preload is None else {"preload": ["1 uN", preload]},
+        "ensemble": {"replicas": 10, "seed": 3},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("preload", [None, "0.6 mN"])
+def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
+    """Against 3000 patches by the program, of another seed, after the largest preload: within 4.5 errors of the difference, false alarm 7e-6
+    each if normal.
+    """
+    scene = pressed(preload)
+    with stiction.run({**scene, "ensemble": {"replicas": 3000, "seed": 11}}, progress=False) as run:
+        forces = run["replicas/pull_off_force"].values if preload is None else run["replicas/pull_off_after_preload"].values[:, -1]
+        if preload is not None:
+            assert np.isfinite(forces).all() and (run["replicas/pull_off_after_preload"].values[:, 0] < forces).mean() > 0.5
+    patches = Patches(scene)
+    for share in (0.05, 0.01):
+        threshold = float(np.quantile(forces, 1.0 - share))
+        plain = float((forces > threshold).mean())
+        found = patches.probability(threshold)
+        error = np.hypot(found.standard_error, np.sqrt(plain * (1.0 - plain) / forces.size))
+        assert found.relative_error < 0.11 and abs(found.value - plain) < 4.5 * error, (share, found)
+        assert abs(found.total - 1.0) < 4.5 * found.total_error
+    rarer = patches.probability(1.5 * float(forces.max()))
+    assert 0.0 < rarer.value < 1e-3 and rarer.relative_error < 0.15
+
+
+def test_loops_have_no_probability_below_and_preloads_are_reached():
+    with pytest.raises(SceneError, match='model.history = "loop": probabilities below'):
+        probability(pressed(), below="1 uN")
+    with pytest.raises(SceneError, match="instability.preload: 256 of 256 patches do not reach 1.000 N"):
+        probability(pressed("1 N"), above="1 uN")
+
+
 def test_the_command_says_what_was_found(tmp_path, capsys):
     scene = tmp_path / "scene.toml"
     scene.write_text((CONFIGS / "quick.toml").read_text(encoding="utf-8"), encoding="utf-8")
@@ -304,7 +346,7 @@ def test_the_command_says_what_was_found(tmp_path, capsys):
         ("substrate", "coupling", "periodic", "substrate: probabilities of rare patches are of independent asperities"),
         ("surface", "radii", {"law": "gamma", "coefficient_of_variation": 0.3}, "surface.radii: .* one radius"),
         ("surface", "heights", {"law": "file", "path": "x.csv", "column": 1, "unit": "nm"}, "surface.heights.law = 'file'"),
-        ("model", "history", "loop", "model.history = \"loop\""),
+        ("ensemble", "heights", {"path": "x.csv", "column": 1, "unit": "nm"}, "ensemble.heights: patches are drawn"),
         ("ensemble", "sampling", "stratified", "ensemble.sampling = 'stratified'"),
         ("material", "hardness", {"prior": "uniform", "from": "1 GPa", "to": "2 GPa"}, "material.hardness has a prior"),
     ],

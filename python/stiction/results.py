@@ -64,8 +64,8 @@ class PullOff:
     most_differing : float or None
         Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
     preload : float or None
-        The preload that it follows, N: the largest that is reached, where the scene has preloads. The mean curve and the
-        integral are those of the whole loop then.
+        The preload before the pull-off, N: the largest that is reached, where the scene has preloads. Mean curve and
+        integral then refer to the whole loop.
     """
 
     mean: float

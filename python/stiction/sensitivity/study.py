@@ -218,7 +218,7 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     variables["mean"] = ("quantity", [one.mean for one in all_of], {"long_name": "mean over parameters and patches, in `unit`"})
     variables["standard_deviation"] = (
         "quantity", [max(one.variance, 0.0) ** 0.5 for one in all_of],
-        {"long_name": "standard deviation of one patch whose parameters are not known, in `unit`"},
+        {"long_name": "standard deviation of one patch with unknown parameters, in `unit`"},
     )  # fmt: skip
     coordinates = {
         "quantity": list(of), "key": found.keys, "range_end": ["low", "high"],

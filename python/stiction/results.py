@@ -50,9 +50,9 @@ class PullOff:
     ----------
     mean, standard_error : float
         The mean over replicas and its standard error, N; with the integral as control variate where that was possible.
-        NaN is the error of one replica, and of replicas that all agree, which is no certainty.
+        The error is NaN for one replica, and where all replicas agree.
     interval : tuple of float
-        What holds the true mean with the probability `interval_level`, N.
+        Interval that contains the true mean with the probability `interval_level`, N.
     std, scatter : float
         Standard deviation from patch to patch, N, and over the plain mean of the replicas.
     separation : float
@@ -173,7 +173,7 @@ class Result:
 
     @property
     def is_partial(self) -> bool:
-        """Whether some replicas of the run are missing: of a shard, of an interrupted run, or as shards were."""
+        """Whether replicas of the run are missing: in a shard, an interrupted run, or a merge without some shards."""
         return "partial" in self.tree.attrs
 
     @property
@@ -574,12 +574,12 @@ _KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, As
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
-    """Opens a result of the program, of whatever kind it is.
+    """Opens a result of the program, of any kind.
 
     Parameters
     ----------
     path : str or pathlib.Path
-        What `stiction run`, `compare` or `asperities` left.
+        A file of `stiction run`, `compare` or `asperities`.
 
     Returns
     -------

@@ -57,7 +57,7 @@ def sensitivity(
     samples : int
         Rows n of Saltelli's design, a power of 2 of at least 128: n (k + 2) points of k keys are computed, in 32 independent blocks.
     replicas : int, optional
-        Patches at each point, in the place of the scene's; they are shared by all points of a block.
+        Patches at each point, instead of the scene's; all points of a block share them.
     seed, threads : int, optional
         As in `stiction.run`.
     level : float

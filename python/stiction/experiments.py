@@ -37,9 +37,9 @@ def run(
         a unit, numbers without one, or pint quantities. Heights and radii of asperities may be arrays (m), ``surface.asperities``
         what `find_asperities` returned.
     output : path, optional
-        Where the result goes. Without it the file is temporary, and there as long as the result is; ``result.save(path)`` keeps it.
+        The result file. Without it the file is temporary and goes with the result; ``result.save(path)`` keeps it.
     replicas, seed : int, optional
-        In the place of the scene's; 0 replicas are the integral alone.
+        Instead of the scene's; 0 replicas give the integral alone.
     threads : int, optional
         One per core by default. They do not change the result.
     resume : bool
@@ -63,7 +63,7 @@ def run(
     StictionError
         The run failed.
     KeyboardInterrupt
-        It was interrupted. With `output` what was done is kept; the same call with ``resume=True`` goes on.
+        It was interrupted. With `output` finished replicas are kept; this call with ``resume=True`` goes on.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def sweep(
     progress: bool | None = None,
     **overrides: Any,
 ) -> Sweep:
-    """Computes a scene at several values of some of its keys. The other arguments are as of `run`.
+    """Computes a scene at several values of some of its keys. The other arguments are as in `run`.
 
     Parameters
     ----------
@@ -141,14 +141,14 @@ def compare(
 ) -> Sweep:
     """Computes a scene by several laws on the same asperities, by the integral and, if asked for, by ensembles: a sweep over `model.law`.
 
-    The other arguments are as of `run`; `replicas` and `seed` need `ensemble`.
+    The other arguments are as in `run`; `replicas` and `seed` need `ensemble`.
 
     Parameters
     ----------
     laws : sequence of str
         Names of laws, such as ``["hybrid", "emd"]``. The scene's own by default.
     ensemble : bool
-        Whether explicit ensembles are summed too, of the same asperities for every law.
+        Whether explicit ensembles are summed too, with equal asperities for every law.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def compare(
 
 
 def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
-    """The statistical integral of a scene alone, by its own law. The arguments are as of `run`.
+    """The statistical integral of a scene alone, by its own law. The arguments are as in `run`.
 
     Returns
     -------
@@ -201,7 +201,7 @@ class Text(str):
 
 
 def check(scene: Scene, **overrides: Any) -> Text:
-    """Says what a scene would compute, what it skips and why, what that takes, and what looks wrong; computes nothing.
+    """Reports what a scene would compute and skip, the memory and disk it takes, and what looks wrong; computes nothing.
 
     Raises
     ------

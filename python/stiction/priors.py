@@ -8,7 +8,7 @@ A number of a scene may be a table with ``prior``:
 ``"uniform"``       `from`, `to`                           uniform between the two
 ``"log_uniform"``   `from`, `to`                           uniform in the logarithm
 ``"normal"``        `mean`, `std`, also `from` and `to`    normal, cut at the limits that are there
-``"log_normal"``    `median`, `log_std`                    normal in the logarithm, whose standard deviation is `log_std`
+``"log_normal"``    `median`, `log_std`                    normal in the logarithm, with standard deviation `log_std`
 ``"fixed"``         `value`                                it is that number
 ==================  =====================================  ==========================================================
 
@@ -100,7 +100,7 @@ class Prior:
 
 @dataclass(frozen=True)
 class Priors:
-    """A scene whose numbers have priors.
+    """A scene with priors for some of its numbers.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Priors:
         return np.stack(columns, axis=1)
 
     def natural(self, values: ArrayLike) -> Array:
-        """Parameters, and of those whose law is one of the logarithm the logarithms.
+        """Parameters; for laws of the logarithm their logarithms.
 
         Parameters
         ----------
@@ -200,7 +200,7 @@ class Priors:
 
 
 def read(scene: Scene) -> Priors:
-    """Reads a scene whose numbers may have priors.
+    """Reads a scene that may have priors for its numbers.
 
     Parameters
     ----------

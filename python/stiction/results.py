@@ -53,9 +53,9 @@ class PullOff:
     ----------
     mean, standard_error : float
         The mean over replicas and its standard error, N; with the integral as control variate where that was possible.
-        NaN is the error of one replica, and of replicas that all agree, which is no certainty.
+        The error is NaN for one replica, and where all replicas agree.
     interval : tuple of float
-        What holds the true mean with the probability `interval_level`, N.
+        Interval that contains the true mean with the probability `interval_level`, N.
     std, scatter : float
         Standard deviation from patch to patch, N, and over the plain mean of the replicas.
     separation : float
@@ -67,8 +67,8 @@ class PullOff:
     most_differing : float or None
         Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
     preload : float or None
-        The preload that it follows, N: the largest that is reached, where the scene has preloads. The mean curve and the
-        integral are those of the whole loop then.
+        The preload before the pull-off, N: the largest that is reached, where the scene has preloads. Mean curve and
+        integral then refer to the whole loop.
     """
 
     mean: float
@@ -176,7 +176,7 @@ class Result:
 
     @property
     def is_partial(self) -> bool:
-        """Whether some replicas of the run are missing: of a shard, of an interrupted run, or as shards were."""
+        """Whether replicas of the run are missing: in a shard, an interrupted run, or a merge without some shards."""
         return "partial" in self.tree.attrs
 
     @property
@@ -628,12 +628,12 @@ _KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, As
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
-    """Opens a result of the program, of whatever kind it is.
+    """Opens a result of the program, of any kind.
 
     Parameters
     ----------
     path : str or pathlib.Path
-        What `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design` left.
+        A file of `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design`.
 
     Returns
     -------

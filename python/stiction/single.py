@@ -76,7 +76,7 @@ def asperity(
     path : {"approach", "retraction"}
         Which solution where there are two.
     **others
-        Refused by name: columns of a table that are no arguments.
+        Columns of a table that are no arguments: refused, with their names.
 
     Returns
     -------

@@ -206,9 +206,9 @@ def read_table(path: Name) -> xarray.Dataset:
     """Reads a table of another program, such as a spreadsheet: its numbers in SI units.
 
     Commas, semicolons or tabs between columns, points or commas in numbers, quoted cells and the usual encodings
-    are found; lines that begin with # are comments, if they have not the cells of a row. A column's unit is in
+    are found; lines that begin with # are comments, unless they have the cells of a row. A column's unit is in
     brackets or behind its name,
-    ``radius (nm)`` or ``radius_nm``; without one its numbers are as they are.
+    ``radius (nm)`` or ``radius_nm``; without one its numbers are taken as they are.
 
     Parameters
     ----------

@@ -7,20 +7,20 @@
 #   --output FOLDER         where everything goes, on a file system that all nodes share; default: the scene's name, in the current folder
 #   --stiction PATH         the program; default: stiction on the PATH. Its full path is what the nodes run
 #   --seed SEED, --replicas COUNT
-#                           instead of those of the scene
+#                           instead of the scene's
 #   --checkpoint SECONDS    how often a task keeps what it has done; default: 30
-#   --at-once M             at most so many tasks at a time
-#   --save-before SECONDS   save and requeue a task so long before its time limit; default: 120
+#   --at-once M             at most M tasks at a time
+#   --save-before SECONDS   save and requeue a task this long before its time limit; default: 120
 #   --scratch FOLDER        compute in a folder of the node, such as /local or '$TMPDIR' (in single quotes: the node's), and copy what has been
 #                           done to the output folder; default: compute in the output folder
 #   --copy-every SECONDS    how often that is copied besides at the end of each sitting; default: 300
 #   --merge-time TIME, --merge-mem MEMORY
-#                           --time and --mem of the merge; default: those of the array
+#                           --time and --mem of the merge; default: as for the array
 #
-# Everything else is for the sbatch of the array: --time, --cpus-per-task, --mem, --partition, --account and so on. The merge gets those of
-# them that say who, where, how long and how much memory.
+# Everything else is for the sbatch of the array: --time, --cpus-per-task, --mem, --partition, --account and so on. The merge gets the
+# ones that say who, where, how long and how much memory.
 #
-# The same command again completes what is not complete, and computes nothing twice.
+# This command again completes what is not complete, and computes nothing twice.
 #
 # Exit codes: 0 submitted, or nothing to submit; 1 Slurm refused; 2 the command is wrong, and nothing was written or submitted.
 set -euo pipefail

@@ -30,7 +30,7 @@ pub enum LawError {
     /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
     #[error("no critical interference is given, which the law {0} needs")]
     Elastic(&'static str),
-    /// H/E_r is not known, on which the form of the law depends.
+    /// H/E* is not known, on which the form of the law depends.
     #[error("no hardness over reduced modulus is given, on which the form of the law {0} depends")]
     Hardness(&'static str),
     /// The law is for asperities around which a liquid condenses, and no liquid is given.
@@ -39,7 +39,7 @@ pub enum LawError {
     /// The asperity is none of the three whose curve fits are published.
     #[error(
         "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \
-         6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; hybrid solves any"
+         6.38 um, 0.30 J/m^2; E* 85.29 GPa, Z_0 0.2 nm), and this is none of them; hybrid solves any"
     )]
     NotInTable3,
     /// The law is fitted to one asperity, and there are asperities of many radii.

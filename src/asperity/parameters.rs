@@ -28,7 +28,7 @@ pub struct LawParameters {
     pub critical_interference: f64,
     /// Maximum contact pressure factor k.
     pub pressure_factor: f64,
-    /// Hardness over reduced modulus H/E_r, where it is known; a law whose form changes with it needs it.
+    /// Hardness over reduced modulus H/E*, where it is known; a law whose form changes with it needs it.
     pub hardness_ratio: Option<f64>,
     /// Lubricant thickness t, m; 0 when dry.
     pub lubricant_thickness: f64,

@@ -33,7 +33,7 @@ pub const STRESS_RATIO: f64 = 1.03;
 pub struct Asperity {
     /// Radius of curvature R, m.
     pub radius: f64,
-    /// Reduced modulus E_r, Pa.
+    /// Reduced modulus E*, Pa.
     pub reduced_modulus: f64,
     /// Work of adhesion Δγ, J/m².
     pub work_of_adhesion: f64,
@@ -142,7 +142,7 @@ impl Scale {
     /// The units for an asperity.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Unit`]
+    /// [`LawError::NotPositive`] when one of R, E*, Δγ, Z₀ is not positive and finite, [`LawError::Unit`]
     /// when a unit of the scaled variables is outside [`UNIT_RANGE`], [`LawError::Lambda`] when λ is outside
     /// [`LAMBDA_RANGE`].
     pub fn new(asperity: &Asperity) -> Result<Self, LawError> {

@@ -65,8 +65,7 @@ pub(super) struct RunOptions {
     /// Go on with an interrupted run of this output; begins it if nothing was kept
     #[arg(long)]
     pub resume: bool,
-    /// Keep what has been done so often at most, as a partial result next to the output; 0 after every batch
-    /// of replicas
+    /// Save a partial result next to the output, at most once in this time; 0 after every batch of replicas
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     pub checkpoint: Duration,
     #[command(flatten)]
@@ -93,7 +92,7 @@ pub(super) struct RunArguments {
     /// The probability that the pull-off force is above this, such as "1 uN": sets device.restoring_force
     #[arg(long, value_name = "FORCE")]
     above: Option<String>,
-    /// Print behind the summary what `stiction info` prints of the result
+    /// After the summary print also what `stiction info` prints
     #[arg(long, conflicts_with = "shard")]
     verbose: bool,
     #[command(flatten)]

@@ -30,7 +30,7 @@ pub(super) struct MergeArguments {
     /// Merge the shards that are there, although some are missing or not finished
     #[arg(long)]
     pub partial: bool,
-    /// The scene, if it takes values from other files and is no more where the shards were computed
+    /// The scene, if it takes values from other files and is no longer where the shards were computed
     #[arg(long, value_name = "SCENE.toml")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]

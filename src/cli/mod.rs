@@ -75,7 +75,7 @@ enum Command {
         after_help = "Examples:\n  stiction run configs/case_ii.toml -o case_ii.h5\n  stiction run configs/case_ii.toml --replicas 100000 --checkpoint 60 --resume"
     )]
     Run(RunArguments),
-    /// Put the shards of a run together: the same result as by one run of all
+    /// Merge the shards of a run into the result of one whole run
     #[command(
         after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.1-of-2.shard case_ii.2-of-2.shard"
     )]

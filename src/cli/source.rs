@@ -18,8 +18,8 @@ const STANDARD_INPUT: &str = "-";
 pub(super) struct SceneArguments {
     /// The scene, TOML; - for standard input, files that it names are then in the current folder
     pub scene: PathBuf,
-    /// Set a key of the scene: a dotted name, as in TOML, and a value, of which a text needs no quotation
-    /// marks of its own; may be given several times
+    /// Set a key of the scene: a dotted name, as in TOML, and a value; a text needs no quotation marks of its
+    /// own; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<Setting>,
 }

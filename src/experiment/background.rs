@@ -26,7 +26,7 @@ pub(crate) fn quantities() -> Vec<Quantity> {
     let mut all = vec![quantity(
         "force",
         "N",
-        "attraction between the mean planes, which the external force has in addition to that of the asperities",
+        "attraction between the mean planes, part of the external force in addition to the asperities",
         Box::new(Background::pressure),
     )];
     all.extend(FORCES.iter().map(|table| {

@@ -16,7 +16,7 @@ const MEANT: &[(&[&str], &str, &str)] = &[
     (
         &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],
         "material.reduced_modulus",
-        ", 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
+        ", 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
     ),
     (&["nu", "poisson"], "material.poisson_ratio", ""),
     (

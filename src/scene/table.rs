@@ -55,7 +55,7 @@ static FIRST: &[Key] = &[
         .excludes(&["material.youngs_modulus"]),
     key("material.youngs_modulus", "\"169 GPa\"", Quantity(Of::Pressure, Positive))
         .what("Young's modulus of the two bodies")
-        .about("E₁ and E₂ as a list of two, `[\"169 GPa\", \"70 GPa\"]`; one value is of both.")
+        .about("E₁ and E₂ as a list of two, `[\"169 GPa\", \"70 GPa\"]`; one value is for both.")
         .follows("not used where `reduced_modulus` is given"),
     key("material.hardness", "\"2.5 GPa\"", Quantity(Of::Pressure, Positive))
         .what("hardness of the softer body")
@@ -69,7 +69,7 @@ static FIRST: &[Key] = &[
         .what("Poisson ratio of the softer body, or of both")
         .about(
             "It enters k = 0.454 + 0.41 ν of plastic flow, and with `youngs_modulus` the reduced modulus. A list of two \
-             is of both bodies, in the order of `youngs_modulus`; one value is of both.",
+             is for both bodies, in the order of `youngs_modulus`; one value is for both.",
         )
         .swept(),
     key("material.work_of_adhesion", "\"0.09 J/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
@@ -79,12 +79,12 @@ static FIRST: &[Key] = &[
         .excludes(&["material.surface_energy", "material.interface_energy"]),
     key("material.surface_energy", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
         .what("surface energy of the two bodies")
-        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is of both. Needs `interface_energy`.")
+        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is for both. Needs `interface_energy`.")
         .follows("not used where `work_of_adhesion` is given"),
     key("material.interface_energy", "\"20 mJ/m^2\"", Quantity(Of::SurfaceEnergy, NotNegative))
         .what("energy γ₁₂ of the interface")
         .about(
-            "Needs `surface_energy`. 0 for two bodies of the same material. It has to be less than γ₁ + \
+            "Needs `surface_energy`. 0 for two bodies of one material. It has to be less than γ₁ + \
              γ₂.",
         )
         .follows("not used where `work_of_adhesion` is given"),
@@ -108,20 +108,20 @@ static FIRST: &[Key] = &[
     key("surface.surface_height_std", "\"1.619 nm\"", Quantity(Of::Length, Positive))
         .what("standard deviation of the surface heights")
         .about(
-            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is of two rough faces: σ² is \
-             the sum of their squares. One of σ and σ_s has to be there; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
+            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is for two rough faces: σ² is \
+             the sum of their squares. One of σ and σ_s is required; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
         )
         .follows("from `asperity_height_std`")
         .swept(),
     key("surface.asperity_height_std", "\"1.417 nm\"", Quantity(Of::Length, Positive))
         .what("standard deviation of the asperity heights")
-        .about("σ_s of the tops only. It is what the tops are drawn with.")
+        .about("σ_s of the tops only. Tops are drawn with it.")
         .follows("from `surface_height_std`")
         .swept(),
     key("surface.mean_plane_offset", "\"1.867 nm\"", Quantity(Of::Length, NotNegative))
-        .what("asperity mean plane above that of the surface")
+        .what("height of the asperity mean plane above the surface mean plane")
         .about("y_s. Tops are d = h − y_s from the other face. 0 takes h itself as the distance of the tops.")
-        .follows("0.045944/(ηR), that of a Gaussian surface")
+        .follows("0.045944/(ηR), as for a Gaussian surface")
         .swept(),
     key("surface.nominal_area", "\"100 um^2\"", Quantity(Of::Area, Positive))
         .what("nominal area")
@@ -132,7 +132,7 @@ static FIRST: &[Key] = &[
         .swept(),
     key("surface.lubricant_thickness", "\"0.5 nm\"", Quantity(Of::Length, NotNegative))
         .what("thickness of the lubricant")
-        .about("t. 0: dry. Dry laws take it as absent.")
+        .about("t. 0: dry. Dry laws ignore it.")
         .defaults_to("0")
         .swept(),
     key(
@@ -151,28 +151,28 @@ static FIRST: &[Key] = &[
     )
     .what("shape of the law of heights")
     .about(
-        "Of `weibull` the exponent, of `lognormal` the standard deviation of the logarithm. Other \
+        "For `weibull` the exponent, for `lognormal` the standard deviation of the logarithm. Other \
              laws have none.",
     )
     .swept(),
     key("surface.heights.lower", "-3.0", Number(Unbounded, Unbounded))
         .what("lower limit of truncated heights")
         .about(
-            "Of `truncated`, in standard deviations of the Gaussian that is cut. One of the limits has to \
-             be there.",
+            "For `truncated`, in standard deviations of the uncut Gaussian. One of the limits is \
+             required.",
         )
         .follows("no limit")
         .swept(),
     key("surface.heights.upper", "1.5", Number(Unbounded, Unbounded))
         .what("upper limit of truncated heights")
         .about(
-            "Of `truncated`, in standard deviations of the Gaussian that is cut; a polished surface has \
+            "For `truncated`, in standard deviations of the uncut Gaussian; a polished surface has \
              lost its highest tops.",
         )
         .follows("no limit")
         .swept(),
     key("surface.heights.path", "\"heights.csv\"", Text)
-        .what("file of heights, of the law `file`")
+        .what("file of heights, for the law `file`")
         .about(FILE_PATH),
     key("surface.heights.column", "\"height\"", Various("a name, or a number from 1"))
         .what("column of the file")
@@ -184,7 +184,7 @@ static FIRST: &[Key] = &[
     key("surface.heights.unit", "\"nm\"", Various("a unit of length"))
         .what("unit of the file")
         .about(FILE_UNIT)
-        .follows("the unit that is above the column; where there is none it has to be there"),
+        .follows("the unit above the column; required if there is none"),
     key(
         "surface.radii",
         "{ law = \"gamma\", coefficient_of_variation = 0.5 }",
@@ -203,10 +203,10 @@ static FIRST: &[Key] = &[
         Number(Included(*VARIATIONS.start()), Included(*VARIATIONS.end())),
     )
     .what("coefficient of variation of the radii")
-    .about("Of `lognormal` and `gamma`: standard deviation over mean.")
+    .about("For `lognormal` and `gamma`: standard deviation over mean.")
     .swept(),
     key("surface.radii.path", "\"radii.csv\"", Text)
-        .what("file of radii, of the law `file`")
+        .what("file of radii, for the law `file`")
         .about(FILE_PATH)
         .excludes(&["surface.asperity_radius"]),
     key("surface.radii.column", "\"radius\"", Various("a name, or a number from 1"))
@@ -219,11 +219,11 @@ static FIRST: &[Key] = &[
     key("surface.radii.unit", "\"um\"", Various("a unit of length"))
         .what("unit of the file")
         .about(FILE_UNIT)
-        .follows("the unit that is above the column; where there is none it has to be there"),
+        .follows("the unit above the column; required if there is none"),
     key("surface.count", "\"poisson\"", Choice(|| names(&CountLaw::ALL)))
-        .what("whether every replica has the same number of asperities")
+        .what("whether the number of asperities is fixed or scatters")
         .about(
-            "`fixed`: N = ηA_n in all of them. `poisson`: N scatters as in patches cut at random from a \
+            "`fixed`: N = ηA_n in every replica. `poisson`: N scatters as in patches cut at random from a \
              large surface.",
         )
         .defaults_to("\"fixed\""),
@@ -237,7 +237,7 @@ static FIRST: &[Key] = &[
         .excludes(&["surface.heights", "surface.radii"]),
     key("surface.spectrum", "{ m0 = \"2.37 nm^2\", m2 = 6.26e-5, m4 = \"0.0146 /um^2\" }", Table)
         .what("spectral moments of a Gaussian surface")
-        .about("They say R, η, σ, σ_s and y_s. Radii scatter as by `summits`. m₀ m₄/m₂² has to be above 1.5.")
+        .about("R, η, σ, σ_s and y_s follow. Radii scatter as with `summits`. m₀ m₄/m₂² has to be above 1.5.")
         .follows("not used; radius, density and heights are given")
         .excludes(&[
             "surface.asperity_radius",
@@ -259,7 +259,7 @@ static FIRST: &[Key] = &[
     key("surface.asperities", "{ path = \"asperities.h5\" }", Table)
         .what("asperities of a measured height map")
         .about(
-            "Written by `stiction asperities`. They say R, η, σ, σ_s, y_s and A_n; each height keeps its \
+            "Written by `stiction asperities`. R, η, σ, σ_s, y_s and A_n follow; each height keeps its \
              own radius.",
         )
         .follows("not used; asperities are drawn from laws")
@@ -280,14 +280,14 @@ static FIRST: &[Key] = &[
         .what("how a replica is made of them")
         .about(
             "`bootstrap`: every asperity is one of the measured ones, drawn with replacement. `whole`: \
-             all of them once, in every replica; then `nominal_area` is that of the map.",
+             all of them once, in every replica; `nominal_area` is then the area of the map.",
         )
         .defaults_to("\"bootstrap\""),
     key("surface.asperities.radius", "\"equivalent\"", Choice(|| names(&MEASURED_RADII)))
         .what("radius of each of them")
         .about(
-            "`mean_curvature`: the reciprocal of it. `equivalent`: the geometric mean of the principal radii, \
-             which is nearer in the force of an ellipsoid.",
+            "`mean_curvature`: its reciprocal. `equivalent`: the geometric mean of the principal radii, \
+             which comes closer to the force of an ellipsoid.",
         )
         .defaults_to("\"mean_curvature\""),
     key("model", "{ law = \"md_plastic\" }", Table)
@@ -297,8 +297,8 @@ static FIRST: &[Key] = &[
         .what("law of one asperity")
         .swept()
         .about(
-            "`md_plastic` is for every λ, and continuous where contacts begin to flow; the page of the laws says what \
-             each is and where it is valid.",
+            "`md_plastic` covers elastic contacts at any λ and plastic flow up to λ ≈ 1, and is continuous where contacts \
+             begin to flow; the page of the laws gives the range of each law.",
         )
         .follows("`md_plastic`; with `[capillary]` `capillary`"),
     key("model.plastic_contact", "\"zmc\"", Choice(|| names(&PlasticContact::ALL)))
@@ -323,17 +323,17 @@ static FIRST: &[Key] = &[
         .about(
             "Needs `history = \"loop\"`. `ekk`: Etsion, Kligerman and Kadin's fits, for the contact of Kogut and \
              Etsion alone. `secant`: the elastic contact of the law, of the sphere that has the largest load and its \
-             area. `mesarovic_johnson`: the decohesion of what a uniform pressure has flattened. `thornton_ning`: the \
-             JKR contact of the sphere of `secant`. `flattened_top`: that of `md_plastic` and `capillary`, which have no other.",
+             area. `mesarovic_johnson`: the decohesion of a top that a uniform pressure has flattened. `thornton_ning`: the \
+             JKR contact of the sphere of `secant`. `flattened_top`: the only one of `md_plastic` and `capillary`.",
         )
         .follows(
-            "from the law: `flattened_top` of `md_plastic` and `capillary`, `ekk` of laws with the contact of Kogut and Etsion, `secant` of others",
+            "from the law: `flattened_top` for `md_plastic` and `capillary`, `ekk` for laws with the contact of Kogut and Etsion, else `secant`",
         )
         .swept(),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))
         .what("radius of flattened tops on retraction")
         .about(
-            "Needs `history = \"loop\"` and the unloading `ekk`; the others have `elastic`. `kept`: R. `elastic`: that of \
+            "Needs `history = \"loop\"` and the unloading `ekk`; the others have `elastic`. `kept`: R. `elastic`: the radius of \
              the elastic contact which has the largest load and its area.",
         )
         .defaults_to("\"kept\""),
@@ -353,7 +353,7 @@ static FIRST: &[Key] = &[
     key("capillary.relative_humidity", "0.45", Number(Excluded(0.0), Excluded(1.0)))
         .what("relative humidity")
         .about(
-            "φ, the pressure of the vapour over that at saturation. It says r_K = γV_m/(R_g T |ln φ|). Needed unless there is \
+            "φ, the pressure of the vapour over the pressure at saturation. It sets r_K = γV_m/(R_g T |ln φ|). Required without \
              `film_thickness`.",
         )
         .follows("from `film_thickness`")
@@ -362,7 +362,7 @@ static FIRST: &[Key] = &[
     key("capillary.film_thickness", "\"1 nm\"", Quantity(Of::Length, Positive))
         .what("thickness of liquid films on the faces")
         .about(
-            "t, of a liquid that does not evaporate; r_K = 6πγt³/A. Needs `hamaker_constant` and `film_faces`, in the place of \
+            "t, of a liquid that does not evaporate; r_K = 6πγt³/A. Needs `hamaker_constant` and `film_faces`; replaces \
              `relative_humidity`.",
         )
         .follows("from the vapour where there is `hamaker_constant`: (A/6πp_c)^(1/3)")
@@ -379,7 +379,7 @@ static FIRST: &[Key] = &[
         .follows("none; faces are without films"),
     key("capillary.film_drains", "true", Switch)
         .what("whether bridges are filled from the films between them")
-        .about("Needs `film_thickness`, which is that of apart faces then.")
+        .about("Needs `film_thickness`, which then refers to faces that are apart.")
         .defaults_to("true"),
     key("capillary.liquid", "\"water\"", Choice(|| names(&LIQUIDS)))
         .what("name of the liquid")
@@ -393,7 +393,7 @@ static FIRST: &[Key] = &[
         .swept(),
     key("capillary.surface_tension", "\"72.7 mN/m\"", Quantity(Of::SurfaceEnergy, Positive))
         .what("surface tension of a liquid of one's own")
-        .about("γ. Needs `molar_volume` where there is `relative_humidity`.")
+        .about("γ. Needs `molar_volume` with `relative_humidity`.")
         .follows("from `liquid`")
         .swept(),
     key("capillary.molar_volume", "\"18 cm^3/mol\"", Quantity(Of::MolarVolume, Positive))
@@ -412,7 +412,7 @@ static FIRST: &[Key] = &[
     key("capillary.volume", "\"equilibrium\"", Choice(|| names(&Volume::ALL)))
         .what("amount of liquid in a bridge while the faces part")
         .about(
-            "`equilibrium`: that in equilibrium with the vapour, slow retraction. `constant`: bridges keep what they have \
+            "`equilibrium`: in equilibrium with the vapour, slow retraction. `constant`: bridges keep their liquid \
              when contact ends, fast retraction.",
         )
         .defaults_to("\"equilibrium\""),
@@ -420,7 +420,7 @@ static FIRST: &[Key] = &[
         .what("when bridges form and break")
         .about(
             "`metastable`: they form where the solids touch, and break where they become unstable. `reversible`: they \
-             form and break where their energy is that of none.",
+             form and break where a bridge and no bridge have equal energy.",
         )
         .defaults_to("\"metastable\""),
     key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
@@ -457,9 +457,9 @@ static FIRST: &[Key] = &[
     key("separation.cycles", "2", Whole(1, MOST_CYCLES))
         .what("how often the surfaces of a loop are brought close and pulled back")
         .about(
-            "Needs `history = \"loop\"`. From 2 on the second approach is computed, on datasets that begin with `reapproach_`, and the energy that each \
+            "Needs `history = \"loop\"`. From 2 on the file has the second approach, in datasets that begin with `reapproach_`, and the energy that each \
              cycle after the first dissipates. Between cycles the surfaces are parted until nothing touches. The second \
-             retraction is the first once more, and so is every further cycle the second.",
+             retraction equals the first, and every further cycle equals the second.",
         )
         .defaults_to("1"),
     key("separation.stiffness_span", "\"0.2 nm\"", Quantity(Of::Length, Positive))
@@ -485,14 +485,14 @@ static FIRST: &[Key] = &[
         Various("a table, or a list of them"),
     )
     .what("how well means are to be known")
-    .about("The run ends when all targets are met; of a sweep or of several sizes each point by itself.")
+    .about("The run ends when all targets are met; in a sweep or with several sizes each point by itself.")
     .follows("none; `replicas` says how many"),
     key(
         "ensemble.target.quantity",
         "\"pull_off_force\"",
         Choice(|| SCALARS.iter().map(|scalar| scalar.name).collect()),
     )
-    .what("the quantity whose mean it is"),
+    .what("the quantity to average"),
     key(
         "ensemble.target.relative_standard_error",
         "5e-3",
@@ -508,10 +508,10 @@ static FIRST: &[Key] = &[
     .what("standard error, at most"),
     key("ensemble.target.estimate", "\"controlled\"", Choice(|| names(&Estimator::ALL)))
         .what("which mean")
-        .about("`controlled` has the integral as control variate and needs fewer replicas.")
+        .about("`controlled` uses the integral as control variate and needs fewer replicas.")
         .defaults_to("\"plain\""),
     key("ensemble.min_replicas", "64", Whole(*REPLICAS.start(), *REPLICAS.end()))
-        .what("surfaces before the targets are looked at")
+        .what("surfaces before the targets are first checked")
         .about("Needs `target`. It is rounded up to whole groups of 8.")
         .follows("64 groups of the sampling scheme")
         .excludes(&["ensemble.replicas"]),
@@ -546,11 +546,11 @@ static FIRST: &[Key] = &[
         .follows("the unit that is above the column; where there is none it has to be there"),
     key("ensemble.seed", "1", Whole(0, i64::MAX as u64))
         .what("seed of the random numbers")
-        .about("The same seed gives the same bits.")
+        .about("A run with an equal seed gives equal bits.")
         .defaults_to("1"),
     key("substrate", "{ coupling = \"periodic\" }", Table)
         .what("the elastic half-space that couples the asperities")
-        .about("With it each run has the curves of the same asperities without coupling too, and the differences.")
+        .about("With it each run also has the curves of its asperities without coupling, and the differences.")
         .follows("none; asperities are independent"),
     key("substrate.coupling", "\"periodic\"", Choice(|| names(&COUPLINGS)))
         .what("what surrounds the surface")
@@ -577,7 +577,7 @@ static FIRST: &[Key] = &[
         .defaults_to("\"hard_core\""),
     key("substrate.minimum_distance", "\"0.18 um\"", Quantity(Of::Length, Positive))
         .what("least distance of asperities")
-        .about("Of `hard_core` positions only.")
+        .about("For `hard_core` positions only.")
         .follows("half of 1/√η")
         .swept(),
     key(
@@ -604,7 +604,7 @@ static REST: &[Key] = &[
     key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative, &[PATCH]))
         .what("stiffness of the spring")
         .about(
-            "0: load control. `patch`: E*L/0.946402, of the half-space under a single square of \
+            "0: load control. `patch`: E*L/0.946402, the stiffness of the half-space under a single square of \
              side L, with L² the nominal area.",
         )
         .follows("none, with `preload`; without a spring no snaps are looked for"),
@@ -617,7 +617,7 @@ static REST: &[Key] = &[
         .defaults_to("0"),
     key("device", "{ restoring_force = \"1 uN\" }", Table)
         .what("the force that pulls the surfaces apart in the device")
-        .about("With it a run has the probability that the surfaces stay stuck: that the pull-off force is larger.")
+        .about("With it a run gives the probability that the surfaces stay stuck: that the pull-off force is larger.")
         .follows("none; no probability"),
     key("device.restoring_force", "\"1 uN\"", Quantity(Of::Force, Positive))
         .what("restoring force")
@@ -668,8 +668,8 @@ static REST: &[Key] = &[
         )
         .defaults_to("\"grid\""),
     key("sweep.common_random_numbers", "true", Switch)
-        .what("whether all points have the same random numbers")
-        .about("Differences between points are then much better known than the points.")
+        .what("whether all points share their random numbers")
+        .about("Differences between points are then known much better than the points.")
         .defaults_to("true"),
     key("sweep.*.from", "", Various("a value of the key")).what("the first value"),
     key("sweep.*.to", "", Various("a value of the key")).what("the last value"),

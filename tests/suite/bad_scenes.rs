@@ -261,7 +261,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "reduced_modulus =",
         "e_star =",
-        &["did you mean `reduced_modulus`, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
+        &["did you mean `reduced_modulus`, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
     ),
     (
         "[material]",

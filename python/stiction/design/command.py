@@ -38,15 +38,15 @@ def _parser() -> argparse.ArgumentParser:
     side.add_argument("--above", metavar="FORCE", help="patches that pull harder count, such as '5 uN'")
     side.add_argument("--below", metavar="FORCE", help="patches that pull less count")
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--maximise", metavar="KEY", help="the number of which the largest value is looked for, or pull_off_force")
-    which.add_argument("--minimise", metavar="KEY", help="the number of which the smallest value is looked for, or pull_off_force")
+    which.add_argument("--maximise", metavar="KEY", help="the number to make as large as possible, or pull_off_force")
+    which.add_argument("--minimise", metavar="KEY", help="the number to make as small as possible, or pull_off_force")
     parser.add_argument("--probability", type=float, metavar="P", help="largest probability of the patches")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the result as a file, for `stiction info`, `report` and, of a search, `plot`; by default none")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
     parser.add_argument("--error", type=float, default=0.1, metavar="E",
                         help="relative standard error of each probability; by default 0.1")  # fmt: skip
-    parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed, instead of the scene's")
     parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
     return parser
 

@@ -26,13 +26,13 @@ class Probability:
     Attributes
     ----------
     value, standard_error : float
-        Estimate and its standard error; 0 of an event that is impossible, or rarer than `LEAST`.
+        Estimate and its standard error; 0 for an event that is impossible, or rarer than `LEAST`.
     replicas : int
         Patches that were computed for it; below a threshold each time that one is moved counts.
     hits : int
         Patches of them in the event; below a threshold of the last patches of each run.
     total : float
-        Mean weight of all patches that are drawn, which is 1 but for chance.
+        Mean weight of all drawn patches; 1 within its error.
     total_error : float
         Its standard error.
     effective : float
@@ -57,7 +57,7 @@ class Probability:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Interval that holds the probability in 95 of 100 cases.
+        """Interval that contains the probability in 95 of 100 cases.
 
         It is Student's in the logarithm, by the number of patches that decide. Where all patches are in the event, the
         lower end is the probability with which one in 40 ensembles would be so.

@@ -41,15 +41,15 @@ class Patches:
     Parameters
     ----------
     tables : mapping
-        A scene of independent asperities of one radius, whose heights have a law of a formula, on any history; after the
-        largest preload where there are preloads.
+        A scene of independent asperities of one radius, with heights by a law that is a formula, on any history; after
+        the largest preload where there are preloads.
     seed, threads : int, optional
         As in `stiction.run`.
 
     Raises
     ------
     SceneError
-        The scene is wrong, or has what neither tilts nor splitting know; the message names the key.
+        The scene is wrong, or has something that neither method knows; the message names the key.
     """
 
     def __init__(self, tables: Mapping[str, Any], *, seed: int | None = None, threads: int | None = None) -> None:
@@ -192,7 +192,7 @@ class Patches:
         probability : float
             From 1e-12 to 0.5.
         below, error, most
-            As of `probability`, whose error makes the error of the force.
+            As for `probability`; its error becomes the error of the force.
 
         Raises
         ------

@@ -57,7 +57,7 @@ class Best:
     value : float
         Where the force is least, or largest.
     force, interval : float, tuple of float
-        The force (N) that patches exceed, or stay below, with the probability, and what holds it in 95 of 100 cases.
+        The force (N) that patches exceed, or stay below, with the probability, and its 95 % interval.
     tried : tuple of (float, float)
         Values and the forces there (N), in the order of the values.
     """
@@ -77,9 +77,9 @@ class Design:
     Attributes
     ----------
     key, unit : str
-        The number that is looked for, and its SI unit.
+        The number searched for, and its SI unit.
     value, interval : float, tuple of float
-        The value with the wanted probability, and what holds it in 95 of 100 cases, from the errors of the probabilities.
+        The value with the wanted probability, and its 95 % interval, from the errors of the probabilities.
     at_end : bool
         Whether it is the end of the range, at which the wanted probability is not reached yet.
     tried : tuple of (float, Probability)
@@ -176,7 +176,7 @@ def design(
     above, below : str, float or pint.Quantity
         One of them: the threshold of the event, N.
     largest : bool
-        Whether the largest such value is looked for, else the smallest.
+        Whether to find the largest such value, else the smallest.
     error : float
         Relative standard error of each probability.
     seed, threads : int, optional
@@ -268,15 +268,15 @@ def best(
     Parameters
     ----------
     scene : path or dict
-        As of `design`.
+        As in `design`.
     probability : float
         Of the patches that pull harder than the least force, or less than the largest; from 1e-12 to 0.5.
     largest : bool
-        Whether the largest force is looked for.
+        Whether to find the largest force.
     points : int
         Values of the number at first, from end to end of the range; then as many between the neighbours of the best one.
     error, seed, threads
-        As of `design`.
+        As in `design`.
 
     Raises
     ------

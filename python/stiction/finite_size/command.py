@@ -25,7 +25,7 @@ __all__ = ["main"]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction finite-size",
-        description="Find how the pull-off of a finite patch goes to the integral's as its asperities become "
+        description="Find how the pull-off of a finite patch approaches the integral's as its asperities become "
         "more: a sweep over surface.nominal_area, and a table of what it says.",
         epilog="Example: stiction finite-size configs/case_ii.toml --counts 10:1e5:9 --replicas 200. "
         "Exit codes: 0 done; 1 failed while running; 2 the command or the scene is wrong; 130 interrupted, "
@@ -44,8 +44,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     add("--counts", default="10:1e6:11", metavar="N,N...", help=f"{of_counts}; by default 10:1e6:11")
     add("-o", "--output", type=Path, metavar="FILE.h5", help=of_output)
-    add("--replicas", type=int, metavar="N", help="patches of each size, in the place of the scene's")
-    add("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
+    add("--replicas", type=int, metavar="N", help="patches of each size, instead of the scene's")
+    add("--seed", type=int, metavar="N", help="seed, instead of the scene's")
     add("--threads", type=int, metavar="N", help="threads; by default one per core")
     add("--resume", action="store_true", help="go on with an interrupted study of this output")
     add("--force", action="store_true", help="overwrite a file that is there")

@@ -356,7 +356,7 @@ class Approach:
         return self.coefficient * np.asarray(count, float) ** -self.exponent
 
     def count(self, bias: float) -> tuple[float, float]:
-        """The number of asperities at which the bias is so much, and the standard error of its
+        """The number of asperities with this bias, and the standard error of its
         logarithm."""
         logarithm = math.log(self.coefficient / bias) / self.exponent
         slopes = np.array([1.0, -logarithm]) / self.exponent
@@ -378,7 +378,7 @@ class Approach:
 def reached(
     accuracy: float, counts: Array, bias: Array, error: Array, approach: Approach | None
 ) -> tuple[float, str]:
-    """The number of asperities from which on the bias is within an accuracy, and where that comes from.
+    """The number of asperities from which on the bias is within an accuracy, and how it was found.
 
     Parameters
     ----------

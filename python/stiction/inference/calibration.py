@@ -47,7 +47,7 @@ class Calibration:
     checks: Array
 
     def coverage(self, level: float) -> Array:
-        """Share of the experiments whose central interval of that probability holds the true parameter, (parameters,)."""
+        """Share of the experiments in which the central interval of that probability contains the true parameter, (parameters,)."""
         result: Array = (np.abs(self.ranks - 0.5) <= 0.5 * level).mean(axis=0)
         return result
 
@@ -87,12 +87,12 @@ def calibrate(
     threads : int, optional
         Of the simulations.
     data_scene : path or dict, optional
-        Another scene with the same priors that makes the data, to see whether the check finds a wrong model.
+        Another scene with equal priors that makes the data, to see whether the check finds a wrong model.
 
     Raises
     ------
     SceneError
-        A scene is wrong, or the two have not the same priors.
+        A scene is wrong, or the two have different priors.
     """
     priors = scenes.read(scene)
     maker = priors if data_scene is None else scenes.read(data_scene)

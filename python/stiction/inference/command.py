@@ -25,7 +25,7 @@ def _parser() -> argparse.ArgumentParser:
         "stiction infer coupled.csv coupled.toml --model independent.toml. Exit codes: 0 done; 1 it failed while running; 2 the command, the scene or the data are wrong.",
     )
     parser.add_argument("data", type=Path, metavar="DATA.csv", help="measured outcomes, a column each, headed as `pull_off_force (uN)`")
-    parser.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene, with priors in the place of numbers")
+    parser.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene, with priors for some numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5", help="the result; by default the name of the scene with _infer.h5, here")
     parser.add_argument("--figure", type=Path, metavar="OUT", help="the figures, .png, .pdf or .svg; by default none")
     parser.add_argument("--model", action="append", default=[], type=Path, metavar="OTHER.toml",

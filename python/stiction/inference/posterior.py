@@ -158,7 +158,7 @@ def infer(
     scene : path or dict
         The scene with priors, as `stiction.priors.read` has them.
     output : path, optional
-        Where the result is written besides.
+        File for the result, too.
     seed : int
         Seed of simulations, fits and chains.
     threads : int, optional
@@ -454,7 +454,7 @@ def open_inference(path: str | os.PathLike[str]) -> Inference:
     Raises
     ------
     FileError
-        There is no such file, or it is another one.
+        There is no such file, or it holds no inference.
     """
     path = Path(path)
     if not path.is_file():

@@ -37,17 +37,17 @@ def find_asperities(
         formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...). In an array the first index is y and
         the second x, as in images; masked heights and NaN are missing. The coordinates `x` and `y` of a
         `DataArray`, evenly spaced, give the pixel, and their attribute `units` its unit. SurfaceTopography's first
-        index is x, which is seen to.
+        index is x; the program swaps them.
     output : path, optional
-        Where the result goes; as of `run`.
+        The result file, as in `run`.
     pixel : float, str, or pair of them, optional
         Width, or width and height, of a pixel: numbers in m, or texts with a unit. Needed for arrays.
     height_unit : str, optional
-        Unit of the heights; of arrays m by default, of files what they say.
+        Unit of the heights; for arrays m by default, for files the unit that they give.
     channel : str or int, optional
         Name, or number from 0, of the channel, dataset, variable or page, where a file has several.
     factor : float, str, optional
-        What the numbers are multiplied by: a number, or a text with a length per count or other unit of the
+        Factor for the numbers: a number, or a text with a length per count or other unit of the
         instrument, such as ``"12 nm/V"``.
     mask : array_like (ny, nx) or path, optional
         Where it is not 0 heights count as missing.

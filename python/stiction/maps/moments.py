@@ -94,11 +94,11 @@ def spectral_moments(
     pixel : float, str, or pair of them, optional
         Width, or width and height, of a pixel: numbers in m, or texts with a unit. Needed for arrays.
     height_unit : str, optional
-        Unit of the heights; of arrays m by default, of files what they say.
+        Unit of the heights; for arrays m by default, for files the unit that they give.
     channel : str or int, optional
         Name, or number from 0, of the channel, where a file has several.
     factor : float, str, optional
-        What the numbers are multiplied by, such as 2 or ``"12 nm/V"``.
+        Factor for the numbers, such as 2 or ``"12 nm/V"``.
 
     Returns
     -------

@@ -89,7 +89,7 @@ def read_map(
     channel : str or int, optional
         Name, or number from 0, of the channel, dataset, variable or page, where there are several.
     factor : float, str or pint.Quantity, optional
-        What the numbers are multiplied by: a number, and then their unit or `height_unit` holds; or a length per
+        Factor for the numbers: a number, and then their unit or `height_unit` holds; or a length per
         count or other unit, such as ``"0.5 nm"`` or ``"12 nm/V"``.
     mask : array_like or path, optional
         Where it is not 0 (True) heights are left out as missing, in the shape of the map.

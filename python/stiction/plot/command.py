@@ -33,20 +33,20 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="results of stiction")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT",
-                        help="the picture, .png, .pdf or .svg; by default the name of the file with .png, beside it")  # fmt: skip
+                        help="the picture, .png, .pdf or .svg; by default next to the file, with .png")  # fmt: skip
     parser.add_argument(
         "--what",
         metavar="NAME[,NAME]",
-        help="which figures; by default all that fit; `list` tells their names",
+        help="which figures; by default all that fit; `list` prints their names",
     )
     parser.add_argument(
         "--width",
         default=None,
         metavar="LENGTH",
-        help="width, such as 85mm; by default 180mm, of a single figure 90mm",
+        help="width, such as 85mm; by default 180mm, for a single figure 90mm",
     )
-    parser.add_argument("--x", metavar="KEY", help="of a sweep: the key for the axis, or a number that follows from it, such as asperity_plasticity_index")
-    parser.add_argument("--by", metavar="KEY", help="of a sweep: the key that curves are told by")
+    parser.add_argument("--x", metavar="KEY", help="for a sweep: the key for the axis, or a number that follows from it, such as asperity_plasticity_index")
+    parser.add_argument("--by", metavar="KEY", help="for a sweep: the key that distinguishes the curves")
     parser.add_argument("--title", action="store_true", help="the title of the scene above")
     parser.add_argument(
         "--dpi", type=int, default=200, metavar="N", help="dots per inch of .png, by default 200"
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if given.output is not None:
         if len(given.files) > 1:
-            parser.error("--output is for one file; without it each picture is beside its file")
+            parser.error("--output is for one file; without it each picture is next to its file")
         if given.output.suffix.lower() not in _ENDINGS:
             parser.error(f"--output {given.output}: a name that ends with {', '.join(_ENDINGS)} is needed")
     if not 10 <= given.dpi <= 2400:

@@ -126,7 +126,7 @@ def page(
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.
     what : str or list of str, optional
-        Which figures, by the names that `panels` has; all by default.
+        Names of figures, from `panels`; all by default.
     title : bool
         Whether the title of the scene is above.
     **options

@@ -70,9 +70,9 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     run : Run
         The result; of a loop all its ways are drawn.
     ax : matplotlib.axes.Axes, optional
-        Where it is drawn; axes of their own by default.
+        Axes to draw in; new ones by default.
     band : bool
-        Whether the ranges of single replicas are drawn that hold 90 % and 50 % of them, by their quantiles at each separation.
+        Whether to draw the ranges with 90 % and 50 % of the replicas, by their quantiles at each separation.
 
     Returns
     -------

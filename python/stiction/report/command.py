@@ -24,7 +24,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="results of stiction")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.html",
-                        help="the page; by default the name of the first file with .html, beside it")  # fmt: skip
+                        help="the page; by default next to the first file, with .html")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite a page that is there")
     return parser
 

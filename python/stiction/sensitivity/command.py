@@ -20,16 +20,16 @@ def _parser() -> argparse.ArgumentParser:
         prog="stiction sensitivity",
         description="Find which number of a scene matters most: Sobol indices of pull-off, stiffness and energy over numbers that have "
         "priors, and the scatter between patches as a term of its own.",
-        epilog="Example: stiction sensitivity configs/inference/sensitivity.toml. Leaves a file and a figure of the same name. "
+        epilog="Example: stiction sensitivity configs/inference/sensitivity.toml. Leaves a file and a figure with its name. "
         "Exit codes: 0 done; 1 failed while running; 2 the command or the scene is wrong.",
     )
-    parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors in the place of up to 6 numbers")
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors for up to 6 numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
     parser.add_argument("--samples", type=int, default=512, metavar="N",
                         help="rows of the design, a power of 2 from 128 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
-    parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, in the place of the scene's")
-    parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
+    parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, instead of the scene's")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed, instead of the scene's")
     parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
     return parser

@@ -56,7 +56,7 @@ class Estimated:
     mean : float
         Mean over parameters and patches.
     variance : float
-        Var Y of one patch whose parameters are not known, in the unit of the outcome squared.
+        Var Y of one patch with unknown parameters, in the unit of the outcome squared.
     scatter, scatter_interval : float, array (2,)
         Share of the scatter between patches in that variance.
     first_order, total : array (k,)

@@ -57,7 +57,7 @@ def sensitivity(
     samples : int
         Rows n of Saltelli's design, a power of 2 of at least 128: n (k + 2) points of k keys are computed, in 32 independent blocks.
     replicas : int, optional
-        Patches at each point, in the place of the scene's; they are shared by all points of a block.
+        Patches at each point, instead of the scene's; all points of a block share them.
     seed, threads : int, optional
         As in `stiction.run`.
     level : float
@@ -218,7 +218,7 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     variables["mean"] = ("quantity", [one.mean for one in all_of], {"long_name": "mean over parameters and patches, in `unit`"})
     variables["standard_deviation"] = (
         "quantity", [max(one.variance, 0.0) ** 0.5 for one in all_of],
-        {"long_name": "standard deviation of one patch whose parameters are not known, in `unit`"},
+        {"long_name": "standard deviation of one patch with unknown parameters, in `unit`"},
     )  # fmt: skip
     coordinates = {
         "quantity": list(of), "key": found.keys, "range_end": ["low", "high"],

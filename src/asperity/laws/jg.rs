@@ -45,7 +45,7 @@ const TABLE_TOLERANCE: f64 = 8e-15;
 /// The law `jg`.
 ///
 /// # Errors
-/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r.
+/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E*.
 pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let own = parameters.plastic("jg")?;
     let hardness = own.hardness_ratio.ok_or(LawError::Hardness("jg"))?;

@@ -29,8 +29,8 @@ pub(super) struct AsperityArguments {
     pub delta: Vec<f64>,
     /// CSV with the columns lambda,delta, or with radius,reduced_modulus,work_of_adhesion,
     /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness, in SI
-    /// or in the unit that the name has, as `radius (nm)`; - for standard input. Of the latter the forces are put
-    /// behind its own columns, SI
+    /// or in the unit that the name has, as `radius (nm)`; - for standard input. With the latter the forces follow
+    /// its own columns, in SI
     #[arg(long, value_name = "IN.csv")]
     pub table: Option<PathBuf>,
     /// History: approach or retraction

@@ -33,7 +33,7 @@ pub(super) struct InfoArguments {
     /// dimensions, shape, units, long_name and values, row by row; NaN and infinities are null
     #[arg(long, conflicts_with = "csv")]
     json: bool,
-    /// With the values of datasets of more than 100000 too
+    /// Also the values of datasets with more than 100000
     #[arg(long, requires = "json")]
     all: bool,
     /// A CSV table with a row for each index of a dimension and a column for each dataset over that alone

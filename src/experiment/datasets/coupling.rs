@@ -135,7 +135,7 @@ fn of_scalars() -> Vec<Dataset> {
         mean(
             "difference",
             1,
-            "scalar with coupling less that of the same asperities without, mean over replicas",
+            "scalar with coupling minus the scalar of these asperities without it, mean over replicas",
         ),
         error("difference", 1, "standard error of that mean difference"),
         Dataset::new(path(GROUP, "scalar_units"), &[Scalar], "1", "units of each scalar", |results| {

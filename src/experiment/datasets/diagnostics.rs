@@ -32,7 +32,7 @@ pub(super) fn datasets() -> Vec<Dataset> {
         ),
         of_solver(
             "skipped_loads",
-            "asperities whose load and area were not summed, because nothing touches",
+            "asperities without sums of load and area, because nothing touches",
             |stats| stats.unloaded,
         ),
         of_solver("moment_sums", "sums of a surface at one separation that were made of moments", |stats| {

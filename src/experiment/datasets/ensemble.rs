@@ -159,7 +159,7 @@ fn of_scalars() -> [Dataset; 9] {
         of_scalar(
             "variance_reduction",
             "1",
-            "variance of the mean of a scalar over that of the mean with control variates",
+            "variance of the mean of a scalar over the variance with control variates",
             ControlledMean::variance_reduction,
         ),
     ]

@@ -20,7 +20,7 @@ pub(super) fn datasets() -> Vec<Dataset> {
         number(
             "liquid_energy",
             "J m-2",
-            "energy that filling a gap gains, gamma s and that of the films",
+            "energy gained by filling a gap, gamma s plus the energy of the films",
             |_, meniscus| meniscus.energy(),
         ),
         number(
@@ -89,7 +89,7 @@ fn of_history(history: History) -> [Dataset; 4] {
             &[Separation],
             "N",
             history.meaning(
-                "force of liquid that spreads between merging bridges{}, beyond that of the bridges, attraction \
+                "force of liquid that spreads between merging bridges{}, in addition to the bridges, attraction \
                  positive: in the external force, not in the adhesion force",
             ),
             move |results| {

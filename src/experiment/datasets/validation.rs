@@ -64,8 +64,8 @@ fn of_mean_field(history: History) -> [Dataset; 5] {
         own(
             "external_force",
             "N",
-            "external force by mean field{}, which is that of the integral at the separation x; where there are several, \
-             it is that of surfaces which have come from the other end of the path",
+            "external force by mean field{}: the integral's at the separation x; of several solutions \
+             the one reached from the start of the motion",
             |results, history| Some(results.mean_fields.get(history.place)?.force.clone()),
         ),
         own(

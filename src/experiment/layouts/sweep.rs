@@ -81,10 +81,9 @@ fn differences() -> Vec<Variable> {
     let mut all = vec![scale("/differences", Dimension::Point)];
     for scalar in SCALARS {
         let words = scalar.name.replace("pull_off", "pull-off").replace('_', " ");
-        let less = format!("{words} less that of the first point");
-        let ratio = format!(
-            "{words}: variance of the difference if the points were independent, over that of this one"
-        );
+        let less = format!("{words} minus the first point's");
+        let ratio =
+            format!("{words}: variance of the difference for independent points over the variance here");
         for (name, units, meaning) in [
             ("mean", scalar.units, format!("{less}, mean over replicas")),
             ("standard_error", scalar.units, format!("{less}, standard error of the mean")),

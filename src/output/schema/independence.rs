@@ -37,7 +37,7 @@ const ROWS: &[Row] = &[
         "fluctuation",
         NONE,
         "m",
-        "standard deviation of the displacements by neighbours at random places, where the shift is told",
+        "standard deviation of the displacements by neighbours at random places, at the separation of the shift",
     ),
     (
         "relative_fluctuation",
@@ -51,7 +51,7 @@ const ROWS: &[Row] = &[
         "m",
         "wavelength up to which the surfaces are stable where they attract most stiffly, infinite without attraction",
     ),
-    ("contact_share", NONE, "1", "share of the nominal area in contact, where the shift is told"),
+    ("contact_share", NONE, "1", "share of the nominal area in contact, at the separation of the shift"),
     ("closest_shift", NONE, "m", "shift F/k_s at the smallest separation"),
     (
         "relative_closest_shift",

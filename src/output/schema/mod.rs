@@ -179,12 +179,12 @@ impl Dimension {
                 "1",
                 "least energy of a class, over energy_unit; the class reaches to twice that",
             ),
-            Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
+            Self::Target => ("target", "1", "quantity with a target for its mean"),
             Self::MapX => ("x", "m", "middle of the pixels along the rows of the map"),
             Self::MapY => ("y", "m", "middle of the pixels along the columns of the map"),
             Self::Cutoff => ("cutoff", "m", "cut-off wavelength of the filter of the map"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
-            Self::State => ("state", "1", "index of a state whose asperities are told one by one"),
+            Self::State => ("state", "1", "index of a state with its asperities one by one"),
             Self::Step => ("step", "m", "middle between neighbouring separations h"),
             Self::Stiffness => {
                 ("stiffness", "N m-1", "stiffness of what holds the surface, 0 for load control")

@@ -27,10 +27,16 @@ pub(super) const TABLE: ForceTable = ForceTable {
     name: "electrostatic",
     meaning: "attraction between the mean planes by the voltage",
     keys: &[
-        key("electrostatic", "{ voltage = \"30 V\", dielectric_thickness = \"100 nm\", relative_permittivity = 3.9 }", Table)
-            .what("a voltage between the surfaces")
-            .about("Its pressure per nominal area, over the gaps of the rough surface, is added to the attraction.")
-            .follows("none; no voltage"),
+        key(
+            "electrostatic",
+            "{ voltage = \"30 V\", dielectric_thickness = \"100 nm\", relative_permittivity = 3.9 }",
+            Table,
+        )
+        .what("a voltage between the surfaces")
+        .about(
+            "Its pressure per nominal area, over the gaps of the rough surface, is added to the attraction.",
+        )
+        .follows("none; no voltage"),
         key("electrostatic.voltage", "\"30 V\"", Quantity(Of::Voltage, Any))
             .what("applied voltage")
             .about("Steady, or the root of the mean square.")
@@ -43,20 +49,24 @@ pub(super) const TABLE: ForceTable = ForceTable {
         key("electrostatic.dielectric_thickness", "\"100 nm\"", OneOrMore(Of::Length, NotNegative, &[]))
             .what("thickness of the dielectric between the electrodes")
             .about(
-                "Of each, where there are several. Without a dielectric the electrodes are bare, and separations \
+                "A list for several layers. Without a dielectric the electrodes are bare, and separations \
                  have to be so large that they nowhere touch. Needs `relative_permittivity`.",
             )
             .follows("none; bare electrodes")
             .swept(),
-        key("electrostatic.relative_permittivity", "3.9", Various("a number of at least 1, or a list of them"))
-            .what("relative permittivity of the dielectric")
-            .about("Of each, where there are several. Needs `dielectric_thickness`.")
-            .follows("none; bare electrodes")
-            .swept(),
+        key(
+            "electrostatic.relative_permittivity",
+            "3.9",
+            Various("a number of at least 1, or a list of them"),
+        )
+        .what("relative permittivity of the dielectric")
+        .about("A list for several layers. Needs `dielectric_thickness`.")
+        .follows("none; bare electrodes")
+        .swept(),
         key("electrostatic.relative_permittivity[]", "3.9", Number(Included(1.0), Unbounded)),
         key("electrostatic.recess", "\"50 nm\"", Quantity(Of::Length, NotNegative))
             .what("gap that is left between the electrodes where the surfaces touch")
-            .about("Of electrodes next to the contact, lower than it.")
+            .about("For electrodes next to the contact, lower than it.")
             .defaults_to("0")
             .swept(),
     ],

@@ -27,8 +27,8 @@ pub(super) const TABLE: ForceTable = ForceTable {
             .follows("none; asperities attract alone"),
         key("van_der_waals.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
             .what("Hamaker constant")
-            .about("A of the two bodies across what is between them.")
-            .follows("16πΔγZ₀², that of the Lennard-Jones attraction of the asperities")
+            .about("A of the two bodies across the medium between them.")
+            .follows("16πΔγZ₀², as in the Lennard-Jones attraction of the asperities")
             .swept(),
         key("van_der_waals.retarded", "true", Switch)
             .what("whether the forces are retarded")
@@ -41,13 +41,13 @@ pub(super) const TABLE: ForceTable = ForceTable {
             .swept(),
         key("van_der_waals.smallest_gap", "\"0.2 nm\"", Quantity(Of::Length, Positive))
             .what("gap from which on the background acts")
-            .about("Smaller ones belong to the asperities.")
-            .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws that know it")
+            .about("Smaller gaps belong to the asperities.")
+            .follows("the range Z₀/1.03 of the Dugdale stress, plus `lubricant_thickness` under laws with a lubricant")
             .swept(),
         key("van_der_waals.cap_share", "0.75", Number(Excluded(0.0), Included(1.0)))
             .what("share of the area that asperities own")
             .about(
-                "Of laws whose attraction has no end, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
+                "For laws with endless attraction, such as `hybrid`: an asperity acts on a cap of the radius ρ with \
                  ηπρ² = `cap_share`, and the background on the rest.",
             )
             .defaults_to("0.75")

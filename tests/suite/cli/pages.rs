@@ -113,8 +113,8 @@ fn entry(key: &Key) -> String {
     what[..1].make_ascii_uppercase();
     let about = if key.about.is_empty() { String::new() } else { format!(" {}", key.about) };
     let default = match key.absent {
-        Absent::Required if beside(key).is_empty() => "none, it has to be there".to_owned(),
-        Absent::Required => "none, it or what stands in its place has to be there".to_owned(),
+        Absent::Required if beside(key).is_empty() => "none, required".to_owned(),
+        Absent::Required => "none, required unless an excluded key is given".to_owned(),
         Absent::Is(value) => format!("`{value}`"),
         Absent::Follows(words) => words.to_owned(),
     };
@@ -123,7 +123,7 @@ fn entry(key: &Key) -> String {
         format!("#### `{name}`\n\n{what}.{about}\n\n- Value: {}\n- Default: {default}\n", value(key));
     let beside: Vec<String> = beside(key).into_iter().map(|name| format!("`{name}`")).collect();
     if !beside.is_empty() {
-        text += &format!("- Not beside: {}\n", beside.join(", "));
+        text += &format!("- Excludes: {}\n", beside.join(", "));
     }
     if key.is_swept {
         text += "- Can be swept\n";

@@ -105,7 +105,7 @@ def sweep(
     >>> import stiction
     >>> films = {"surface.lubricant_thickness": ["0 nm", "0.5 nm"]}
     >>> points = stiction.sweep("configs/quick.toml", films, replicas=20)
-    >>> points.pull_off["mean"].sizes["surface_lubricant_thickness"]
+    >>> points.pull_off["mean_over_patches"].sizes["surface_lubricant_thickness"]
     2
     """
     if not isinstance(axes, Mapping) or not axes:

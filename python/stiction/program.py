@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import SceneError, StictionError
+from .progress import Bar
 
 __all__ = ["call", "find"]
 
@@ -97,13 +98,13 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
         assert process.stderr is not None
         told: list[str] = []
         try:
-            _read(process.stderr, told, _Bars(_shown(progress)))
+            _read(process.stderr, told, _Bars(progress))
             code = process.wait()
         except BaseException as stop:
             # On a terminal the program has had the same signal; of two that come together it takes one.
             process.send_signal(signal.SIGINT)
             try:
-                _read(process.stderr, told, _Bars(shown=False))
+                _read(process.stderr, told, _Bars(progress=False))
                 process.wait()
             except KeyboardInterrupt:
                 process.kill()
@@ -145,12 +146,6 @@ def _message(told: Sequence[str]) -> str:
     return text.removeprefix("stiction: ").removeprefix("error: ")
 
 
-def _shown(progress: bool | None) -> bool:
-    if progress is not None:
-        return progress
-    return sys.stderr.isatty() or "ipykernel" in sys.modules
-
-
 def _read(lines: IO[str], told: list[str], bars: _Bars) -> None:
     """Reads standard error to its end: progress is shown, the rest kept."""
     try:
@@ -166,25 +161,21 @@ def _read(lines: IO[str], told: list[str], bars: _Bars) -> None:
 class _Bars:
     """A bar for the phase at hand that has a count."""
 
-    def __init__(self, shown: bool) -> None:
-        self.shown = shown
-        self.bar: Any = None
+    def __init__(self, progress: bool | None) -> None:
+        self.progress = progress
+        self.bar: Bar | None = None
         self.of: tuple[str, str] | None = None
 
     def show(self, event: dict[str, Any]) -> None:
-        if not self.shown or event["total"] is None:
+        if self.progress is False or event["total"] is None:
             return
         of = (event["run"], event["phase"])
-        if self.of != of:
-            from tqdm.auto import tqdm
-
+        if self.bar is None or self.of != of:
             self.close()
             name = ": ".join(part for part in of if part)
-            self.bar = tqdm(
-                total=event["total"], initial=event["done"], desc=name, unit=" replicas", leave=False
-            )
+            self.bar = Bar(event["total"], name, "replicas", done=event["done"], progress=self.progress)
             self.of = of
-        self.bar.update(event["done"] - self.bar.n)
+        self.bar.to(event["done"])
 
     def close(self) -> None:
         if self.bar is not None:

@@ -51,7 +51,7 @@ class PullOff:
 
     Attributes
     ----------
-    mean, standard_error : float
+    mean_over_patches, standard_error : float
         The mean over replicas and its standard error, N; with the integral as control variate where that was possible.
         The error is NaN for one replica, and where all replicas agree.
     interval : tuple of float
@@ -71,7 +71,7 @@ class PullOff:
         integral then refer to the whole loop.
     """
 
-    mean: float
+    mean_over_patches: float
     standard_error: float
     interval: tuple[float, float]
     interval_level: float
@@ -85,7 +85,7 @@ class PullOff:
     preload: float | None = None
 
     def __str__(self) -> str:
-        return quantities.with_error(self.mean, self.standard_error, "N")
+        return quantities.with_error(self.mean_over_patches, self.standard_error, "N")
 
     @property
     def agreement(self) -> str:
@@ -95,7 +95,7 @@ class PullOff:
         return agreement(self.replicas, self.most_differing)
 
     def __float__(self) -> float:
-        return self.mean
+        return self.mean_over_patches
 
 
 @dataclass(frozen=True)
@@ -305,7 +305,7 @@ class _Curves(Result):
     def after_largest_preload(self) -> xarray.Dataset | None:
         """Pull-off after the largest preload that replicas reach, of a sweep at each point; None without preloads.
 
-        `mean`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
+        `mean_over_patches`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
         replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval.
         """
         if "instability/preload" not in self or not self.has_replicas:
@@ -328,7 +328,7 @@ class _Curves(Result):
         half = error * stats.t.ppf(0.5 + 0.5 * level, np.maximum(count - 1, 1))
         places = self.group("replicas")["pull_off_after_preload_separation"].mean("replica")
         found = {
-            "mean": mean, "standard_error": error, "std": std, "count": count, "separation": of(places),
+            "mean_over_patches": mean, "standard_error": error, "std": std, "count": count, "separation": of(places),
             "interval": xarray.concat([mean - half, mean + half], "range_end"), "preload": of(group["preload"].reset_coords(drop=True)),
         }  # fmt: skip
         if "device" in self:
@@ -359,9 +359,9 @@ class Run(_Curves):
             number = {str(name): float(of) for name, of in pressed.data_vars.items() if not of.dims}
             low, high = (float(value) for value in pressed["interval"].values)
             return PullOff(
-                mean=number["mean"], standard_error=number["standard_error"], interval=(low, high),
+                mean_over_patches=number["mean_over_patches"], standard_error=number["standard_error"], interval=(low, high),
                 interval_level=float(ensemble.attrs["interval_level"]), std=number["std"],
-                scatter=number["std"] / number["mean"] if number["mean"] > 0.0 else float("nan"),
+                scatter=number["std"] / number["mean_over_patches"] if number["mean_over_patches"] > 0.0 else float("nan"),
                 separation=number["separation"], of_mean_curve=of_loop[0], of_integral=of_loop[1],
                 replicas=int(number["count"]), preload=number["preload"],
             )  # fmt: skip
@@ -371,7 +371,7 @@ class Run(_Curves):
         std = float(values.std(ddof=1)) if values.size > 1 else float("nan")
         differing = float(force["scalar_most_differing"])
         return PullOff(
-            mean=float(force["scalar_controlled_mean"]),
+            mean_over_patches=float(force["scalar_controlled_mean"]),
             standard_error=float(force["scalar_controlled_standard_error"]),
             interval=(low, high),
             interval_level=float(ensemble.attrs["interval_level"]),
@@ -425,9 +425,9 @@ class Run(_Curves):
         after = self._after_preloads()
         if after:
             rows += after
-        elif pull_off.mean > 0.0 and pull_off.replicas == 1:
+        elif pull_off.mean_over_patches > 0.0 and pull_off.replicas == 1:
             rows += [("pull-off", f"{pull_off}, of one replica")]
-        elif pull_off.mean > 0.0:
+        elif pull_off.mean_over_patches > 0.0:
             rows += [
                 ("pull-off", f"{pull_off}, mean over {pull_off.replicas} replicas"),
                 ("interval", f"{low} to {high} ({100 * pull_off.interval_level:g} %)"),
@@ -477,26 +477,26 @@ class Sweep(_Curves):
 
     @cached_property
     def pull_off(self) -> xarray.Dataset:
-        """The pull-off force of each point: `mean`, `standard_error`, `interval` and `of_integral`, N.
+        """The pull-off force of each point: `mean_over_patches`, `standard_error`, `interval` and `of_integral`, N.
 
         Without replicas there is `of_integral` alone. Where the scene has preloads the pull-off follows the largest that is
         reached, `preload`, and `of_integral` is that of the whole loop.
         """
         if not self.has_replicas:
             return xarray.Dataset({"of_integral": self.tree["integral"]["pull_off_force"]})
-        names = ("mean", "standard_error", "interval")
+        names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval"}
         pressed = self.after_largest_preload
         if pressed is not None:
             quoted = {name: pressed[name] for name in (*names, "preload")}
         else:
             force = self.group("ensemble").sel(scalar="pull_off_force")
-            quoted = {name: force[f"scalar_controlled_{name}"] for name in names}
+            quoted = {name: force[f"scalar_controlled_{of}"] for name, of in names.items()}
         whole = xarray.Dataset({**quoted, "of_integral": self.tree["integral"]["pull_off_force"]})
         kept = set(self.tree.dims) | {"range_end"}
         return whole.drop_vars([name for name in whole.coords if name not in kept])
 
     def _summary(self) -> list[tuple[str, str]]:
-        means = self.pull_off["mean" if self.has_replicas else "of_integral"]
+        means = self.pull_off["mean_over_patches" if self.has_replicas else "of_integral"]
         low, high = (quantities.si(value, "N") for value in (means.min(), means.max()))
         shape = " x ".join(f"{size} of {name}" for name, size in self.points.sizes.items())
         laws = dict.fromkeys(self["model_law"].values if "model_law" in self else [self.attrs["law"]])

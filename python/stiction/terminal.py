@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 
+from . import progress
 from .errors import StictionError
 
 __all__ = ["ended"]
@@ -24,6 +25,7 @@ def ended(name: str, work: Callable[[], None]) -> int:
     work : callable
         Prints its results; they are lost to nobody unless an error says so.
     """
+    progress.of_command(name)
     try:
         if sys.stdout is None:
             raise OSError("standard output is closed")

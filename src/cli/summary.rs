@@ -87,7 +87,7 @@ fn quoted(mean: &ControlledMean, is_controlled: bool, unit: &str) -> String {
         return format!("{value}, one group of replicas: no standard error");
     }
     let few = if mean.samples < FEWEST { " (less than that: few replicas)" } else { "" };
-    format!("mean {value}, {:.0} % interval {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
+    format!("mean over patches {value}, {:.0} % {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
 }
 
 /// The pull-off: the number to quote and what it is of, and its scatter.
@@ -165,7 +165,7 @@ fn stuck_patches(results: &Results) -> String {
     let label = format!("above {}", si(force, "N"));
     let preloads = &results.scene.instability.preload;
     if preloads.is_empty() {
-        return stuck(results).map_or(String::new(), |counts| labelled(&label, &probability(counts)));
+        return stuck(results).map_or(String::new(), |counts| labelled(&label, &probability(counts)) + &rare(counts));
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
         let counts = snaps.stuck(turn, force);
@@ -179,8 +179,20 @@ fn stuck_patches(results: &Results) -> String {
         };
         labelled(label, &format!("after {}: {of}", si(*preload, "N")))
     });
-    lines.collect()
+    let few = preloads.iter().zip(snaps.places_of_turns()).next_back();
+    lines.collect::<String>() + &few.map_or(String::new(), |(_, turn)| rare(snaps.stuck(turn, force)))
 }
+
+/// Where to find a probability that few patches know.
+fn rare(counts: Counts) -> String {
+    match counts.snap {
+        0..FEW => labelled("", "few patches decide: stiction design finds probabilities of rare ones"),
+        _ => String::new(),
+    }
+}
+
+/// Patches from which on their number is known to a third of itself.
+const FEW: u64 = 10;
 
 /// A share of patches and the ends of the interval of its probability, in per cent.
 fn chances(counts: Counts) -> [String; 3] {

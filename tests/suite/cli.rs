@@ -17,7 +17,7 @@ fn a_run_leaves_one_file_and_a_summary() {
     for part in [
         "hybrid on approach",
         "pull-off",
-        "95 % interval",
+        "mean over patches",
         "scatter",
         "cross-check",
         "independence",

@@ -55,11 +55,12 @@ fn sums_of_small_runs_are_direct() {
 /// where moments do not fit.
 #[test]
 fn sums_of_large_runs_are_by_moments() {
-    let folder = Folder::new(&small());
-    std::fs::write(folder.path("direct.toml"), scene("summation = \"direct\"")).unwrap();
-    std::fs::write(folder.path("uneven.toml"), small().replace(UNEVEN.0, UNEVEN.1)).unwrap();
+    let large = |text: String| text.replace("100 um^2", "1000 um^2");
+    let folder = Folder::new(&large(small()));
+    std::fs::write(folder.path("direct.toml"), large(scene("summation = \"direct\""))).unwrap();
+    std::fs::write(folder.path("uneven.toml"), large(small()).replace(UNEVEN.0, UNEVEN.1)).unwrap();
     for (name, way) in [("scene", "moments"), ("direct", "direct"), ("uneven", "direct")] {
-        let run = folder.stiction(&["run", &format!("{name}.toml"), "--replicas", "40000"]);
+        let run = folder.stiction(&["run", &format!("{name}.toml"), "--replicas", "4000"]);
         assert_exit(&run, 0);
         let path = folder.path(&format!("{name}.h5"));
         assert_eq!(attribute(&path, "/ensemble", "summation"), way, "{name}");

@@ -37,6 +37,7 @@ from scipy import sparse
 
 from .. import quantities
 from ..errors import StictionError
+from ..progress import steps
 from .estimate import LEAST, NEVER, Probability, checked, shared
 from .heights import Array
 
@@ -473,7 +474,7 @@ class Splitting:
 
     def _runs(self, levels: list[tuple[float, float]], number: int) -> _Runs:
         runs = _Runs()
-        for _ in range(number):
+        for _ in steps(range(number), "", "runs"):
             some, reached = self.curves.drawn(_PATCHES, self.rng), 1.0
             runs.totals.append(float(self.curves.weights(some).mean()))
             for level, q in levels:

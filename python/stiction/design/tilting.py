@@ -41,6 +41,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, special
 
+from ..progress import steps
 from .estimate import LEAST, Probability, shared
 from .heights import Array
 
@@ -155,7 +156,7 @@ class Mixture:
         """Patches, of each law as many as its share, rounded up."""
         laws = np.repeat(np.arange(self.shares.size), np.maximum(np.ceil(patches * self.shares), 2).astype(int))
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
-        parts = [self._part(laws[first : first + step], rng) for first in range(0, laws.size, step)]
+        parts = [self._part(laws[first : first + step], rng) for first in steps(range(0, laws.size, step), "", f"parts of {laws.size} patches")]
         forces, likelihoods = (np.concatenate(of) for of in zip(*parts, strict=True))
         return Drawn(forces, likelihoods, laws)
 

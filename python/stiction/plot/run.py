@@ -356,7 +356,7 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     handles.append(histogram(ax, of_replicas, unit, f"{f'{way}, ' if there is not None else ''}{of_replicas.size} patches",
                              "0.8" if there is None else VERMILION))  # fmt: skip
     for value, words, color, line in (
-        (quoted.mean, f"mean, {quoted}", "black", "-"),
+        (quoted.mean_over_patches, f"mean over patches, {quoted}", "black", "-"),
         (
             quoted.of_mean_curve,
             f"of the mean curve, {quantities.si(quoted.of_mean_curve, 'N')}",
@@ -371,7 +371,7 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
         ),
     ):
         # The mean curve and the integral turn at the closest separation.
-        if quoted.preload is None or value == quoted.mean:
+        if quoted.preload is None or value == quoted.mean_over_patches:
             handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)

@@ -70,9 +70,9 @@ def of_points(
         share, low, high = (of[f"stuck_probability{end}"] for end in ("", "_low", "_high"))
         return share, 0.25 * (high - low), None
     if pressed is not None and quantity == "pull_off_force":
-        return pressed["mean"], pressed["standard_error"], None
+        return pressed["mean_over_patches"], pressed["standard_error"], None
     if pressed is not None and quantity == "pull_off_scatter":
-        return _scatter(pressed["std"] / pressed["mean"], pressed["count"])
+        return _scatter(pressed["std"] / pressed["mean_over_patches"], pressed["count"])
     scalars = result["ensemble"].to_dataset().sel(scalar=name)
     mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
     if quantity == "pull_off_excess":

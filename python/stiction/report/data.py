@@ -125,7 +125,7 @@ def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) ->
 
 def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
     mean, error, integral = of_points(result, figure)
-    columns = {figure: mean, f"{figure}_standard_error": error}
+    columns = {f"{figure}_mean_over_patches": mean, f"{figure}_standard_error": error}
     if integral is not None:
         columns[f"{figure}_of_integral"] = integral
     keys = [key.replace(".", "_") for key in result.keys]

@@ -275,12 +275,12 @@ def _run(run: Run) -> Facts:
         return _integral(run)
     quoted, sigma = run.pull_off, float(run.attrs["surface_height_std"])
     loop = run.attrs["history"] == "loop"
-    if quoted.mean > 0.0:
+    if quoted.mean_over_patches > 0.0:
         level, single = f"{100 * quoted.interval_level:g} %", quoted.replicas == 1
         note = "of one patch: it has no standard error" if single else f"mean over {quoted.replicas} patches and its standard error"
         note = quoted.agreement or note
         after = "" if quoted.preload is None else f" after {quantities.si(quoted.preload, 'N', 3)}"
-        numbers = [Number(f"pull-off force{after}", str(quoted), note, quoted.mean, quoted.standard_error)]
+        numbers = [Number(f"pull-off force{after}", str(quoted), note, quoted.mean_over_patches, quoted.standard_error)]
         if not single and not quoted.agreement:
             numbers += [
                 Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
@@ -447,7 +447,7 @@ def _sweep(sweep: Sweep) -> Facts:
     numbers = [Number("of the integral", _span(np.nanmin(integrals), np.nanmax(integrals), "N"), "smallest and largest")]
     checked = []
     if sweep.has_replicas:
-        means = pull_off["mean"].values
+        means = pull_off["mean_over_patches"].values
         span = _span(np.nanmin(means), np.nanmax(means), "N")
         note = f"smallest and largest mean of {_several(means.size, 'point')}"
         if "preload" in pull_off:
@@ -487,9 +487,9 @@ def _edges(sweep: Sweep) -> Any:
 def _points(sweep: Sweep, keys: list[str]) -> Table:
     import xarray
 
-    pull_off, heads = sweep.pull_off, {"mean": "pull-off force", "of_integral": "of the integral", "preload": "after", "verdict": "cross-check"}
+    pull_off, heads = sweep.pull_off, {"mean_over_patches": "pull-off force", "of_integral": "of the integral", "preload": "after", "verdict": "cross-check"}
     second = "preload" if "preload" in pull_off else "of_integral"
-    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", second) if name in pull_off})
+    whole = xarray.Dataset({name: pull_off[name] for name in ("mean_over_patches", "standard_error", second) if name in pull_off})
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
         if path in sweep:
             whole[name] = sweep[path].drop_vars(list(sweep[path].coords))
@@ -497,7 +497,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         if name not in whole.variables:
             whole[name] = sweep[name]
     words = {
-        "mean": lambda row: "none" if row["mean"] <= 0.0 else quantities.with_error(row["mean"], row["standard_error"], "N"),
+        "mean_over_patches": lambda row: "none" if row["mean_over_patches"] <= 0.0 else quantities.with_error(row["mean_over_patches"], row["standard_error"], "N"),
         "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
         "preload": lambda row: quantities.si(row["preload"], "N", 3),
         "verdict": lambda row: str(row["verdict"]),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import experiments, files, priors, quantities
 from ..errors import SceneError, StictionError
+from ..progress import steps
 from ..results import Result
 from ..scenes import Scene, named_files, toml
 from . import indices
@@ -98,7 +97,7 @@ def sensitivity(
     cube = indices.points(k, rows, BLOCKS, first)
     seeds = np.random.SeedSequence([first, 1]).generate_state(BLOCKS)
     outcomes = {name: np.empty((BLOCKS, rows, k + 2, patches)) for name in QUANTITIES}
-    for block in _shown(BLOCKS, progress):
+    for block in steps(range(BLOCKS), "points", "blocks", progress):
         axes = found.axes(found.draw(cube[block]))
         with experiments.sweep(
             tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False
@@ -152,17 +151,6 @@ def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any]
         # The energy is calculated from the curves.
         tables["output"] = {**tables.get("output", {}), "curves": True}
     return tables, patches
-
-
-def _shown(blocks: int, progress: bool | None) -> Iterator[int]:
-    if progress is None:
-        progress = sys.stderr.isatty() or "ipykernel" in sys.modules
-    if not progress:
-        yield from range(blocks)
-        return
-    from tqdm.auto import tqdm
-
-    yield from tqdm(range(blocks), desc="points", unit=" blocks", leave=False)
 
 
 def _outcomes(sweep: Result) -> dict[str, Array]:

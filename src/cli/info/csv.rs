@@ -85,7 +85,7 @@ fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<V
         }
     }
     for (dataset, names) in [
-        ("mean", &["pull_off_force"][..]),
+        ("mean", &["pull_off_force_mean_over_patches"][..]),
         ("standard_error", &["pull_off_force_standard_error"]),
         ("interval", &["pull_off_force_from", "pull_off_force_to"]),
     ] {

@@ -1,5 +1,6 @@
 """Results of every kind, computed once by the program from the shipped scenes with few replicas."""
 
+import html
 import os
 import subprocess
 import sys
@@ -116,3 +117,17 @@ def command(tmp_path, monkeypatch):
         return done.stderr if code else done.stdout
 
     return run
+
+
+def assert_opens(path, words, folder, has_figure=True):
+    """`stiction info`, `plot` and `report` open the file of a command in Python: its words are there, and its figure if it has one."""
+    from stiction import program
+    from stiction.plot import command as plot
+    from stiction.report import command as report
+
+    assert words in program.call(["info", str(path)])
+    assert plot.main([str(path), "-o", str(folder / "opened.svg"), "--force"]) == (0 if has_figure else 2)
+    assert not has_figure or "<svg" in (folder / "opened.svg").read_text(encoding="utf-8")
+    assert report.main([str(path), "-o", str(folder / "opened.html"), "--force"]) == 0
+    page = (folder / "opened.html").read_text(encoding="utf-8")
+    assert html.escape(words) in page and ("<svg" in page) == has_figure

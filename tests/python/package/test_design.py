@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import rare_patches
-from conftest import CONFIGS
+from conftest import CONFIGS, assert_opens
 from scipy import stats
 
 import stiction
@@ -285,6 +285,23 @@ def test_a_search_goes_on_from_an_end_where_nothing_happens(monkeypatch):
     assert found.value == pytest.approx(1e-6 / ((least - 1) * ONE / 0.01), rel=0.05)
 
 
+def test_the_file_is_opened_by_info_plot_and_report(monkeypatch, tmp_path, capsys):
+    """Of one probability, which has no figure, and of a search."""
+    monkeypatch.setattr(search, "Patches", Counted)
+    scene = extremes(3.0, area="10 um^2")
+    path, output = tmp_path / "scene.toml", tmp_path / "design.h5"
+    path.write_text(stiction.scenes.toml({"format": 1, **scene}), encoding="utf-8")
+    assert command.main([str(path), "--above", "1 uN", "-o", str(output)]) == 0
+    assert_opens(output, capsys.readouterr().out.splitlines()[0], tmp_path, has_figure=False)
+    scene["material"]["work_of_adhesion"] = {"prior": "log_uniform", "from": "0.01 mJ/m^2", "to": "100 mJ/m^2"}
+    path.write_text(stiction.scenes.toml({"format": 1, **scene}), encoding="utf-8")
+    search_of = [str(path), "--above", "1 uN", "--maximise", "material.work_of_adhesion", "--probability", "1e-3", "-o", str(output)]
+    capsys.readouterr()
+    assert command.main(search_of) == 2 and "there is a file already" in capsys.readouterr().err
+    assert command.main([*search_of, "--force"]) == 0
+    assert_opens(output, capsys.readouterr().out.splitlines()[-2], tmp_path)
+
+
 def pressed(preload=None):
     """A small patch of case II, pressed together and pulled apart."""
     return {
@@ -293,7 +310,7 @@ def pressed(preload=None):
         "surface": {"asperity_radius": "3.33 um", "asperity_density": "7.39 /um^2", "surface_height_std": "1.619 nm", "nominal_area": "20 um^2"},
         "model": {"law": "md_plastic", "history": "loop"},
         "separation": {"h_star": {"from": 0.0, "to": 7.0, "count": 36}},
-        "instability": {} if preload is None else {"preload": ["1 uN", preload]},
+        **({} if preload is None else {"instability": {"preload": ["1 uN", preload]}}),
         "ensemble": {"replicas": 10, "seed": 3},
     }  # fmt: skip
 
@@ -321,9 +338,9 @@ def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
 
 
 def test_loops_have_no_probability_below_and_preloads_are_reached():
-    with pytest.raises(SceneError, match='model.history = "loop": probabilities below'):
+    with pytest.raises(SceneError, match=r'model\.history = "loop": probabilities below'):
         probability(pressed(), below="1 uN")
-    with pytest.raises(SceneError, match="instability.preload: 256 of 256 patches do not reach 1.000 N"):
+    with pytest.raises(SceneError, match=r"instability\.preload: 256 of 256 patches do not reach 1\.000 N"):
         probability(pressed("1 N"), above="1 uN")
 
 

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from conftest import CONFIGS
+from conftest import CONFIGS, assert_opens
 from scipy import stats
 from scipy.integrate import quad
 
@@ -297,6 +297,11 @@ def inferred(tmp_path_factory):
     with contextlib.redirect_stdout(io.StringIO()) as said:
         assert command.main([*given, *options]) == 0
     return folder, said.getvalue()
+
+
+def test_the_file_is_opened_by_info_plot_and_report(inferred, tmp_path):
+    folder, printed = inferred
+    assert_opens(folder / "out.h5", printed.splitlines()[1].strip(), tmp_path)
 
 
 def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):

@@ -99,7 +99,7 @@ def test_a_heat_map_has_the_points_of_its_grid(result):
     assert "heat_map" in plot.panels(grid) and "heat_map" not in plot.panels(result("grid"))
     ax = plot.heat_map(grid, x="material.hardness")
     (mesh,) = ax.collections
-    mean = grid.pull_off["mean"].transpose("material_work_of_adhesion", "material_hardness").values
+    mean = grid.pull_off["mean_over_patches"].transpose("material_work_of_adhesion", "material_hardness").values
     cells = np.asarray(mesh.get_array()).reshape(mean.shape)
     np.testing.assert_allclose(cells / cells[0, 0], mean / mean[0, 0], rtol=1e-12)
     assert [tick.get_text() for tick in ax.get_xticklabels()] == ["1.00 GPa", "2.00 GPa", "4.00 GPa"]
@@ -112,7 +112,7 @@ def test_points_of_a_sweep_are_its_means_and_its_integral(result):
     ax = plot.sweep(of)
     container = ax.containers[0]
     drawn = np.asarray(container[0].get_ydata(), float) * unit_of(ax)
-    np.testing.assert_allclose(drawn, of.pull_off["mean"].values, rtol=1e-12)
+    np.testing.assert_allclose(drawn, of.pull_off["mean_over_patches"].values, rtol=1e-12)
     np.testing.assert_allclose(container[0].get_xdata(), of.points["surface_lubricant_thickness"].values * 1e9, rtol=1e-12)
     integral = next(line for line in ax.lines if len(line.get_ydata()) == drawn.size and line is not container[0]
                     and line.get_linestyle() == "--")  # fmt: skip

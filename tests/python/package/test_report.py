@@ -82,7 +82,7 @@ def test_equal_patches_have_their_bound_in_place_of_an_error():
     with stiction.run(tables, progress=False) as run:
         of = facts(run)
         replicas = run.pull_off.replicas
-        assert run.pull_off.mean == pytest.approx(rare_patches.ONE, rel=1e-6) and 74 <= replicas < 1000
+        assert run.pull_off.mean_over_patches == pytest.approx(rare_patches.ONE, rel=1e-6) and 74 <= replicas < 1000
     bound = f"all {replicas} replicas agree: with 95 % confidence at most {quantities.number(100 * (1 - 0.05 ** (1 / replicas)))} % of patches differ"
     targets = next(table for table in of.tables if table.caption == "Targets")
     assert targets.rows[0][1] == bound and targets.rows[0][3] == "met"
@@ -216,10 +216,10 @@ def test_several_results_are_side_by_side_with_differences(result):
     page = stiction.report.page([first, second])
     words = text_of(page)
     assert words.startswith("2 results side by side")
-    ratio = second.pull_off.mean / first.pull_off.mean
+    ratio = second.pull_off.mean_over_patches / first.pull_off.mean_over_patches
     told = re.search(r"pull-off force [^…]* … against the first ([+−][\d.]+) ± ([\d.]+) %", words).groups()
     assert float(told[0].replace("−", "-")) == pytest.approx(100 * (ratio - 1), rel=0.01)
-    error = np.hypot(second.pull_off.standard_error / first.pull_off.mean, ratio * first.pull_off.standard_error / first.pull_off.mean)
+    error = np.hypot(second.pull_off.standard_error / first.pull_off.mean_over_patches, ratio * first.pull_off.standard_error / first.pull_off.mean_over_patches)
     assert float(told[1]) == pytest.approx(100 * error, rel=0.06)
     assert page.count('<h3>run.h5</h3>') == page.count("<h3>retraction.h5</h3>") >= 6
 

@@ -104,7 +104,7 @@ def test_curves_of_replicas_have_both_coordinates(result):
 def test_points_of_a_sweep_are_selected_by_their_keys(result):
     sweep = result("grid")
     assert sweep.keys == ["surface.lubricant_thickness", "material.hardness"]
-    mean = sweep.pull_off["mean"]
+    mean = sweep.pull_off["mean_over_patches"]
     assert dict(mean.sizes) == {"surface_lubricant_thickness": 2, "material_hardness": 3}
     chosen = float(mean.sel(surface_lubricant_thickness=5e-10, material_hardness=2e9, method="nearest"))
     with h5py.File(sweep.path) as file:
@@ -119,7 +119,7 @@ def test_points_of_choices_are_selected_by_name(result):
             forces, mean = file["integral/external_force"][:], file["ensemble/scalar_controlled_mean"][:, 0]
         for point, chosen in enumerate(names):
             assert np.array_equal(sweep.integral.external_force.sel({key: chosen}), forces[point])
-            assert float(sweep.pull_off["mean"].sel({key: chosen})) == mean[point]
+            assert float(sweep.pull_off["mean_over_patches"].sel({key: chosen})) == mean[point]
             assert sweep.key_text(key, sweep.points[key][point].item()) == chosen
         tree = xarray.open_datatree(sweep.path, engine=StictionBackend)
         assert list(sweep[key].values) == list(tree[f"integral/{key}"].values) == names
@@ -158,12 +158,12 @@ def test_a_sweep_with_preloads_quotes_the_largest_that_is_reached(result):
     assert np.isnan(forces[..., 2]).all() and np.isfinite(forces[..., 1]).all()
     of = forces[..., 1]
     quoted = sweep.pull_off
-    np.testing.assert_allclose(quoted["mean"], of.mean(axis=1), rtol=1e-13)
+    np.testing.assert_allclose(quoted["mean_over_patches"], of.mean(axis=1), rtol=1e-13)
     error = of.std(axis=1, ddof=1) / np.sqrt(12)
     np.testing.assert_allclose(quoted["standard_error"], error, rtol=1e-11)
     assert list(quoted["preload"].values) == [0.03, 0.03]
     # Student's t of 11 degrees of freedom, 97.5 %: 2.200985.
-    np.testing.assert_allclose(quoted["interval"].isel(range_end=1) - quoted["mean"], 2.200985 * error, rtol=1e-6)
+    np.testing.assert_allclose(quoted["interval"].isel(range_end=1) - quoted["mean_over_patches"], 2.200985 * error, rtol=1e-6)
     stuck = sweep.after_largest_preload["stuck_probability"]
     np.testing.assert_allclose(stuck, (of > 1e-4).mean(axis=1), rtol=1e-15)
     assert "pull_off_excess" not in plot.panels(sweep) and "stuck_probability" in plot.panels(sweep)

@@ -6,6 +6,7 @@ import io
 import numpy as np
 import pytest
 import xarray
+from conftest import assert_opens
 from scipy import stats
 
 import stiction.sensitivity as study
@@ -164,6 +165,11 @@ def studied(tmp_path_factory):
     with contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()) as printed:
         assert command.main(["counts.toml", "--samples", "128"]) == 0
     return folder, printed.getvalue()
+
+
+def test_the_file_is_opened_by_info_plot_and_report(studied, tmp_path):
+    folder, printed = studied
+    assert_opens(folder / "counts_sensitivity.h5", printed.splitlines()[0], tmp_path)
 
 
 def test_a_scene_with_a_closed_form(studied):

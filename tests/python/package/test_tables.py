@@ -202,7 +202,7 @@ def test_a_table_is_of_asperities_and_of_heights(tmp_path):
     given = {"surface.heights": heights.z}
     own = {"surface.heights": np.array([float(f"{value:.6f}e-9") for value in numbers])}
     pull_offs = [
-        stiction.run(CONFIGS / "quick.toml", replicas=4, seed=1, progress=False, **one).pull_off.mean
+        stiction.run(CONFIGS / "quick.toml", replicas=4, seed=1, progress=False, **one).pull_off.mean_over_patches
         for one in (given, own)
     ]
     assert pull_offs[0] == pull_offs[1]

@@ -43,7 +43,7 @@ _WRITTEN = {
     "m3 mol-1": "m³/mol",
 }
 # Units as scenes have them, and as files have them.
-_OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2", "m^3/mol": "m3 mol-1"}
+_OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2", "J m-2": "J/m2", "m^3/mol": "m3 mol-1"}
 
 
 def plain_unit(unit: str) -> str:

@@ -165,7 +165,8 @@ fn stuck_patches(results: &Results) -> String {
     let label = format!("above {}", si(force, "N"));
     let preloads = &results.scene.instability.preload;
     if preloads.is_empty() {
-        return stuck(results).map_or(String::new(), |counts| labelled(&label, &probability(counts)) + &rare(counts));
+        return stuck(results)
+            .map_or(String::new(), |counts| labelled(&label, &probability(counts)) + &rare(counts));
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
         let counts = snaps.stuck(turn, force);

@@ -61,7 +61,8 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
         return Ok(InstabilityTable::default());
     };
     let stiffness = match section.get("stiffness") {
-        None if section.get("preload").is_some() => Ok(Vec::new()),
+        // A misspelt preload is no missing spring.
+        None if section.get("preload").is_some() || section.known().is_err() => Ok(Vec::new()),
         _ => section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness, spring)),
     };
     let smallest_snap = section.value("smallest_snap").measured();

@@ -105,8 +105,13 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
         return section.measured("work_of_adhesion");
     }
     let surfaces = section.require("surface_energy").and_then(|entry| entry.one_or_two(Entry::measured));
-    let interface =
-        section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)));
+    let interface = match section.get("interface_energy") {
+        // Two bodies of one material.
+        None if surfaces.as_ref().is_ok_and(|surfaces| surfaces.len() == 1) => return Ok(2.0 * surfaces?[0]),
+        _ => {
+            section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)))
+        }
+    };
     let (surfaces, (entry, interface)) = (surfaces, interface).together()?;
     let work = surfaces[0] + surfaces[surfaces.len() - 1] - interface;
     if work > 0.0 {

@@ -79,15 +79,14 @@ static FIRST: &[Key] = &[
         .excludes(&["material.surface_energy", "material.interface_energy"]),
     key("material.surface_energy", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
         .what("surface energy of the two bodies")
-        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is for both. Needs `interface_energy`.")
+        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is for both. Two different bodies need `interface_energy`.")
         .follows("not used where `work_of_adhesion` is given"),
     key("material.interface_energy", "\"20 mJ/m^2\"", Quantity(Of::SurfaceEnergy, NotNegative))
         .what("energy γ₁₂ of the interface")
         .about(
-            "Needs `surface_energy`. 0 for two bodies of one material. It has to be less than γ₁ + \
-             γ₂.",
+            "Needs `surface_energy`. It has to be less than γ₁ + γ₂.",
         )
-        .follows("not used where `work_of_adhesion` is given"),
+        .follows("0 for two bodies of one material; not used where `work_of_adhesion` is given"),
     key("material.equilibrium_spacing", "\"0.2 nm\"", Quantity(Of::Length, Positive))
         .what("equilibrium spacing")
         .about(

@@ -37,6 +37,8 @@ const LARGEST_UNTOUCHED: f64 = 0.5;
 const LARGEST_ERROR: f64 = 1e-6;
 /// Largest shift, in σ, by which a patch gives way that is called none.
 const LARGEST_SHIFT: f64 = 0.05;
+/// Fewest of given heights that touch at pull-off.
+const FEWEST_TOUCHING: usize = 5;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Smallest Kelvin radius of a meniscus that is a continuum, m.
@@ -68,6 +70,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(shallow(scene, law));
     warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
+    warnings.extend(repeated(scene, &expected.readings));
     warnings.extend(tails(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
     warnings.extend(pressed(scene, model));
@@ -154,6 +157,32 @@ fn copies(scene: &Scene) -> Option<Warning> {
             format!("the highest of the {count} heights is in a replica {copies:.1} times on average, more than {MOST_COPIES}"),
             "a patch so much larger than what was measured would have higher asperities, and patches would differ more",
             format!("a smaller nominal_area has patches of what was measured; {change}"),
+        )
+    })
+}
+
+/// Pull-offs that a few of the highest of given heights carry, of which replicas have copies at exactly one height.
+fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
+    let surface = &scene.surface;
+    let HeightLaw::Sample(heights) = &surface.heights.law else { return None };
+    let pull_off = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
+    let nearest = surface.asperity_separation(pull_off.separation) - surface.heights.mean;
+    let touching = heights.iter().filter(|height| **height > nearest).count();
+    let change = match &surface.radii {
+        Radii::Measured(_) => {
+            "compare asperities.sample = \"whole\", and surface.spectrum, which has a tail of heights"
+        }
+        _ => "compare surface.heights of a law, such as \"gaussian\", which has a tail of heights",
+    };
+    (touching < FEWEST_TOUCHING && !surface.whole).then(|| {
+        Warning::new(
+            format!(
+                "{touching} of the {} given heights touch at pull-off, fewer than {FEWEST_TOUCHING}: replicas have copies of them \
+                 at one height, which hold too hard together",
+                heights.len()
+            ),
+            "a surface has no two summits of exactly one height",
+            change,
         )
     })
 }
@@ -356,7 +385,10 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         format!("{shares}: more than {:.0} %", 100.0 * LARGEST_SHARE),
         "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
                  random one in three overlaps",
-        "turn at a larger separation; at pull-off no key helps",
+        match scene.instability.preload.is_empty() {
+            true => "turn at a larger separation; at pull-off no key helps",
+            false => "press with a smaller preload; at pull-off no key helps",
+        },
     ))
 }
 

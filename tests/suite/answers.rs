@@ -72,6 +72,17 @@ fn patches_above_a_force_are_counted() {
     );
 }
 
+/// A misspelt preload is named, and no spring asked for in its place.
+#[test]
+fn a_misspelt_preload_is_one_mistake() {
+    let scene = small().replace("history = \"approach\"", "history = \"loop\"");
+    let folder = Folder::new(&format!("{scene}\n[instability]\npreloads = [\"1 uN\"]\n"));
+    let check = folder.stiction(&["check", "scene.toml"]);
+    assert_exit(&check, 2);
+    let said = text(&check.stderr);
+    assert!(said.contains("did you mean `preload`") && !said.contains("stiffness` is missing"), "{said}");
+}
+
 /// The force of a spring over a gap is their product; the pull-off after preloads does not ask for a stiffness.
 #[test]
 fn preloads_need_no_spring() {

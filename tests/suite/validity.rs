@@ -241,6 +241,58 @@ fn patches_larger_than_what_was_measured_are_warned_of() {
     }
 }
 
+/// A few given heights that stand out carry the pull-off, and replicas have copies of them; not so of heights without gaps.
+#[test]
+fn copies_of_a_few_heights_are_warned_of() {
+    for (outliers, expected) in
+        [(0, None), (1, Some("1 of the 2000 given heights touch at pull-off, fewer than 5")), (8, None)]
+    {
+        let surface =
+            "[surface]\nheights = { law = \"file\", path = \"heights.csv\", column = 1, unit = \"nm\" }";
+        let scene = QUICK.replace("[surface]", surface).replace("surface_height_std = \"1.619 nm\"", "");
+        let folder = Folder::new(&scene);
+        let height = |i: usize| if i < outliers { 12.0 } else { -2.0 + 2e-3 * i as f64 };
+        let heights: String = (0..2000).map(|i| format!("{}\n", height(i))).collect();
+        std::fs::write(folder.path("heights.csv"), heights).unwrap();
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let mut found = warnings(&text(&check.stdout));
+        found.retain(|warning| warning.contains("given heights touch at pull-off"));
+        assert_eq!(found.len(), usize::from(expected.is_some()), "{found:#?}");
+        assert!(expected.is_none_or(|expected| found[0].contains(expected)), "{found:#?}");
+    }
+}
+
+/// Where asperities that do not touch carry the pull-off, flat faces at the same separation stand beside it: 8ΔγZ₀²/(3h³) of the
+/// nominal area, of the Lennard-Jones attraction of half-spaces. Not where contacts carry it, nor with the attraction of the mean planes.
+#[test]
+fn pull_off_by_tails_is_warned_of() {
+    let case_i = include_str!("../../configs/case_i.toml");
+    let found = |scene: &str| {
+        let folder = Folder::new(scene);
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        warnings(&text(&check.stdout)).into_iter().find(|warning| warning.contains("that do not touch"))
+    };
+    assert_eq!(found(QUICK), None);
+    assert_eq!(found(&format!("{case_i}\n[van_der_waals]\nhamaker_constant = \"1e-20 J\"\n")), None);
+    let warning = found(case_i).unwrap();
+    let (share, rest) = warning.split_once(" % of the adhesion at pull-off, h* = ").unwrap();
+    let share: f64 = share.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((98.0..=99.5).contains(&share), "{warning}");
+    let (h_star, rest) =
+        rest.split_once(", is of asperities that do not touch; flat faces attract with ").unwrap();
+    let h = 3.40e-9 * h_star.parse::<f64>().unwrap();
+    let flat = 1e-9 * 8.0 * 0.01 * 0.2e-9 * 0.2e-9 / (3.0 * h * h * h);
+    let (value, unit) = rest.split_once(' ').unwrap();
+    let scale = [("pN", 1e-12), ("nN", 1e-9), ("µN", 1e-6), ("mN", 1e-3)]
+        .iter()
+        .find(|(name, _)| unit.starts_with(name))
+        .unwrap()
+        .1;
+    assert!((scale * value.parse::<f64>().unwrap() / flat - 1.0).abs() < 2e-3, "{warning}: {flat:e}");
+}
+
 #[test]
 fn each_slip_has_its_warning_and_no_other() {
     for (from, to, expected) in CASES {

@@ -97,6 +97,15 @@ fn bodies_have_the_reduced_modulus_and_the_work_of_adhesion_worked_by_hand() {
         );
         assert!((asperity.work_of_adhesion / 0.09 - 1.0).abs() < 1e-15, "{}", asperity.work_of_adhesion);
     }
+    // Two bodies of one material have no interface.
+    let text = format!(
+        "{plain}material.reduced_modulus = \"85 GPa\"\nmaterial.poisson_ratio = 0.3\nmaterial.hardness = \"2 GPa\"\n"
+    );
+    let alike = Scene::parse(&format!("{text}material.surface_energy = \"45 mJ/m^2\"\n")).unwrap().asperity;
+    assert!((alike.work_of_adhesion / 0.09 - 1.0).abs() < 1e-15, "{}", alike.work_of_adhesion);
+    let two = format!("{text}material.surface_energy = [\"45 mJ/m^2\", \"45 mJ/m^2\"]\n");
+    let error = Scene::parse(&two).unwrap_err().to_string();
+    assert!(error.contains("`material.interface_energy` is missing"), "{error}");
 }
 
 #[test]

@@ -399,7 +399,9 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let Asperity { work_of_adhesion, equilibrium_spacing, .. } = scene.asperity;
     let reading = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
     let (h, share) = (reading.separation, reading.untouched_adhesion);
-    (share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0).then(|| {
+    let is_of_tails = share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0;
+    // The pull-off of a loop is on the way back.
+    (is_of_tails && !scene.cycle).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
         let flat = surface.nominal_area * planes.at(h).pressure;
         let h_star = h / surface.surface_height_std;

@@ -509,16 +509,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("[output]", "[solver]\nsummation = true\n[output]", &["line 31", "`solver.summation = true`", "text"]),
     (
         "[output]",
-        "[solver]\ntolerance = 1e-9\n[output]",
-        &[
-            "line 31",
-            "`solver.tolerance = 1e-9`",
-            "direct sums have no tolerance",
-            "summation = \"moments\" has one",
-        ],
-    ),
-    (
-        "[output]",
         "[solver]\nsummation = \"direct\"\ntolerance = 1e-9\n[output]",
         &["line 32", "`solver.tolerance = 1e-9`", "direct sums have no tolerance"],
     ),

@@ -219,7 +219,7 @@ class Known:
     def __init__(self, tables, seed, threads):
         self.sigma, self.chance = float(tables["surface"]["asperity_height_std"].split()[0]), np.random.default_rng(seed)
 
-    def probability(self, threshold, below, error):
+    def probability(self, threshold, below, error, most=None):
         value = -np.expm1(851 * np.log1p(-stats.norm.sf(5e-9 / self.sigma))) * self.chance.normal(1.0, 0.09)
         return Probability(value, 0.09 * value, 1000, 500, 1.0, 0.1, 200.0, 0.01)
 
@@ -267,7 +267,7 @@ class Counted(Known):
     def __init__(self, tables, seed, threads):
         self.work, self.chance = float(tables["material"]["work_of_adhesion"].split()[0]), np.random.default_rng(seed)
 
-    def probability(self, threshold, below, error):
+    def probability(self, threshold, below, error, most=None):
         value = stats.binom(85, stats.norm.sf(3.0 / SIGMA)).sf(np.floor(threshold / (ONE / 0.01 * self.work)))
         return estimate.NEVER if value < estimate.LEAST else Probability(value, 0.05 * value, 1000, 500, 1.0, 0.1, 400.0, 0.01)
 

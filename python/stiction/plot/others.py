@@ -235,7 +235,7 @@ def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         color=GREY,
         linestyle=DASHED,
         linewidth=1.0,
-        label="$1/\\sqrt{N}$ through the last",
+        label="$N^{-1/2}$ through the last",
     )
     ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel="scatter from patch to patch (%)")
     ax.set_ylim(0.5 * np.nanmin(of), 2.0 * np.nanmax(of))

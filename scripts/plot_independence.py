@@ -72,7 +72,7 @@ def scene(sigma, energy):
 def draw_map(axes, sigmas, energies, grid):
     words = np.vectorize(lambda one: VERDICTS.index(one["verdict"]))(grid)
     axes.pcolormesh(sigmas, energies, words, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5,
-                    shading="nearest")
+                    shading="nearest", rasterized=True)
     for name, (color, dashes, label) in FIGURES.items():
         limits = [grid[0, 0][f"{word}_{name}"] for word in ("good", "invalid")
                   if f"{word}_{name}" in grid[0, 0]]

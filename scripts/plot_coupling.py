@@ -91,7 +91,8 @@ def draw_case(force, change, name, file):
         change.plot(h_star, difference, color=color, linewidth=WIDTHS[kind])
         unsettled = point["coupling/unsettled_count"] > 0
         change.plot(h_star[unsettled], difference[unsettled], "x", color=color)
-    force.plot(h_star, mean_field / factor, color=PINK, linewidth=1.0, linestyle=DASH_DOT, label="mean field of the patch")
+    force.plot(h_star, mean_field / factor, color=PINK, linewidth=1.0, linestyle=DASH_DOT,
+               label="mean field of the patch")
     force.plot(h_star, integral / factor, color="black", linewidth=0.8, linestyle=DASHED, label="integral")
     change.plot(h_star, 100 * (mean_field - integral) / scale, color=PINK, linewidth=1.0, linestyle=DASH_DOT)
     begin, reach = LIMITS[name]
@@ -136,7 +137,8 @@ def draw_patch(file):
     h_star, coupled = patch["coupling/h_star"], patch.independent + patch.difference
     factor, sign = factor_and_unit([patch["integral/pull_off_force"]], "N")
     force.plot(h_star, patch.independent / factor, **INDEPENDENT)
-    force.plot(h_star, coupled / factor, ".-", color=BLUE, linewidth=1.0, markersize=2.5, label="coupled, patch, on approach")
+    force.plot(h_star, coupled / factor, ".-", color=BLUE, linewidth=1.0, markersize=2.5,
+               label="coupled, patch, on approach")
     deepest = np.max(-patch.independent) / factor
     force.set(ylim=(-1.1 * deepest, 0.4 * deepest), ylabel=f"external force ({sign})")
     legend(force)

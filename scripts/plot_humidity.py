@@ -23,7 +23,8 @@ def draw(humidity, pull_offs, energies, shares):
     for axes, (alone, merged) in [(force, pull_offs), (energy, energies)]:
         axes.semilogy(humidity, merged, "o-", color=BLUE, markersize=3, label="with liquid that fills gaps")
         axes.semilogy(humidity, alone, color=VERMILION, linestyle=DASH_DOT, label="every bridge by itself")
-    energy.axhline(LIMIT, color="black", linewidth=0.8, linestyle="dotted", label="measured upper limit, 144 mJ/m²")
+    energy.axhline(LIMIT, color="black", linewidth=0.8, linestyle="dotted",
+                   label="measured upper limit, 144 mJ/m²")
     force.set(ylabel="pull-off per area (MPa)")
     energy.set(ylabel="energy per area (mJ/m²)")
     share.plot(humidity, shares[0], "o-", color=BLUE, markersize=3, label="wet asperities")

@@ -111,19 +111,19 @@ def figure_4(_, runs):
 def figure_5(_, runs):
     """Below on a logarithmic axis, which shows what is before contact."""
     figure, grid = panels(11.5, 7.0, 3, 2)
-    for column, letter, name, start in zip(grid.T, "abc", CASES, (3.0, 3.0, 5.0)):
+    for pair, letter, name, start in zip(grid.T, "abc", CASES, (3.0, 3.0, 5.0)):
         case = runs[name]
-        for axes, unit in zip(column, (MN, UN)):
+        for axes, unit in zip(pair, (MN, UN)):
             for law in ("hybrid", "emd", "isbl", "fit:paper"):
                 curve(axes, case, law, unit)
         force = case.by_law("hybrid", "integral/adhesion_force")
-        column[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN),
+        pair[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN),
                       title=f"({letter}) {named(case, name)}")
         shown = force[(case.x >= start - 1) & (case.x <= 8)] / UN
-        column[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()),
+        pair[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()),
                       xlabel=H_STAR)
-        column[1].axvline(start, color="0.6", linewidth=0.7, zorder=0)
-        column[1].set_title(f"before contact, line at $h$* = {start:g}")
+        pair[1].axvline(start, color="0.6", linewidth=0.7, zorder=0)
+        pair[1].set_title(f"before contact, line at $h^*$ = {start:g}")
     for axes, unit in zip(grid[:, 0], ("mN", "µN")):
         axes.set_ylabel(f"adhesion force ({unit})")
     legend_below(figure, grid[0, 0], 4, BAND)

@@ -38,13 +38,15 @@ def page(result: Inference, width: str | float | None = None, truth: Mapping[str
     if size < 4.8:
         figure = pyplot.figure(figsize=(size, size * (1.0 + 0.65 * len(outcomes))))
         whole = figure.add_gridspec(1 + len(outcomes), 1, height_ratios=[1.0, *[0.65] * len(outcomes)])
-        grid, free = whole[0].subgridspec(count, count), [whole[1 + row] for row in range(len(outcomes))]
+        grid: Any = whole[0].subgridspec(count, count)
+        free = [whole[1 + row] for row in range(len(outcomes))]
     else:
         figure = pyplot.figure(figsize=(size, (0.95 if count > 1 else 0.45) * size))
         grid = figure.add_gridspec(count, max(count, 2))
         # Free are the cells above the diagonal, of a single parameter the one next to it.
         half = max(count // 2, 1)
-        free = list(grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1))
+        upper = grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1)
+        free = [upper[row] for row in range(len(outcomes))]
     _corner(result, figure, grid, truth or {})
     lettered(figure.axes[0], 0)
     for place, (outcome, cell) in enumerate(zip(outcomes, free, strict=True), 1):

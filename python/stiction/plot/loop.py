@@ -172,7 +172,7 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
     low, high, words = mean - std, mean + std, "± standard deviation of patches"
     if "instability/pull_off_after_preload_quantile" in run:
         quantile = run["instability/pull_off_after_preload_quantile"].sel(pull_off_quantile=[0.05, 0.95], method="nearest")
-        low, high, words = *quantile.transpose("pull_off_quantile", "preload").values[:, reached], "90 % of patches"
+        (low, high), words = quantile.transpose("pull_off_quantile", "preload").values[:, reached], "90 % of patches"
     unit, sign = scaled("N", mean)
     load, load_sign = scaled("N", preload[reached])
     handles: list[Any] = [

@@ -1,4 +1,4 @@
-"""Scripts that draw for the documentation share this: the style of this checkout's package, axes, runs."""
+"""Scripts that draw for the documentation share this: the style of this checkout's package, panels, runs."""
 
 import argparse
 import os
@@ -12,16 +12,21 @@ sys.path.insert(0, str(ROOT / "python"))
 from matplotlib.figure import Figure
 
 from stiction import open_run
-from stiction.plot.style import BLUE, COLORS, DASH_DOT, DASHED, GREEN, MARKERS, VERMILION, context
+from stiction.plot.style import (
+    BLUE, COLORS, DASH_DOT, DASHED, GREEN, GREY, H_STAR, MARKERS, PINK, VERMILION, context, dressed, inches,
+    legend, lettered, picture,
+)
 from stiction.quantities import factor_and_unit, si
 
 __all__ = [
-    "BLUE", "COLORS", "DASHED", "DASH_DOT", "DOCS", "Figure", "GREEN", "MARKERS", "PROGRAM", "ROOT",
-    "VERMILION", "context",
-    "factor_and_unit", "open_run", "options", "panel", "run", "si",
+    "BLUE", "CASE_COLORS", "COLORS", "DASHED", "DASH_DOT", "DOCS", "Figure", "GREEN", "GREY", "H_STAR", "MARKERS",
+    "PINK", "PROGRAM", "ROOT", "SHADES", "VERMILION", "VERDICTS", "column", "context", "dressed", "factor_and_unit",
+    "inches", "legend", "lettered", "open_run", "options", "run", "save", "si",
 ]  # fmt: skip
 DOCS = ROOT / "docs"
 PROGRAM = Path(os.environ.get("STICTION") or ROOT / "target" / "release" / "stiction")
+CASE_COLORS = {"I": GREEN, "II": VERMILION, "III": BLUE}
+VERDICTS, SHADES = ("good", "a shift", "invalid"), ("#D5EBE2", "#FCEBC8", "#F3D3C4")
 
 
 def options(about, output):
@@ -40,7 +45,14 @@ def run(*arguments):
     return done.stdout
 
 
-def panel(figure, left, bottom, width, height):
-    """Axes at a place of a figure, inches."""
-    w, h = figure.get_size_inches()
-    return figure.add_axes((left / w, bottom / h, width / w, height / h))
+def column(*heights):
+    """A figure as wide as a phone, and its panels one below the other, with heights in inches and letters."""
+    figure = Figure(figsize=(inches("95mm"), sum(heights)))
+    panels = figure.subplots(len(heights), height_ratios=heights, squeeze=False)[:, 0]
+    for place, axes in enumerate(panels):
+        lettered(axes, place)
+    return figure, panels
+
+
+def save(figure, path, dpi = 200):
+    path.write_bytes(picture(figure, path.suffix, dpi))

@@ -1,7 +1,7 @@
 """Faces in moist air: pull-off and energy of their adhesion, and what of them is wet, over the relative
 humidity.
 
-Usage: python scripts/plot_humidity.py humidity.h5 [-o OUT.png]      after `stiction run
+Usage: python scripts/plot_humidity.py humidity.h5 [-o OUT.svg]      after `stiction run
 configs/humidity.toml`
 
 (a) pull-off of the expected curve per nominal area, with every bridge by itself and with the liquid that
@@ -12,27 +12,27 @@ configs/humidity.toml`
 
 import h5py
 import numpy as np
-from drawing import BLUE, DASHED, DOCS, GREEN, VERMILION, Figure, context, options, panel
+from drawing import BLUE, DASH_DOT, DOCS, GREEN, VERMILION, column, dressed, legend, options, save
 
 LIMIT = 144.0  # mJ/m^2, of the abstract
 
 
+@dressed
 def draw(humidity, pull_offs, energies, shares):
-    figure = Figure(figsize=(4.2, 6.6), layout="none")
-    force, energy, share = [panel(figure, 0.75, bottom, 3.3, 1.6) for bottom in (4.75, 2.6, 0.45)]
+    figure, (force, energy, share) = column(2.3, 2.3, 2.3)
     for axes, (alone, merged) in [(force, pull_offs), (energy, energies)]:
-        axes.semilogy(humidity, merged, "o-", color=BLUE, markersize=3, label="liquid fills gaps")
-        axes.semilogy(humidity, alone, color=BLUE, linestyle=DASHED, label="every bridge by itself")
-    energy.axhline(LIMIT, color=VERMILION, linewidth=0.8, linestyle="dotted")
-    energy.annotate("144 mJ/m², measured upper limit", (0.4, LIMIT), xytext=(0, -3), color=VERMILION,
-                    textcoords="offset points", va="top", fontsize="small")
-    force.set(ylabel="pull-off per area (MPa)", title="(a)")
-    force.legend()
-    energy.set(ylabel="energy (mJ/m²)", title="(b)")
+        axes.semilogy(humidity, merged, "o-", color=BLUE, markersize=3, label="with liquid that fills gaps")
+        axes.semilogy(humidity, alone, color=VERMILION, linestyle=DASH_DOT, label="every bridge by itself")
+    energy.axhline(LIMIT, color="black", linewidth=0.8, linestyle="dotted",
+                   label="measured upper limit, 144 mJ/m²")
+    force.set(ylabel="pull-off per area (MPa)")
+    energy.set(ylabel="energy per area (mJ/m²)")
     share.plot(humidity, shares[0], "o-", color=BLUE, markersize=3, label="wet asperities")
-    share.plot(humidity, shares[1], "s-", color=GREEN, markersize=3, label="covered area")
-    share.set(xlabel="relative humidity", ylabel="share at pull-off", ylim=(0, 1), title="(c)")
-    share.legend()
+    share.plot(humidity, shares[1], "s-", color=GREEN, markersize=3, label="area covered by bridges")
+    share.set(ylabel="share at pull-off", ylim=(0, 1))
+    for axes in (force, energy, share):
+        axes.set(xlabel="relative humidity")
+        legend(axes)
     return figure
 
 
@@ -53,8 +53,7 @@ def main():
     print("humidity, pull-off/A_n of bridges and of all liquid (MPa), energy of both (mJ/m^2), wet, covered")
     print("\n".join(" ".join(f"{value:9.4g}" for value in row)
                     for row in zip(humidity, *pull_offs, *energies, *shares)))
-    with context():
-        draw(humidity, pull_offs, energies, shares).savefig(arguments.output, dpi=arguments.dpi)
+    save(draw(humidity, pull_offs, energies, shares), arguments.output, arguments.dpi)
 
 
 if __name__ == "__main__":

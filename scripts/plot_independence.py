@@ -1,7 +1,7 @@
 """Limits within which asperities may be taken as independent: the verdict over roughness and surface energy,
 and over the size of a patch.
 
-Usage: python scripts/plot_independence.py [-o OUT.png] [--steps N]      a minute on two cores; prints the
+Usage: python scripts/plot_independence.py [-o OUT.svg] [--steps N]      a minute on two cores; prints the
 three cases
 
 The integral alone, `stiction compare --laws hybrid`, of a grid of surfaces of the publication: at the
@@ -20,13 +20,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 from drawing import (
-    BLUE, DASH_DOT, DASHED, DOCS, GREEN, ROOT, VERMILION, Figure, context, factor_and_unit, options, panel,
-    run,
+    BLUE, CASE_COLORS, DASH_DOT, DASHED, DOCS, GREEN, ROOT, SHADES, VERDICTS, VERMILION, column, dressed,
+    factor_and_unit, legend, options, run, save,
 )
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import StrMethodFormatter
 
-VERDICTS, SHADES = ("good", "a shift", "invalid"), ("#D5EBE2", "#FCEBC8", "#F3D3C4")
 # Roughness, nm, radius, um, density, 1/um^2, and work of adhesion, J/m^2.
 CASES = {"I": (3.40, 1.66, 8.51, 0.01), "II": (1.619, 3.33, 7.39, 0.09), "III": (0.6541, 6.38, 9.87, 0.30)}
 ROUGHNESS, ENERGY, SIDES = (0.5, 5.0), (0.003, 0.6), np.array([1.0, 1e5])
@@ -73,7 +72,7 @@ def scene(sigma, energy):
 def draw_map(axes, sigmas, energies, grid):
     words = np.vectorize(lambda one: VERDICTS.index(one["verdict"]))(grid)
     axes.pcolormesh(sigmas, energies, words, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=2.5,
-                    shading="nearest")
+                    shading="nearest", rasterized=True)
     for name, (color, dashes, label) in FIGURES.items():
         limits = [grid[0, 0][f"{word}_{name}"] for word in ("good", "invalid")
                   if f"{word}_{name}" in grid[0, 0]]
@@ -88,16 +87,14 @@ def draw_map(axes, sigmas, energies, grid):
         axes.annotate(f"case {name}", (sigma, energy), xytext=(6, 5), textcoords="offset points",
                       fontweight="bold")
     for word, place in zip(VERDICTS, [(4.3, 0.0045), (2.33, 0.34), (0.56, 0.42)]):
-        axes.text(*place, word, fontsize=13, color="0.25", ha="left" if word == "invalid" else "center",
+        axes.text(*place, word, fontsize=11, color="0.25", ha="left" if word == "invalid" else "center",
                   style="italic")
     axes.set(xscale="log", yscale="log", xlim=ROUGHNESS, ylim=ENERGY)
     axes.set(xlabel="roughness $\\sigma$ (nm)", ylabel="work of adhesion (J/m$^2$)")
     axes.set_xticks([0.5, 1, 2, 3, 5])
     axes.set_xticks([], minor=True)
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.set_title("(a) Independence of asperities, patches of 1000 µm$^2$", loc="left")
-    axes.legend(loc="lower left", title="limits of good (thin) and invalid (thick)", frameon=True,
-                framealpha=0.85)
+    legend(axes, columns=1)
 
 
 def draw_sizes(axes, cases):
@@ -105,14 +102,21 @@ def draw_sizes(axes, cases):
     limits = [low, *(cases["II"][f"{word}_{RATIO}"] for word in ("good", "invalid")), high]
     for bottom, top, shade in zip(limits, limits[1:], SHADES):
         axes.axhspan(bottom, top, color=shade, linewidth=0)
-    for (name, case), color in zip(cases.items(), (GREEN, BLUE, VERMILION)):
+    for name, case in cases.items():
         side, label = 1e6 * case["patch_side"], f"case {name}, $\\Lambda_c$ = {length(case)}"
-        axes.plot(SIDES, case[RATIO] * SIDES / side, color=color, label=label)
+        axes.plot(SIDES, case[RATIO] * SIDES / side, color=CASE_COLORS[name], label=label)
         axes.plot(side, case[RATIO], "o", color="black", markersize=5)
     axes.set(xscale="log", yscale="log", xlim=SIDES, ylim=(low, high))
-    axes.set_title("(b) The larger a patch, the softer its half-space", loc="left")
     axes.set(xlabel="side of the patch (µm)", ylabel="largest attractive stiffness over $k_s$")
-    axes.legend(loc="upper left", frameon=True, framealpha=0.85)
+    legend(axes, columns=1)
+
+
+@dressed
+def draw(sigmas, energies, grid, cases):
+    figure, (verdicts, sizes) = column(4.3, 3.2)
+    draw_map(verdicts, sigmas, energies, grid)
+    draw_sizes(sizes, cases)
+    return figure
 
 
 def length(case):
@@ -121,7 +125,7 @@ def length(case):
 
 
 def main():
-    parser = options(__doc__, DOCS / "independence.png")
+    parser = options(__doc__, DOCS / "independence.svg")
     parser.add_argument("--steps", type=int, default=41, metavar="N",
                         help="surfaces along each axis, default 41")
     arguments = parser.parse_args()
@@ -130,11 +134,7 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         scenes = [scene(sigma, energy) for energy in energies.tolist() for sigma in sigmas.tolist()]
         grid = np.array(list(pool.map(judged, scenes)), dtype=object).reshape(arguments.steps, -1)
-    with context():
-        figure = Figure(figsize=(7.0, 8.1), layout="none")
-        draw_map(panel(figure, 0.75, 4.0, 6.0, 3.75), sigmas, energies, grid)
-        draw_sizes(panel(figure, 0.75, 0.6, 6.0, 2.6), cases)
-        figure.savefig(arguments.output, dpi=arguments.dpi)
+    save(draw(sigmas, energies, grid, cases), arguments.output, arguments.dpi)
     for name, case in cases.items():
         print(f"case {name}: {case['verdict']}; shift {1e9 * case['shift']:.2e} nm = "
               f"{case['relative_shift']:.2e} sigma, attraction {case[RATIO]:.2e} k_s, "

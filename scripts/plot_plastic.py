@@ -1,6 +1,6 @@
 """The spread of plastic models: the pull-off of one rough surface by loading law and unloading.
 
-Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.png]      after `stiction run
+Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.svg]      after `stiction run
 configs/sweep_plastic.toml`
 
 (a) external force of the integral on retraction by each unloading of Kogut and Etsion's load, with the
@@ -13,10 +13,10 @@ import re
 
 import h5py
 import numpy as np
-from drawing import BLUE, DOCS, GREEN, VERMILION, Figure, context, options, panel
+from drawing import BLUE, DASH_DOT, DOCS, GREEN, H_STAR, PINK, VERMILION, column, dressed, legend, options, save
 
 # Colour and marker of an unloading, and its distance from its load.
-UNLOADINGS = {"ekk": ("0.25", "D", -0.24), "secant": (BLUE, "o", -0.08),
+UNLOADINGS = {"ekk": ("0.25", "D", -0.24), "secant": (PINK, "o", -0.08),
               "mesarovic_johnson": (VERMILION, "s", 0.08), "thornton_ning": (GREEN, "^", 0.24)}  # fmt: skip
 
 
@@ -36,20 +36,19 @@ def table(points, laws, pull_offs):
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+@dressed
 def draw(file, points, laws, pull_offs):
-    figure = Figure(figsize=(4.2, 6.1), layout="none")
-    curves, pulls = panel(figure, 0.62, 3.55, 3.45, 2.3), panel(figure, 0.62, 0.45, 3.45, 2.3)
+    figure, (curves, pulls) = column(3.0, 3.0)
     h_star, (mean, error, integral) = file["integral/h_star"][:], pull_offs
     for i in [points.index(("ke", name)) for name in UNLOADINGS]:
-        color = UNLOADINGS[points[i][1]][0]
-        curves.plot(h_star[i], 1e6 * file["integral/retraction_external_force"][i], color=color,
-                    label=points[i][1])
-    curves.plot(h_star[i], 1e6 * file["integral/external_force"][i], color="0.6", ls="dotted",
+        name = points[i][1]
+        # Two of them nearly agree.
+        curves.plot(h_star[i], 1e6 * file["integral/retraction_external_force"][i], color=UNLOADINGS[name][0],
+                    linestyle=DASH_DOT if name == "thornton_ning" else "-", label=name)
+    curves.plot(h_star[i], 1e6 * file["integral/external_force"][i], color=BLUE, linestyle="dotted",
                 label="approach")
     curves.axhline(0.0, color="0.8", lw=0.6, zorder=0)
-    curves.set(xlim=(3.0, 6.0), ylim=(-2.0, 2.0), xlabel="separation $h^*$", ylabel="external force (µN)",
-               title="(a)")
-    curves.legend(title="ke, unloaded by")
+    curves.set(xlim=(3.0, 6.0), ylim=(-2.0, 2.0), xlabel=H_STAR, ylabel="external force (µN)")
     for name, (color, marker, offset) in UNLOADINGS.items():
         own = [i for i, point in enumerate(points) if point[1] == name]
         x = [laws.index(points[i][0]) + offset for i in own]
@@ -57,9 +56,10 @@ def draw(file, points, laws, pull_offs):
         pulls.errorbar(x, mean[own], 2.0 * error[own], **style, label=name)
         pulls.plot(x, integral[own], **style, mfc="none")
     pulls.plot([], [], "o", color="0.4", mfc="none", label="integral")
-    pulls.set(yscale="log", xlabel="load", ylabel="pull-off (µN)", xlim=(-0.5, len(laws) - 0.5), title="(b)")
+    pulls.set(yscale="log", xlabel="law of the load", ylabel="pull-off force (µN)", xlim=(-0.5, len(laws) - 0.5))
     pulls.set_xticks(range(len(laws)), laws)
-    pulls.legend(ncols=2)
+    legend(curves)
+    legend(pulls)
     return figure
 
 
@@ -67,13 +67,13 @@ def main():
     parser = options(__doc__, DOCS / "plastic.svg")
     parser.add_argument("file")
     arguments = parser.parse_args()
-    with h5py.File(arguments.file) as file, context():
+    with h5py.File(arguments.file) as file:
         points = list(zip(names(file["model_law"]), names(file["model_unloading"])))
         laws = list(dict.fromkeys(law for law, _ in points))
         replicas = 1e6 * file["replicas/pull_off_force"][:]
         error = replicas.std(axis=1, ddof=1) / np.sqrt(replicas.shape[1])
         pull_offs = replicas.mean(axis=1), error, 1e6 * file["integral/pull_off_force"][:]
-        draw(file, points, laws, pull_offs).savefig(arguments.output, dpi=arguments.dpi)
+        save(draw(file, points, laws, pull_offs), arguments.output, arguments.dpi)
     print(table(points, laws, pull_offs))
 
 

@@ -1,17 +1,21 @@
 """Results of `stiction run` of several surfaces in one picture, over the nominal area.
 
-Usage: python scripts/plot_surfaces.py FILE.h5... [-o OUT.png]
+Usage: python scripts/plot_surfaces.py FILE.h5... [-o OUT.svg]
 
 (a) external force over the separation: mean over replicas, its standard error as a band, the integral as
-    crosses;
+    open circles;
 (b) likewise where it pulls; (c) pull-off: mean with standard error, the middle 90 % of replicas, the
-    integral.
+    integral. Surfaces are called by their files.
 """
 
-import numpy as np
-from drawing import COLORS, DOCS, Figure, context, factor_and_unit, open_run, options
+from pathlib import Path
 
-INTEGRAL = {"linestyle": "none", "marker": "x"}
+import numpy as np
+from drawing import (
+    COLORS, DOCS, H_STAR, column, dressed, factor_and_unit, legend, open_run, options, save,
+)
+
+INTEGRAL = {"linestyle": "none", "marker": "o", "markerfacecolor": "white", "markersize": 3.5}
 
 
 def surface(path):
@@ -22,7 +26,7 @@ def surface(path):
             "mean": "ensemble/external_force_mean", "error": "ensemble/external_force_standard_error",
             "integral": "integral/external_force",
             "pull_off": "replicas/pull_off_force"}.items()}  # fmt: skip
-        named = {"name": run.title or path, "h_star": run["ensemble/h_star"].values}
+        named = {"name": Path(path).stem, "h_star": run["ensemble/h_star"].values}
         return named | forces | {"integral_pull_off": run.pull_off.of_integral / area}
 
 
@@ -36,12 +40,9 @@ def draw_forces(axes, surfaces, pulls):
         axes.fill_between(x, low, high, color=color, alpha=0.25, linewidth=0.0)
         axes.plot(x[i % step :: step], own["integral"][i % step :: step] / unit, color=color, **INTEGRAL)
     axes.axhline(0.0, color="0.5", linewidth=0.6, zorder=0.5)
-    axes.set(xlabel="separation $h/\\sigma$", ylabel=f"external force over the nominal area ({sign})")
+    axes.set(xlabel=H_STAR, ylabel=f"external force over area ({sign})")
     if pulls and deepest > 0.0:
-        axes.set(ylim=(-1.15 * deepest / unit, 0.35 * deepest / unit), title="(b) Where it pulls")
-    elif not pulls:
-        axes.set(title="(a) External force: lines mean over replicas, crosses integral")
-        axes.legend(loc="upper right")
+        axes.set(ylim=(-1.15 * deepest / unit, 0.35 * deepest / unit))
 
 
 def draw_pull_off(axes, surfaces):
@@ -53,23 +54,21 @@ def draw_pull_off(axes, surfaces):
         axes.errorbar(pull_off.mean(), -i, xerr=error, fmt="o", color=color)
         axes.plot(own["integral_pull_off"] / unit, -i, color=color, **INTEGRAL)
     axes.set_yticks(-np.arange(len(surfaces)), [own["name"] for own in surfaces])
-    axes.set(xlabel=f"pull-off force over the nominal area ({sign})",
-             title="(c) Pull-off: mean, 90 % of replicas, × integral")
+    axes.set(xlabel=f"pull-off force over area ({sign})")
 
 
-def main():
-    parser = options(__doc__, DOCS / "surfaces.png")
-    parser.add_argument("files", nargs="+")
-    arguments = parser.parse_args()
-    surfaces = [surface(path) for path in arguments.files]
-    with context():
-        figure = Figure(figsize=(9.0, 6.0))
-        axes = figure.subplot_mosaic("ac;bc", width_ratios=(1.15, 1.0))
-        draw_forces(axes["a"], surfaces, pulls=False)
-        draw_forces(axes["b"], surfaces, pulls=True)
-        draw_pull_off(axes["c"], surfaces)
-        figure.savefig(arguments.output, dpi=arguments.dpi)
+@dressed
+def draw(surfaces):
+    figure, (forces, pulling, pull_off) = column(2.6, 2.3, 2.2)
+    draw_forces(forces, surfaces, pulls=False)
+    legend(forces, columns=3)
+    draw_forces(pulling, surfaces, pulls=True)
+    draw_pull_off(pull_off, surfaces)
+    return figure
 
 
 if __name__ == "__main__":
-    main()
+    parser = options(__doc__, DOCS / "surfaces.svg")
+    parser.add_argument("files", nargs="+")
+    arguments = parser.parse_args()
+    save(draw([surface(path) for path in arguments.files]), arguments.output, arguments.dpi)

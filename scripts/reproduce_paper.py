@@ -1,14 +1,14 @@
 """The figures and numbers of the publication that the model comes from, computed anew.
 
 Shi and Polycarpou, J. Colloid Interface Sci. 290 (2005) 514: figures 1, 2 and 4 to 9 (3 is a sketch) as
-figure_N.png, and reproduction.csv with a row for every number and checkable statement of its text: the
+figure_N.svg, and reproduction.csv with a row for every number and checkable statement of its text: the
 paper's value, the direct solution's, that of the paper's curve fits, whether they agree to the tolerance of
 the row, and the reason where they do not. The scenes are in configs/paper; the results of `stiction compare`
 stay in the folder, as .h5.
 
 Usage:
     cargo build --release
-    python scripts/reproduce_paper.py [-o FOLDER] [--program PATH] [--keep] [--replicas N] [--dpi N]
+    python scripts/reproduce_paper.py [-o FOLDER] [--program PATH] [--keep] [--replicas N]
 
 The program is target/release/stiction of this repository, unless the variable STICTION or --program names
 another. It takes two minutes on two cores; --keep draws from the .h5 that are there.
@@ -37,7 +37,6 @@ def main():
     parser.add_argument("--keep", action="store_true", help="use the .h5 files that are in the folder")
     parser.add_argument("--replicas", type=int, metavar="N",
                         help="of the scatter bands, default: as in the scenes")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
     arguments = parser.parse_args()
     path = arguments.program or Path(os.environ.get("STICTION") or ROOT / "target" / "release" / "stiction")
     try:
@@ -49,7 +48,7 @@ def main():
         rows = all_rows(program, runs)
         write(rows, arguments.output / "reproduction.csv")
         print(table(rows))
-        draw_all(program, runs, arguments.dpi)
+        draw_all(program, runs)
     except (PaperError, OSError, ValueError) as error:
         print("reproduce_paper:", *str(error).split(), file=sys.stderr)
         return 2

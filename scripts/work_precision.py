@@ -1,24 +1,24 @@
 """The cost of accuracy: error over time, from tables that `cargo bench --bench work_precision` and
 benches/peers/peers.py write.
 
-Usage: python scripts/work_precision.py FILE.csv... [-o OUT.png]
+Usage: python scripts/work_precision.py FILE.csv... [-o OUT]
 
 A table has the header panel,method,setting,seconds,error,what; each method is a line through its points in
 the order of their settings, and its branches share a colour.
 """
 
-import argparse
 import csv
 import itertools
 import sys
+from pathlib import Path
 
-from drawing import COLORS, DASHED, MARKERS, Figure, context
+from drawing import COLORS, DASHED, MARKERS, column, dressed, legend, options, save
 
 PANELS = {
-    "sums": ("(a) One replica of case II", "seconds per replica", "error over the sum of magnitudes"),
-    "monte_carlo": ("(b) Mean pull-off of case II, slope −1/2 in grey", "seconds", "relative standard error"),
-    "integral": ("(c) Statistical integral", "seconds", "relative error"),
-    "peers": ("(d) One solve, worst of all reference rows", "seconds per solve", "relative error"),
+    "sums": ("time per replica (s)", "error over the sum of magnitudes"),
+    "monte_carlo": ("time (s)", "relative standard error"),
+    "integral": ("time (s)", "relative error"),
+    "peers": ("time per solve (s)", "relative error"),
 }
 BRANCHES = {", contact": "-", ", before contact": DASHED, ", moments": "-", ", direct": DASHED}
 
@@ -37,7 +37,7 @@ def draw_panel(axes, rows):
         axes.loglog(x, y, color=color, marker=marker, linestyle=BRANCHES.get(branch, "-"), label=method)
         for place in sorted({0, len(points) - 1}):
             axes.annotate(points[place]["setting"], (x[place], y[place]), xytext=(4, 4),
-                          textcoords="offset points", fontsize=5)
+                          textcoords="offset points", fontsize=7)
     if rows and rows[0]["panel"] == "monte_carlo":
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         for step in range(-12, 13):
@@ -46,25 +46,24 @@ def draw_panel(axes, rows):
         axes.set(xlim=(left, right), ylim=(low, high))
     else:
         axes.axhline(sys.float_info.epsilon, color="0.6", linestyle=":", zorder=0)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+    legend(axes)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+@dressed
+def draw(rows):
+    figure, panels = column(*[3.2] * len(PANELS))
+    for axes, (panel, (x, y)) in zip(panels, PANELS.items()):
+        draw_panel(axes, [row for row in rows if row["panel"] == panel])
+        axes.set(xlabel=x, ylabel=y)
+    return figure
+
+
+if __name__ == "__main__":
+    parser = options(__doc__, Path("work_precision.svg"))
     parser.add_argument("files", nargs="+", metavar="FILE.csv")
-    parser.add_argument("-o", "--output", default="work_precision.png", metavar="OUT.png")
     arguments = parser.parse_args()
     rows = []
     for name in arguments.files:
         with open(name, newline="", encoding="utf-8") as file:
             rows += csv.DictReader(file)
-    with context():
-        figure = Figure(figsize=(9.0, 8.5))
-        for axes, (panel, (title, x, y)) in zip(figure.subplots(2, 2).flat, PANELS.items()):
-            draw_panel(axes, [row for row in rows if row["panel"] == panel])
-            axes.set(title=title, xlabel=x, ylabel=y)
-        figure.savefig(arguments.output)
-
-
-if __name__ == "__main__":
-    main()
+    save(draw(rows), arguments.output, arguments.dpi)

@@ -1,11 +1,13 @@
 """Figures 1, 2 and 4 to 9 of the paper, the direct solution with the paper's fits."""
 
 import numpy as np
-from drawing import BLUE, COLORS, DASH_DOT, DASHED, GREEN, VERMILION, Figure, context
+from drawing import (
+    BLUE, CASE_COLORS, COLORS, DASH_DOT, DASHED, GREEN, H_STAR, VERMILION, Figure, column, context, legend, save,
+)
 
 from paper.data import CASES, ENERGIES, NM, UN, contact_zone, fit_points, noncontact
 
-SEPARATION, MN, DOTTED = r"separation $h$* = $h/\sigma$", 1e-3, (0, (1.2, 1.2))
+MN, DOTTED = 1e-3, (0, (1.2, 1.2))
 # Label, colour and line of a law; in grey the lines tell them apart.
 LAWS = {
     "hybrid": ("hybrid", BLUE, "-"), "emd": ("EMD", VERMILION, DASHED), "isbl": ("ISBL", GREEN, DASH_DOT),
@@ -18,8 +20,7 @@ REGIMES = {
     "elastic": (("elastic",), VERMILION, DASH_DOT),
     "elastic-plastic, plastic": (("elastoplastic1", "elastoplastic2", "plastic"), GREEN, (0, (2.5, 1.2))),
 }  # fmt: skip
-SCENES = {"I": (GREEN, DASH_DOT), "II": (VERMILION, DASHED), "III": (BLUE, "-"),
-          "0.04": (GREEN, DASH_DOT), "0.09": (VERMILION, DASHED), "0.14": (BLUE, "-")}  # fmt: skip
+ENERGY_STYLES = {"0.04": (GREEN, DASH_DOT), "0.09": (VERMILION, DASHED), "0.14": (BLUE, "-")}
 BAND = "shaded, where wider than the line: ± standard deviation of one replica"
 
 
@@ -101,7 +102,7 @@ def figure_4(_, runs):
     for law in ("emd", "sbl", "isbl"):
         curve(axes, runs["III"], law, MN)
     curve(axes, runs["III"], "fit:paper", MN, style=("EMD with the paper's fits", *LAWS["fit:paper"][1:]))
-    axes.set(xlabel=SEPARATION, ylabel="adhesion force (mN)", xlim=(0, 7), ylim=(0, 330),
+    axes.set(xlabel=H_STAR, ylabel="adhesion force (mN)", xlim=(0, 7), ylim=(0, 330),
              title=named(runs["III"], "III"))
     legend_below(figure, axes, 4, BAND)
     return figure
@@ -110,19 +111,19 @@ def figure_4(_, runs):
 def figure_5(_, runs):
     """Below on a logarithmic axis, which shows what is before contact."""
     figure, grid = panels(11.5, 7.0, 3, 2)
-    for column, letter, name, start in zip(grid.T, "abc", CASES, (3.0, 3.0, 5.0)):
+    for pair, letter, name, start in zip(grid.T, "abc", CASES, (3.0, 3.0, 5.0)):
         case = runs[name]
-        for axes, unit in zip(column, (MN, UN)):
+        for axes, unit in zip(pair, (MN, UN)):
             for law in ("hybrid", "emd", "isbl", "fit:paper"):
                 curve(axes, case, law, unit)
         force = case.by_law("hybrid", "integral/adhesion_force")
-        column[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN),
+        pair[0].set(xlim=(0, 7), ylim=(0, 1.05 * force[case.x >= 0].max() / MN),
                       title=f"({letter}) {named(case, name)}")
         shown = force[(case.x >= start - 1) & (case.x <= 8)] / UN
-        column[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()),
-                      xlabel=SEPARATION)
-        column[1].axvline(start, color="0.6", linewidth=0.7, zorder=0)
-        column[1].set_title(f"before contact, line at $h$* = {start:g}")
+        pair[1].set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * shown.min(), 2 * shown.max()),
+                      xlabel=H_STAR)
+        pair[1].axvline(start, color="0.6", linewidth=0.7, zorder=0)
+        pair[1].set_title(f"before contact, line at $h^*$ = {start:g}")
     for axes, unit in zip(grid[:, 0], ("mN", "µN")):
         axes.set_ylabel(f"adhesion force ({unit})")
     legend_below(figure, grid[0, 0], 4, BAND)
@@ -138,7 +139,7 @@ def figure_6(_, runs):
             axes.plot(case.x, case.regime("hybrid", *names) / unit, color=color, linestyle=line, label=label)
         fits = case.regime("fit:paper", "noncontact") / unit
         axes.plot(case.x, fits, color="black", linestyle=DOTTED, label="noncontact with the paper's fits")
-        axes.set(xlabel=SEPARATION, ylabel=f"adhesion force ({sign})")
+        axes.set(xlabel=H_STAR, ylabel=f"adhesion force ({sign})")
     row[0].set(xlim=(0, 7), ylim=(0, 39), title=named(case, "II"))
     row[1].set(xlim=(3, 6), ylim=(2, 2000), yscale="log", title="before contact")
     legend_below(figure, row[0], 3, BAND)
@@ -146,28 +147,26 @@ def figure_6(_, runs):
 
 
 def figure_7(_, runs):
-    """A column for each case: its force, and the slope of that."""
-    figure, grid = panels(11, 6.5, 3, 2)
+    """The force of each case, and the slope of that; as narrow as the page that shows it."""
+    figure, panels = column(*[2.1] * 6)
     limits = {"I": (UN, "µN", (4.5, 8), (-4, 2)), "II": (UN, "µN", (2, 5), (-900, 300)),
               "III": (MN, "mN", (0, 8), (-135, 135))}
     slopes = {"I": (1.0, "N/m", (-5, 35)), "II": (1e3, "kN/m", (-100, 420)), "III": (1e6, "MN/m", (-45, 190))}
-    for (top, bottom), letters, (name, (unit, sign, x, y)) in zip(grid.T, ("ad", "be", "cf"), limits.items()):
+    for (top, bottom), (name, (unit, sign, x, y)) in zip(panels.reshape(3, 2), limits.items()):
         case, (slope, of_slope, z) = runs[name], slopes[name]
-        curve(top, case, "hybrid", unit, "external_force", (f"case {name}", *SCENES[name]))
-        curve(top, case, "fit:paper", unit, "external_force", ("with the paper's fits", "black", DOTTED))
-        for law, color, line in [("hybrid", *SCENES[name]), ("fit:paper", "black", DOTTED)]:
+        styles = {"hybrid": (f"case {name}", CASE_COLORS[name], "-"),
+                  "fit:paper": ("with the paper's fits", "black", DOTTED)}
+        for law, style in styles.items():
+            curve(top, case, law, unit, "external_force", style)
             force = case.by_law(law, "integral/external_force")
-            bottom.plot(case.x, np.gradient(force, case.h, edge_order=2) / slope, color=color, linestyle=line)
+            bottom.plot(case.x, np.gradient(force, case.h, edge_order=2) / slope, color=style[1], linestyle=style[2])
         for axes in (top, bottom):
             axes.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-        top.set(xlim=x, ylim=y, ylabel=f"external force ({sign})",
-                title=f"({letters[0]}) {named(case, name)}")
-        bottom.set(xlim=x, ylim=z, xlabel=SEPARATION, ylabel=f"stiffness $dF/dh$ ({of_slope})",
-                   title=f"({letters[1]})")
-        top.legend(loc="upper right")
-    grid[1, 2].axvline(2e-9 / runs["III"].sigma, color="0.55", linewidth=0.8, zorder=0, label="$h$ = 2 nm")
-    grid[1, 2].legend()
-    figure.supxlabel(BAND.replace("shaded", "compressive positive; above, shaded"), fontsize=8)
+        top.set(xlim=x, ylim=y, xlabel=H_STAR, ylabel=f"external force ({sign})")
+        bottom.set(xlim=x, ylim=z, xlabel=H_STAR, ylabel=f"stiffness $dF/dh$ ({of_slope})")
+        legend(top)
+    bottom.axvline(2e-9 / runs["III"].sigma, color="0.55", linewidth=0.8, zorder=0, label="$h$ = 2 nm")
+    legend(bottom)
     return figure
 
 
@@ -176,12 +175,12 @@ def figure_8(_, runs):
     for name in ENERGIES:
         case = runs[name]
         curve(axes, case, "hybrid", MN, "external_force",
-              (rf"$\Delta\gamma$ = {name} J/m$^2$", *SCENES[name]))
+              (rf"$\Delta\gamma$ = {name} J/m$^2$", *ENERGY_STYLES[name]))
         place, label = case.place("hybrid", "pull_off"), "pull-off" if name == "0.04" else "_"
         force = -case.number("hybrid", "pull_off_force") / MN
         axes.plot(place, force, "o", color="black", markerfacecolor="white", zorder=4, label=label)
     axes.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-    axes.set(xlabel=SEPARATION, ylabel="external force, compressive positive (mN)", xlim=(0.5, 6),
+    axes.set(xlabel=H_STAR, ylabel="external force, compressive positive (mN)", xlim=(0.5, 6),
              ylim=(-42, 30))
     axes.set_title(r"Surface of case III, $\sigma$ = 0.6541 nm")
     legend_below(figure, axes, 4, BAND)
@@ -211,7 +210,7 @@ FIGURES = {1: figure_1, 2: figure_2, 4: figure_4, 5: figure_5, 6: figure_6, 7: f
            9: figure_9}
 
 
-def draw_all(program, runs, dpi):
+def draw_all(program, runs):
     for number, draw in FIGURES.items():
         with context():
-            draw(program, runs).savefig(program.folder / f"figure_{number}.png", dpi=dpi)
+            save(draw(program, runs), program.folder / f"figure_{number}.svg")

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib.image
 import pytest
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
@@ -24,7 +23,7 @@ def run(script: str, *arguments: object) -> str:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("reproduction")
-    printed = run("reproduce_paper.py", "-o", folder, "--replicas", 8, "--dpi", 40)
+    printed = run("reproduce_paper.py", "-o", folder, "--replicas", 8)
     assert "pull-off force" in printed
     return folder
 
@@ -37,8 +36,8 @@ def rows(folder) -> list[dict]:
 
 def test_every_figure_is_drawn(folder):
     for number in [1, 2, 4, 5, 6, 7, 8, 9]:
-        image = matplotlib.image.imread(folder / f"figure_{number}.png")
-        assert 0.01 < (image[..., :3].min(axis=2) < 0.9).mean() < 0.6
+        picture = (folder / f"figure_{number}.svg").read_text(encoding="utf-8")
+        assert 20_000 < len(picture) < 1_000_000 and picture.count('id="line2d') > 20
 
 
 def test_every_number_has_a_verdict_and_a_reason_where_it_differs(rows):

@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _infer(given: argparse.Namespace) -> None:
     try:
-        from ..plot.style import context
+        from ..plot.style import picture
         from . import figures, posterior
     except ImportError as error:
         raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
@@ -79,8 +79,8 @@ def _infer(given: argparse.Namespace) -> None:
         results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
         print(f"{scene}\n{result}", flush=True)
         if given.figure is not None and scene == given.scene:
-            with context(), files.writing(given.figure, force=given.force, inputs=inputs) as part:
-                figures.page(result).savefig(part)
+            with files.writing(given.figure, force=given.force, inputs=inputs) as part:
+                part.write_bytes(picture(figures.page(result), given.figure.suffix))
     if given.model:
         print(f"\n{posterior.models(results)[['elpd_loo', 'elpd_diff', 'dse', 'weight', 'warning']].to_string()}")
     print("\n".join(str(path) for path in written))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, label, new_axes, scaled
+from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, lettered, new_axes, scaled
 from .data import ABOVE, BELOW, MISSING
 from .posterior import Inference
 
@@ -18,20 +20,37 @@ _SHARES = (0.5, 0.9)
 
 
 @dressed
-def page(result: Inference, width: str | float | None = None) -> Figure:
-    """The corner plot, and in its upper right the outcomes against their predictions."""
+def page(result: Inference, width: str | float | None = None, truth: Mapping[str, float] | None = None) -> Figure:
+    """The corner plot, and in its upper right, or below it where the page is narrower than 122 mm, the outcomes against their predictions.
+
+    Parameters
+    ----------
+    result : Inference
+    width : str or float, optional
+        Such as ``95mm``, or mm; 180 mm by default.
+    truth : mapping, optional
+        Of parameters that are known, such as of made-up data, the values in SI units by the names of the posterior: a black line each.
+    """
     from matplotlib import pyplot
 
     size, count = inches(width or 180), len(result.names)
-    figure = pyplot.figure(figsize=(size, (0.95 if count > 1 else 0.45) * size))
-    grid = figure.add_gridspec(count, max(count, 2))
-    _corner(result, figure, grid)
-    # Free are the cells above the diagonal, of a single parameter the one next to it.
-    half = max(count // 2, 1)
     outcomes = str(result.attrs["outcomes"]).split(", ")
-    free = grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1)
-    for row, outcome in enumerate(outcomes):
-        predicted(result, outcome, ax=figure.add_subplot(free[row]))
+    if size < 4.8:
+        figure = pyplot.figure(figsize=(size, size * (1.0 + 0.65 * len(outcomes))))
+        whole = figure.add_gridspec(1 + len(outcomes), 1, height_ratios=[1.0, *[0.65] * len(outcomes)])
+        grid: Any = whole[0].subgridspec(count, count)
+        free = [whole[1 + row] for row in range(len(outcomes))]
+    else:
+        figure = pyplot.figure(figsize=(size, (0.95 if count > 1 else 0.45) * size))
+        grid = figure.add_gridspec(count, max(count, 2))
+        # Free are the cells above the diagonal, of a single parameter the one next to it.
+        half = max(count // 2, 1)
+        upper = grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1)
+        free = [upper[row] for row in range(len(outcomes))]
+    _corner(result, figure, grid, truth or {})
+    lettered(figure.axes[0], 0)
+    for place, (outcome, cell) in enumerate(zip(outcomes, free, strict=True), 1):
+        lettered(predicted(result, outcome, ax=figure.add_subplot(cell)), place)
     return figure
 
 
@@ -48,20 +67,21 @@ def corner(result: Inference, figure: Figure | None = None) -> Figure:
     from matplotlib import pyplot
 
     figure = figure or pyplot.figure(figsize=(inches(180), inches(171)))
-    _corner(result, figure, figure.add_gridspec(len(result.names), len(result.names)))
+    _corner(result, figure, figure.add_gridspec(len(result.names), len(result.names)), {})
     return figure
 
 
-def _corner(result: Inference, figure: Figure, grid: Any) -> None:
+def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, float]) -> None:
     names = result.names
-    values, labels, priors, logs = [], [], [], []
+    values, labels, priors, logs, truths = [], [], [], [], []
     for name in names:
         draws = np.asarray(result.data.posterior[name]).ravel()
         attrs = result.data.posterior[name].attrs
         factor, written = scaled(str(attrs["units"]), [np.median(draws)])
         values.append(draws / factor)
+        truths.append(truth.get(name, np.nan) / factor)
         priors.append(np.asarray(result.data.prior[name]).ravel() / factor)
-        labels.append(label(name.partition("_")[2].replace("_", " "), written))
+        labels.append(textwrap.fill(label(name.partition("_")[2].replace("_", " "), written), 16))
         logs.append(bool(attrs["logarithmic"]))
     ranges: list[Any] = [np.quantile(of, [0.002, 0.998]) for of in values]
     for row in range(len(names)):
@@ -78,11 +98,15 @@ def _corner(result: Inference, figure: Figure, grid: Any) -> None:
                 for at in (low, high):
                     ax.axvline(at, color=VERMILION, lw=0.8, ls=":")
                 ax.axvline(middle, color=VERMILION, lw=0.8)
+                if np.isfinite(truths[row]):
+                    ax.axvline(truths[row], color="black", lw=1.0, ls=DASHED)
                 ax.set_yticks([])
             else:
                 _pair(ax, values[column], values[row], ranges[column], ranges[row])
+                ax.plot(truths[column], truths[row], "x", color="black")
                 ax.set_ylim(*ranges[row])
             ax.set_xlim(*ranges[column])
+            ax.locator_params(axis="x", nbins=3)
             ax.set_xlabel(labels[column] if row == len(names) - 1 else "")
             ax.set_ylabel(labels[row] if column == 0 and row > 0 else "")
             if row < len(names) - 1:
@@ -137,7 +161,7 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
             ax.plot(limits, np.full(limits.size, share), marker, ms=4, color=GREY, clip_on=False, label="below" if kind == BELOW else "above")
     ax.set(xlabel=label(name.replace("_", " ").replace("pull off", "pull-off"), unit), ylabel="share of patches", ylim=(0.0, 1.02))
     ax.set_xlim(left=0.0)
-    ax.legend(loc="best")
+    ax.legend(loc="lower right")
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]
     ax.set_title(f"check: p = {p:.2g}", loc="left")
     return ax

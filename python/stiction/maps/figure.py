@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -16,9 +15,6 @@ from .summits import Summits, summits
 from .surface import Surface
 
 __all__ = ["draw"]
-
-# Dots per inch of a .png.
-_DPI = 200
 
 
 def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[str | Path]) -> None:
@@ -39,7 +35,7 @@ def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[st
     from matplotlib import pyplot
 
     from ..plot.others import draw_map
-    from ..plot.style import context, inches
+    from ..plot.style import context, inches, picture
 
     stages = _stages(surface)
     with context():
@@ -58,11 +54,10 @@ def draw(path: str | Path, surface: Surface, *, force: bool, inputs: Iterable[st
             ax.set_title(f"{name}: {len(found)} {'summit' if len(found) == 1 else 'summits'}")
         for ax in axes.flat[len(stages) :]:
             ax.set_visible(False)
-        stream = io.BytesIO()
-        figure.savefig(stream, format=Path(path).suffix[1:].lower(), dpi=_DPI)
+        drawn = picture(figure, Path(path).suffix)
         pyplot.close(figure)
     with files.writing(path, force=force, inputs=inputs) as part:
-        part.write_bytes(stream.getvalue())
+        part.write_bytes(drawn)
 
 
 def _stages(surface: Surface) -> dict[str, tuple[Grid, Summits]]:

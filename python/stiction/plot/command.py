@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import io
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-from matplotlib.figure import Figure
 
 from .. import files, stored
 from ..errors import FileError
 from ..results import Finding, Sweep, open_run
 from ..terminal import ended
 from .pages import page, panels
-from .style import context, inches
+from .style import inches, picture
 
 __all__ = ["main"]
 
@@ -86,12 +83,12 @@ def _draw_all(given: argparse.Namespace) -> None:
         # A damaged file ends the command with one line.
         with stored.reading(path), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            picture = _drawn(path, output.suffix.lower(), given)
+            drawn = _drawn(path, output.suffix.lower(), given)
         if given.what == "list":
-            print(picture.decode())
+            print(drawn.decode())
             continue
         with files.writing(output, force=given.force, inputs=given.files) as part:
-            part.write_bytes(picture)
+            part.write_bytes(drawn)
         print(output)
 
 
@@ -101,7 +98,7 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
         if isinstance(result, Finding):
             if given.what is not None or given.x is not None or given.by is not None:
                 raise FileError(f"{path}: a result of `{result.made_by}` has one figure; leave out --what, --x and --by")
-            return _saved(result.figure(given.width), ending, given.dpi)
+            return picture(result.figure(given.width), ending, given.dpi)
         if given.what == "list":
             return "\n".join(panels(result)).encode()
         options: dict[str, Any] = {}
@@ -112,15 +109,4 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
                 options[name] = getattr(given, name)
         what = given.what.split(",") if given.what else None
         figure = page(result, given.width, what=what, title=given.title, **options)
-        return _saved(figure, ending, given.dpi)
-
-
-def _saved(figure: Figure, ending: str, dpi: int) -> bytes:
-    stream = io.BytesIO()
-    with context():
-        figure.savefig(stream, format=ending[1:], dpi=dpi, metadata=_UNDATED.get(ending))
-    return stream.getvalue()
-
-
-# A result always gives the same bytes.
-_UNDATED: dict[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+        return picture(figure, ending, given.dpi)

@@ -80,7 +80,7 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
     handles = [histogram(ax, lost, unit, f"{count} patches")]
     for value, words, color, line in (
         (mean, f"mean, {quantities.with_error(mean, error, 'J')}", "black", "-"),
-        (area, f"of the integral, {quantities.si(area, 'J')}", VERMILION, DASHED),
+        (area, f"of the integral, {quantities.si(area, 'J')}", "black", DASHED),
     ):
         handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
     ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
@@ -155,7 +155,7 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def preloads(run: Run, ax: Axes | None = None) -> Axes:
-    """Pull-off force after preloads: means over replicas and the standard deviation from patch to patch.
+    """Pull-off force after preloads: means over replicas, and where 90 % of them are (in older files their standard deviation).
 
     Parameters
     ----------
@@ -169,11 +169,15 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
     if not reached.any():
         return empty(ax, "no preload is reached")
     mean, std = (values(run, f"instability/pull_off_after_preload_{of}")[reached] for of in ("mean", "std"))
+    low, high, words = mean - std, mean + std, "± standard deviation of patches"
+    if "instability/pull_off_after_preload_quantile" in run:
+        quantile = run["instability/pull_off_after_preload_quantile"].sel(pull_off_quantile=[0.05, 0.95], method="nearest")
+        (low, high), words = quantile.transpose("pull_off_quantile", "preload").values[:, reached], "90 % of patches"
     unit, sign = scaled("N", mean)
     load, load_sign = scaled("N", preload[reached])
     handles: list[Any] = [
-        ax.errorbar(preload[reached] / load, mean / unit, np.nan_to_num(std) / unit, color=VERMILION, fmt="o-", markersize=3,
-                    label="mean ± standard deviation of patches")
+        *ax.plot(preload[reached] / load, mean / unit, "o-", color=VERMILION, markersize=3, label="mean over patches"),
+        ax.fill_between(preload[reached] / load, low / unit, high / unit, color=VERMILION, alpha=0.2, linewidth=0, label=words),
     ]  # fmt: skip
     there = float(values(run, "replicas/approach_pull_off_force").mean())
     handles.append(

@@ -142,7 +142,7 @@ def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         handles.append(shade)
     handles += ax.plot(n, quantile[:, 3], color=BLUE, label="median")
     handles += ax.plot(n, 1.0 + values(study, "bias"), "o", color="black", label="mean")
-    handles.append(ax.axhline(1.0, color=VERMILION, linestyle=DASH_DOT, label="integral"))
+    handles.append(ax.axhline(1.0, color="black", linestyle=DASHED, linewidth=0.8, label="integral"))
     ax.set(xscale="log", xlabel=_COUNT, ylabel="pull-off force over the integral's")
     if quantile.max() > 4.0 * max(float(quantile.min()), 0.01):
         ax.set_yscale("log")
@@ -235,7 +235,7 @@ def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         color=GREY,
         linestyle=DASHED,
         linewidth=1.0,
-        label="$1/\\sqrt{N}$ through the last",
+        label="$N^{-1/2}$ through the last",
     )
     ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel="scatter from patch to patch (%)")
     ax.set_ylim(0.5 * np.nanmin(of), 2.0 * np.nanmax(of))
@@ -488,7 +488,7 @@ def scatter_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
         Made with `cutoffs`.
     ax : matplotlib.axes.Axes, optional
     """
-    return _over_cutoff(new_axes(ax), result, "asperity_height_std", "σ$_s$ of summit heights", "m")
+    return _over_cutoff(new_axes(ax), result, "asperity_height_std", "σₛ of summit heights", "m")
 
 
 # Replicas of a group by the way they are drawn: groups are independent.
@@ -496,7 +496,7 @@ _GROUPS = {"independent": 1, "antithetic": 2, "stratified": 8}
 
 
 def _course(run: Run, target: int) -> tuple[str, str, Any, Any, Any]:
-    """Name and unit of a target, and its mean and standard error after each group of replicas from the third on."""
+    """Name and unit of a target, and its mean and standard error after groups of replicas from the third on."""
     names = [str(name) for name in run["ensemble/target"].values]
     if str(run["ensemble/target_estimate"].values[target]) != "plain":
         raise FileError(f"{names[target]}: the course of a mean with control variates is not in the file")
@@ -508,8 +508,11 @@ def _course(run: Run, target: int) -> tuple[str, str, Any, Any, Any]:
     count = np.arange(1, means.size + 1)
     shifted = means - means[0]
     mean = np.cumsum(shifted) / count
-    squares = np.maximum(np.cumsum(shifted**2) - count * mean**2, 0.0)[2:]
-    return name, unit, group * count[2:], mean[2:] + means[0], np.sqrt(squares / (count[2:] - 1) / count[2:])
+    squares = np.maximum(np.cumsum(shifted**2) - count * mean**2, 0.0)
+    # As many as a logarithmic axis can show.
+    shown = np.unique(np.geomspace(2, count.size - 1, 300).astype(int))
+    error = np.sqrt(squares[shown] / (count[shown] - 1) / count[shown])
+    return name, unit, group * count[shown], mean[shown] + means[0], error
 
 
 def _words(name: str) -> str:
@@ -529,17 +532,17 @@ def convergence(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
         Which of its targets.
     """
     ax = new_axes(ax)
-    name, units, replicas, mean, error = _course(run, target)
+    name, units, *course = _course(run, target)
+    # Before the square root of all replicas the error is so large that nothing else would be seen.
+    begin = np.searchsorted(course[0], math.sqrt(course[0][-1]))
+    replicas, mean, error = (of[begin:] for of in course)
     unit, sign = scaled(units, mean[-1])
     shade = ax.fill_between(
         replicas, (mean - 2 * error) / unit, (mean + 2 * error) / unit, color=BLUE, alpha=0.2, linewidth=0
     )
     shade.set_label("± 2 standard errors")
     handles = ax.plot(replicas, mean / unit, color=BLUE, label="mean")
-    spread = 12.0 * error[-1]
     ax.set(xscale="log", xlabel="replicas", ylabel=label(f"mean {_words(name)}", sign))
-    if spread > 0.0:
-        ax.set_ylim((mean[-1] - spread) / unit, (mean[-1] + spread) / unit)
     legend(ax, [*handles, shade])
     return ax
 

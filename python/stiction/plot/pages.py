@@ -15,7 +15,7 @@ from ..finite_size import is_study, study
 from ..results import Result, Run, Sweep
 from . import coupled, loop, others, run
 from .heat_map import heat_map, is_map
-from .style import VERMILION, dressed, inches, plain
+from .style import VERMILION, dressed, inches, lettered, plain
 from .sweep import QUANTITIES, quantities_of, sweep
 
 __all__ = ["page", "panels"]
@@ -160,8 +160,7 @@ def page(
         of_sweep = {"names": index == 0} if isinstance(result, Sweep) and name in QUANTITIES else {}
         ax = known[name](result, figure.add_subplot(place), **options, **of_sweep)
         if len(names) > 1:
-            ax.annotate(f"({'abcdefghijkl'[index]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3),
-                        textcoords="offset points", ha="right", va="bottom", annotation_clip=False)  # fmt: skip
+            lettered(ax, index)
     if title:
         told = result.title or result.path.name
         told = "".join(one if one.isprintable() else " " for one in told)

@@ -250,7 +250,7 @@ def attraction(run: Run, ax: Axes | None = None) -> Axes:
     asperities = values(run, f"ensemble/{prefix}adhesion_force_mean")
     looks = itertools.cycle(zip((VERMILION, *COLORS[2:]), itertools.cycle((DASH_DOT, DASHED))))
     planes = [(name, values(run, path), *next(looks)) for name, path in run.mean_plane_forces.items()]
-    together = ("together", asperities + values(run, "background/force"), "black", (0, (1.2, 1.2)))
+    together = ("together", asperities + values(run, "background/force"), "black", "-")
     curves: list[tuple[str, Any, Any, Any]] = [("asperities", asperities, BLUE, "-"), *planes, together]
     curves = [curve for curve in curves if np.any(curve[1] != 0.0)]
     if not curves:
@@ -360,14 +360,14 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
         (
             quoted.of_mean_curve,
             f"of the mean curve, {quantities.si(quoted.of_mean_curve, 'N')}",
-            BLUE,
-            DASHED,
+            "black",
+            DASH_DOT,
         ),
         (
             quoted.of_integral,
             f"of the integral, {quantities.si(quoted.of_integral, 'N')}",
-            VERMILION,
-            DASH_DOT,
+            "black",
+            DASHED,
         ),
     ):
         # The mean curve and the integral turn at the closest separation.

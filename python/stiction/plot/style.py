@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import math
 import re
 import textwrap
@@ -15,6 +16,7 @@ import matplotlib.style
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import ArrayLike
 
@@ -25,8 +27,8 @@ R = TypeVar("R")
 
 __all__ = [
     "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "MARKERS", "PINK", "VERMILION",
-    "context", "dressed", "empty", "inches", "label", "legend", "logarithmic", "new_axes", "places_logarithmic",
-    "plain", "scaled",
+    "context", "dressed", "empty", "inches", "label", "legend", "lettered", "logarithmic", "new_axes", "picture",
+    "places_logarithmic", "plain", "scaled",
 ]  # fmt: skip
 
 BLUE, VERMILION, GREEN, PINK = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -34,7 +36,8 @@ COLORS = [BLUE, VERMILION, GREEN, PINK, "#E69F00", "#56B4E9", "black"]
 MARKERS = "osD^vP*"
 GREY = "0.45"
 DASHED, DASH_DOT = (0, (4, 1.6)), (0, (5, 1.2, 1, 1.2))
-H_STAR = "separation $h/\\sigma$"
+# In all figures the integral is dashed and black, or an open symbol; means over patches are solid lines, or full symbols.
+H_STAR = "separation $h^*=h/\\sigma$"
 
 _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))
 # Lengths that widths may be given in, inches.
@@ -112,7 +115,22 @@ def plain(text: Any) -> str:
 
 def label(words: str, unit: str) -> str:
     """An axis label in words with its unit."""
+    words = words.replace("psi of sigma_s", "ψ of σₛ").replace("psi of sigma", "ψ of σ")
     return f"{words} ({unit})" if unit else words
+
+
+def lettered(ax: Axes, place: int) -> None:
+    """(a), (b) and so on at the upper left of axes, beside their legend."""
+    ax.annotate(f"({'abcdefghijklmnop'[place]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3), textcoords="offset points",
+                ha="right", va="bottom", annotation_clip=False)  # fmt: skip
+
+
+def picture(figure: Figure, ending: str, dpi: float | None = None) -> bytes:
+    """A figure as a file with an ending such as ``.svg`` has it; the same figure gives the same bytes."""
+    stream, undated = io.BytesIO(), {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with context():
+        figure.savefig(stream, format=ending[1:].lower(), dpi=dpi, metadata=undated.get(ending.lower()))
+    return stream.getvalue()
 
 
 def legend(ax: Axes, handles: Sequence[Any] | None = None, columns: int = 2) -> None:

@@ -34,7 +34,7 @@ QUANTITIES: dict[str, tuple[str, str, str | None]] = {
     "pull_off_force": ("pull-off force", "N", "pull_off_force"),
     "pull_off_excess": ("excess over the integral", "%", None),
     "pull_off_scatter": ("scatter between patches", "%", None),
-    "pull_off_separation": ("pull-off separation $h/\\sigma$", "", "pull_off_separation"),
+    "pull_off_separation": ("pull-off separation $h^*$", "", "pull_off_separation"),
     "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
     "stuck_probability": ("probability to stay stuck", "", None),
 }

@@ -36,7 +36,7 @@ _DATASETS: dict[str, list[str]] = {
     "contacts": [f"{group}/jump_{way}_count{of}" for group, of in (("ensemble", "_mean"), ("integral", "")) for way in ("in", "off")],
     "energy": ["replicas/dissipated_energy"],
     "snaps": [f"instability/snap_{way}_probability{end}" for way in ("in", "off") for end in ("", "_low", "_high")],
-    "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std")],
+    "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std", "quantile")],
     "stuck": [f"device/stuck_probability{end}_after_preload" for end in ("", "_low", "_high")],
     "regimes": ["ensemble/adhesion_force_mean", "integral/adhesion_force", "ensemble/regime_adhesion_force_mean",
                 "integral/regime_adhesion_force"],

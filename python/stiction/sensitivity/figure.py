@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ..plot.style import BLUE, GREY, VERMILION, dressed, inches
+from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, lettered
 from .study import QUANTITIES
 
 __all__ = ["draw"]
@@ -48,9 +48,11 @@ def draw(result: xarray.Dataset, width: str | float = "180mm") -> Figure:
         ax.axhline(len(keys) - 0.5, color=GREY, linewidth=0.5)
         ax.axvline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
         ax.set_title(QUANTITIES[name][0])
+        lettered(ax, names.index(name))
         ax.set_xlabel("share of the variance")
+        ax.tick_params(labelbottom=True)
     called = [key.rsplit(".", 1)[-1].replace("_", " ") for key in keys]
     axes[0].set(yticks=[*places, len(keys)], yticklabels=[*called, "scatter between patches"], xlim=(-0.05, 1.05))
     axes[0].set_ylim(len(keys) + 0.5, -0.5)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3 if columns > 1 else 1)
     return figure

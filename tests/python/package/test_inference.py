@@ -32,6 +32,7 @@ from stiction.inference import (
     data,
     density,
     emulator,
+    figures,
     infer,
     open_inference,
     posterior,
@@ -314,6 +315,10 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     row = result.summary().loc["material_work_of_adhesion"]
     assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.03
     assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in said
+    # Narrow, with the truth as a black line: 0.05 J/m², of which the axis has mJ/m².
+    first, second = figures.page(result, "95mm", {"material_work_of_adhesion": 0.05}).axes
+    assert second.get_position().y1 < first.get_position().y0
+    assert [line.get_xdata()[0] for line in first.lines if line.get_color() == "black"] == [pytest.approx(50.0)]
     assert "exists; force=True overwrites it" in told(infer, folder / "data.csv", small(), folder / "out.h5")
     other = folder / "other.h5"
     other.write_text("nothing")

@@ -37,8 +37,8 @@ const LARGEST_UNTOUCHED: f64 = 0.5;
 const LARGEST_ERROR: f64 = 1e-6;
 /// Largest shift, in σ, by which a patch gives way that is called none.
 const LARGEST_SHIFT: f64 = 0.05;
-/// Fewest of given heights that touch at pull-off.
-const FEWEST_TOUCHING: usize = 5;
+/// Fewest of given heights that are near enough to pull at pull-off.
+const FEWEST_NEAR: usize = 5;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Smallest Kelvin radius of a meniscus that is a continuum, m.
@@ -166,19 +166,22 @@ fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let surface = &scene.surface;
     let HeightLaw::Sample(heights) = &surface.heights.law else { return None };
     let pull_off = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
-    let nearest = surface.asperity_separation(pull_off.separation) - surface.heights.mean;
-    let touching = heights.iter().filter(|height| **height > nearest).count();
+    // As far as an asperity attracts through its film.
+    let Asperity { equilibrium_spacing, lubricant_thickness, .. } = scene.asperity;
+    let plane = surface.asperity_separation(pull_off.separation) - surface.heights.mean;
+    let near =
+        heights.iter().filter(|height| **height > plane - equilibrium_spacing - lubricant_thickness).count();
     let change = match &surface.radii {
         Radii::Measured(_) => {
             "compare asperities.sample = \"whole\", and surface.spectrum, which has a tail of heights"
         }
         _ => "compare surface.heights of a law, such as \"gaussian\", which has a tail of heights",
     };
-    (touching < FEWEST_TOUCHING && !surface.whole).then(|| {
+    ((1..FEWEST_NEAR).contains(&near) && !surface.whole).then(|| {
         Warning::new(
             format!(
-                "{touching} of the {} given heights touch at pull-off, fewer than {FEWEST_TOUCHING}: replicas have copies of them \
-                 at one height, which hold too hard together",
+                "{near} of the {} given heights carry the pull-off, fewer than {FEWEST_NEAR}: replicas have copies of them at one \
+                 height, which hold too hard together",
                 heights.len()
             ),
             "a surface has no two summits of exactly one height",

@@ -670,7 +670,10 @@ fn a_loop_that_gives_out_energy_is_no_result() {
     let summary = Folder::new(&joined).stiction(&["run", "scene.toml"]);
     assert_exit(&summary, 0);
     let summary = unbroken(&text(&summary.stdout));
-    assert!(summary.contains(words) && summary.contains("dissipated per cycle: mean -"), "{summary}");
+    assert!(
+        summary.contains(words) && summary.contains("dissipated per cycle: mean over patches -"),
+        "{summary}"
+    );
     let own = scene.replace("law = \"hybrid\"\nhistory = \"approach\"", "history = \"loop\"");
     let folder = Folder::new(&own);
     let summary = folder.stiction(&["run", "scene.toml"]);

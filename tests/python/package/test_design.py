@@ -297,7 +297,7 @@ def test_the_file_is_opened_by_info_plot_and_report(monkeypatch, tmp_path, capsy
     path.write_text(stiction.scenes.toml({"format": 1, **scene}), encoding="utf-8")
     search_of = [str(path), "--above", "1 uN", "--maximise", "material.work_of_adhesion", "--probability", "1e-3", "-o", str(output)]
     capsys.readouterr()
-    assert command.main(search_of) == 2 and "there is a file already" in capsys.readouterr().err
+    assert command.main(search_of) == 2 and "design.h5: exists; --force" in capsys.readouterr().err
     assert command.main([*search_of, "--force"]) == 0
     assert_opens(output, capsys.readouterr().out.splitlines()[-2], tmp_path)
 

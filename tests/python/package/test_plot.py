@@ -224,8 +224,8 @@ def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(re
     run = result("run")
     ax = run.plot.pull_off()
     assert sum(bar.get_height() for bar in ax.patches) == run.pull_off.replicas
-    label = next(label for label in lines(ax) if label.startswith("mean,"))
-    assert label == f"mean, {run.pull_off}"
+    label = next(label for label in lines(ax) if label.startswith("mean over patches,"))
+    assert label == f"mean over patches, {run.pull_off}"
 
 
 def test_logarithmic_axes_where_the_data_ask(result):

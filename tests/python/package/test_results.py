@@ -71,7 +71,7 @@ def test_the_number_to_quote_is_that_of_the_file(result):
         ensemble, values = file["ensemble"], file["replicas/pull_off_force"][:]
         scalar = list(ensemble["scalar"].asstr()[:]).index("pull_off_force")
         quoted = run.pull_off
-        assert quoted.mean == float(quoted) == ensemble["scalar_controlled_mean"][scalar]
+        assert quoted.mean_over_patches == float(quoted) == ensemble["scalar_controlled_mean"][scalar]
         assert quoted.standard_error == ensemble["scalar_controlled_standard_error"][scalar]
         assert list(quoted.interval) == list(ensemble["scalar_controlled_interval"][scalar])
         assert math.isclose(quoted.std, values.std(ddof=1)) and quoted.replicas == len(values)
@@ -80,7 +80,7 @@ def test_the_number_to_quote_is_that_of_the_file(result):
         assert quoted.of_integral == file["integral"].attrs["pull_off_force"]
         assert run.cross_check.p_value == file["validation"].attrs["p_value"]
         assert run.cross_check.verdict == file["validation"].attrs["verdict"]
-    assert quoted.interval[0] < quoted.mean < quoted.interval[1]
+    assert quoted.interval[0] < quoted.mean_over_patches < quoted.interval[1]
 
 
 @pytest.mark.parametrize("name", ["run", "curves", "coupled", "instability", "loop"])

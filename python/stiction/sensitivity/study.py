@@ -16,7 +16,7 @@ from ..results import Result
 from ..scenes import Scene, named_files, toml
 from . import indices
 
-__all__ = ["BLOCKS", "QUANTITIES", "sensitivity"]
+__all__ = ["BLOCKS", "QUANTITIES", "sensitivity", "words"]
 
 Array = NDArray[np.float64]
 
@@ -118,7 +118,7 @@ def sensitivity(
     result = _dataset(found, estimated, level)
     # As the run had it: with what the arguments say.
     result.attrs |= {"title": str(tables.get("title", "")), "samples": samples, "blocks": BLOCKS, "replicas": patches,
-                     "seed": first, "scene": _text(scene), "summary": _words(result)}  # fmt: skip
+                     "seed": first, "scene": _text(scene), "summary": words(result)}  # fmt: skip
     if output is not None:
         with files.writing_hdf5(output, force=force, inputs=inputs) as part:
             result.to_netcdf(part, engine="h5netcdf")
@@ -216,7 +216,7 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
 
 
-def _words(found: xarray.Dataset) -> str:
+def words(found: xarray.Dataset) -> str:
     """A study in words."""
     level = 100.0 * float(found.attrs["interval_level"])
     lines = [f"Sobol indices of the mean over patches, with {level:g} % intervals"]

@@ -12,6 +12,7 @@ from scipy import stats
 import stiction.sensitivity as study
 from stiction import FileError, SceneError
 from stiction.sensitivity import command, indices
+from stiction.sensitivity.study import words
 
 # Of independent test statistics |z| > 4.5 happens once in 150 000.
 Z = 4.5
@@ -124,7 +125,7 @@ def test_a_total_below_its_first_order_asks_for_more_samples():
         of, coords={"quantity": ["pull_off_force"], "key": ["a.one", "a.two"], "unit": ("quantity", ["N"]), **ends},
         attrs={"interval_level": 0.95},
     )  # fmt: skip
-    said = command.told(study)
+    said = words(study)
     assert "too few samples: the total of a.one is below its first order" in said
     assert "scatter between patches" in said and "none" in said and "nan" not in said
 

@@ -49,7 +49,7 @@ class Bar:
             self._bar = tqdm(total=total, initial=done, desc=words, unit=f" {unit}", leave=False)
 
     def to(self, done: int) -> None:
-        """Shows that so many steps are done."""
+        """Shows the number of steps that are done."""
         if self._bar is not None:
             self._bar.update(done - self.done)
         self.done = done

@@ -180,7 +180,7 @@ fn stuck_patches(results: &Results) -> String {
         };
         labelled(label, &format!("after {}: {of}", si(*preload, "N")))
     });
-    let few = preloads.iter().zip(snaps.places_of_turns()).next_back();
+    let few = preloads.iter().zip(snaps.places_of_turns()).max_by(|a, b| a.0.total_cmp(b.0));
     lines.collect::<String>() + &few.map_or(String::new(), |(_, turn)| rare(snaps.stuck(turn, force)))
 }
 

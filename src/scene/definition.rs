@@ -107,7 +107,7 @@ impl Scene {
         self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
     }
 
-    /// Checks that there are so many replicas: whole groups of the sampling scheme, and no more than given patches.
+    /// Checks a number of replicas: whole groups of the sampling scheme, and no more than given patches.
     ///
     /// # Errors
     /// A text that says what would do.

@@ -529,8 +529,8 @@ static FIRST: &[Key] = &[
     key("ensemble.heights", "{ path = \"patches.h5\", dataset = \"/height\", unit = \"m\" }", Table)
         .what("file of the heights of all patches, in the place of drawn ones")
         .about(
-            "Above the mean plane of the asperities; those of the first patch, then of the second, and so on. For patches of \
-             your own, such as correlated ones: the integral and the cross-check remain those of `[surface]`.",
+            "Above the mean plane of the asperities, patch after patch. For patches of your own, such as correlated ones; the \
+             integral and the cross-check remain by the law of `[surface]`.",
         )
         .follows("none; heights are drawn by the law of `[surface]`"),
     key("ensemble.heights.path", "\"heights.csv\"", Text).what("file of heights").about(FILE_PATH),

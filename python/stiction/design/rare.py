@@ -68,8 +68,9 @@ class Patches:
             self.pull_off, self.preload = self._of(run), None
             turn = float(self.separations.min())
             if instability:
-                self.preload = float(run["replicas/preload"].values[-1])
-                turns = run["replicas/preload_separation"].values[:, -1]
+                largest = int(run["replicas/preload"].values.argmax())
+                self.preload = float(run["replicas/preload"].values[largest])
+                turns = run["replicas/preload_separation"].values[:, largest]
                 if (missed := int(np.isnan(turns).sum())) > _MISSED * turns.size:
                     raise SceneError(
                         f"instability.preload: {missed} of {turns.size} patches do not reach {quantities.si(self.preload, 'N')}; "
@@ -78,8 +79,7 @@ class Patches:
                 turn = float(np.nanmedian(turns))
                 self.tables["instability"] = {"preload": [f"{self.preload!r} N"]}
             self._turn = turn
-            name = "replicas/retraction_external_force" if self.is_loop else "replicas/external_force"
-            attraction = -run[name].transpose("replica", "separation").values
+            attraction = -self._force(run).transpose("replica", "separation").values
             count = float(run["replicas/asperity_count"].values[0])
         surface = tables["surface"]
         self.poisson = surface.get("count", "fixed") == "poisson"
@@ -95,7 +95,7 @@ class Patches:
         """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""
         if "preload" not in self.tables.get("instability", {}):
             return np.asarray(run["replicas/pull_off_force"].values)
-        force: Array = run["replicas/pull_off_after_preload"].values[:, -1]
+        force: Array = run["replicas/pull_off_after_preload"].values[:, run["replicas/preload"].values.argmax()]
         return np.where(np.isnan(force), 0.0, force)
 
     def reseed(self, seed: int) -> None:
@@ -126,9 +126,12 @@ class Patches:
         given = np.unique([self._turn, *h]) if self.is_loop else h
         separation = {"h": [f"{float(one)!r} m" for one in given]}
         with self._computed(self._cells.z[:, None], separation=separation, output={"curves": True}, instability=None) as run:
-            name = "replicas/retraction_external_force" if self.is_loop else "replicas/external_force"
-            force = run[name].transpose("separation", "replica").values
+            force = self._force(run).transpose("separation", "replica").values
         return np.asarray(-force[np.searchsorted(given, h)])
+
+    def _force(self, run: Any) -> Any:
+        """External force of the patches of a run, N; of a loop on the way back."""
+        return run["replicas/retraction_external_force" if self.is_loop else "replicas/external_force"]
 
     @functools.cached_property
     def _cells(self) -> tilting.Cells:

@@ -55,8 +55,6 @@ _WITHIN = 16
 _JUMPS, _MARGIN = 32, 2.0
 # The highest asperity is made more probable down to this probability.
 _RAREST = 1e-12
-# Probability beyond a height from which on no tilt makes it probable.
-_NOTHING = 1e-40
 # Tall heights of a patch at most.
 _TALL = 20_000
 # Terms that are looked up at once: what a cache holds.
@@ -78,15 +76,6 @@ class _Some:
 
     def of(self, at: Whole) -> _Some:
         return _Some(self.tall[at], self.low[at], self.sums[at], self.force[at])
-
-
-@dataclass(frozen=True)
-class Tilt:
-    """Heights tilted by θ (1/N) at a column, and the log-moment ψ of that."""
-
-    column: int
-    theta: float
-    psi: float
 
 
 class Curves:
@@ -175,7 +164,6 @@ class Curves:
         self.ratio: Array = 0.5 + 0.5 * rarity / (own @ rarity[:-1] + 1.0 - above[0])
         self._highest = _cumulated(own * self.ratio[:-1])
         self._any = _cumulated(self.beyond[:-1] - self.beyond[1:])
-        self._cells = (self.beyond[:-1] - self.beyond[1:])[: int((self.beyond > _NOTHING).sum())]
         self._raised = _cumulated((self.beyond[:-1] - self.beyond[1:]) * self.ratio[:-1])
 
         # Attraction of a height in steps, counted from `cut` and with `span` added, less a column.
@@ -207,33 +195,6 @@ class Curves:
         there = tall < self.nothing
         sums = self._sums(tall[there], there.sum(axis=1))
         return _Some(tall, low, sums, self._pull_off(tall, low, sums))
-
-    def tilt(self, column: int, theta: float) -> Tilt:
-        """The law that is tilted at a column."""
-        return Tilt(column, theta, float(np.log(sum(masses.sum() for masses in self._masses(column, theta)))))
-
-    def _masses(self, column: int, theta: float) -> tuple[Array, Array]:
-        """Masses of the cells of tall heights and of the bins of low ones, tilted."""
-        first = int(self.columns[-1] - self.columns[column])
-        a = self._table[first : first + self._cells.size]
-        return self._cells * np.exp(theta * a), self.low * np.exp(theta * self.of_low[:, column])
-
-    def tilted(self, law: Tilt, n: int, rng: np.random.Generator) -> _Some:
-        """Patches of a tilted law."""
-        cells, bins = self._masses(law.column, law.theta)
-        cumulated = _cumulated(cells)
-        total = rng.poisson(self.count, n) if self.poisson else np.full(n, int(self.count))
-        number = rng.binomial(total, cumulated[-1] / (cumulated[-1] + bins.sum()))
-        low = rng.multinomial(total - number, bins / bins.sum()) if bins.any() else np.zeros((n, bins.size), int)
-        fresh = _cell(cumulated, cumulated[-1] * rng.random(int(number.sum()))) + self.columns[-1]
-        tall = np.full((n, int(number.max()) + 1), self.nothing)
-        tall[np.arange(tall.shape[1]) < number[:, None]] = fresh
-        sums = self._sums(fresh, number)
-        return _Some(tall, low, sums, self._pull_off(tall, low, sums))
-
-    def number(self, some: _Some) -> Whole:
-        """Asperities of patches."""
-        return np.asarray((some.tall < self.nothing).sum(axis=1) + some.low.sum(axis=1))
 
     def weights(self, some: _Some) -> Array:
         """Likelihood of patches under the scene's law over that with the highest asperity raised."""

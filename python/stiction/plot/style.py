@@ -120,7 +120,7 @@ def label(words: str, unit: str) -> str:
 
 
 def lettered(ax: Axes, place: int) -> None:
-    """(a), (b) and so on at the upper left of axes, beside their legend."""
+    """(a), (b) and so on at the upper left of axes, next to their legend."""
     ax.annotate(f"({'abcdefghijklmnop'[place]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3), textcoords="offset points",
                 ha="right", va="bottom", annotation_clip=False)  # fmt: skip
 

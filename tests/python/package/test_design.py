@@ -337,6 +337,14 @@ def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
     assert 0.0 < rarer.value < 1e-3 and rarer.relative_error < 0.15
 
 
+def test_the_largest_preload_is_taken_in_any_order():
+    rising, falling = pressed("0.6 mN"), pressed("0.6 mN")
+    falling["instability"]["preload"].reverse()
+    one, other = Patches(rising), Patches(falling)
+    assert one.preload == other.preload == 6e-4
+    np.testing.assert_array_equal(one.pull_off, other.pull_off)
+
+
 def test_loops_have_no_probability_below_and_preloads_are_reached():
     with pytest.raises(SceneError, match=r'model\.history = "loop": probabilities below'):
         probability(pressed(), below="1 uN")

@@ -8,9 +8,9 @@ use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
 use crate::liquid::{Film, Meniscus};
-use crate::scene::Scene;
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
+use crate::scene::{Scene, sources_of_heights};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 
 /// The title, the model, and what characterises the scene.
@@ -103,14 +103,22 @@ pub(super) fn numbers(scene: &Scene) -> String {
         CountLaw::Fixed => "",
         CountLaw::Poisson => " on average (Poisson)",
     };
-    let asperities = format!("{} asperities per replica{varies}", surface.asperity_count);
-    text += &labelled("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
+    text += &labelled("N", &format!("{} asperities per replica{varies}", surface.asperity_count));
+    let [of_surface, of_asperities] = sources_of_heights(scene);
+    text += &height_std(scene, of_surface);
+    text += &labelled("sigma_s", &format!("{}: rms height of the asperities, {of_asperities}", si(std, "m")));
     text += &laws(surface, mean);
     text += &background(surface);
     let [first, last] = [0, scene.separations.len() - 1].map(|k| scene.separations[k]);
     let [from, to] = [first, last].map(|h| h / surface.surface_height_std);
     let range = format!("h* = {from:.3} to {to:.3} (h = {} to {})", si(first, "m"), si(last, "m"));
     text + &labelled("separations", &format!("{} from {range}", scene.separations.len()))
+}
+
+/// The standard deviation of the surface heights, and its source.
+pub(super) fn height_std(scene: &Scene, source: &str) -> String {
+    let std = si(scene.surface.surface_height_std, "m");
+    labelled("sigma", &format!("{std}: rms height of the surface, {source}"))
 }
 
 /// The parameters that characterise the asperities.

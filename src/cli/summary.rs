@@ -1,7 +1,7 @@
 //! The summary of a run on the terminal: the answer, whether to trust it, and where the file is.
 
 use super::coupling;
-use super::describe::{title, unit};
+use super::describe::{height_std, title, unit};
 use super::independence::independence;
 use super::instability::instability;
 use super::rows::{labelled, paragraph};
@@ -17,7 +17,7 @@ use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
-use crate::scene::Warning;
+use crate::scene::{FROM_ASPERITIES, Warning, sources_of_heights};
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 
 pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
@@ -50,7 +50,12 @@ fn about(results: &Results) -> String {
     let scene = &results.scene;
     let (patches, asperities) = (scene.replicas, scene.surface.asperity_count);
     let law = format!("{} on {}", scene.model.name, scene.history_name());
-    paragraph(&format!("{law}, {patches} patches of {asperities} asperities, seed {}", scene.seed))
+    let text =
+        paragraph(&format!("{law}, {patches} patches of {asperities} asperities, seed {}", scene.seed));
+    match sources_of_heights(scene) {
+        [FROM_ASPERITIES, _] => text + &height_std(scene, FROM_ASPERITIES),
+        _ => text,
+    }
 }
 
 fn h_star(results: &Results, separation: f64) -> f64 {
@@ -147,7 +152,7 @@ fn preloads(results: &Results) -> String {
         let moments = snaps.pull_off(turn);
         let (count, of) = (moments.count(), results.scene.replicas);
         if count == 0 {
-            text += &labelled(&si(*preload, "N"), "no patch reaches it: begin nearer by [separation]");
+            text += &labelled(&si(*preload, "N"), "no patch reaches it");
             continue;
         }
         let (mean, std) = (moments.mean()[0], moments.std()[0]);
@@ -225,7 +230,11 @@ fn history(results: &Results) -> String {
 /// The energy of a loop.
 fn cycle(results: &Results) -> String {
     let Some(mean) = results.scalar("dissipated_energy") else { return String::new() };
-    let mut text = energy("dissipated", mean);
+    let cycle = match results.scene.instability.preload.is_empty() {
+        true => "per cycle",
+        false => "over all separations, per cycle",
+    };
+    let mut text = energy("dissipated", cycle, mean);
     // Beyond chance, where there is an error.
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(
@@ -243,17 +252,17 @@ fn cycle(results: &Results) -> String {
         );
     }
     if let Some(mean) = results.scalar("repeated_dissipated_energy") {
-        text += &energy("further cycles", mean);
+        text += &energy("further cycles", "per cycle", mean);
     }
     text
 }
 
 /// The energy that a cycle dissipates.
-fn energy(label: &str, mean: &ControlledMean) -> String {
+fn energy(label: &str, cycle: &str, mean: &ControlledMean) -> String {
     if mean.mean == 0.0 && !(mean.standard_error > 0.0) {
         return labelled(label, "nothing beyond rounding: both ways are one");
     }
-    labelled(label, &format!("per cycle: {}", quoted(mean, false, "J")))
+    labelled(label, &format!("{cycle}: {}", quoted(mean, false, "J")))
 }
 
 /// The share of a wet surface that bridges cover at the pull-off of the integral.

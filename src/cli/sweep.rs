@@ -7,10 +7,12 @@ use super::rows::{COLUMNS, labelled, paragraph};
 use super::session::{Session, points};
 use super::summary::at_most;
 use super::terminal::{complete_before, print_of};
+use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
 use crate::format::{percent, si, si_with_error};
 use crate::output::OutputLock;
+use crate::output::reader::Reader;
 use crate::scene::{Axis, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
@@ -31,7 +33,9 @@ pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, F
     let (sweep, output) = (points.sweep, points.lock.output());
     let scene = points.scene(0)?;
     let table = table(sweep, rows, scene.replicas > 0);
-    Ok(title(&scene) + &described(sweep) + "\n" + &table + &written_to(output))
+    let warnings = Reader::open(output, &[&SWEEP])?.optional_text("/", "warnings")?.unwrap_or_default();
+    let warnings: String = warnings.lines().map(|line| labelled("warning", line)).collect();
+    Ok(title(&scene) + &described(sweep) + "\n" + &table + &warnings + &written_to(output))
 }
 
 fn written_to(output: &Path) -> String {
@@ -115,9 +119,9 @@ fn numbers(points: usize) -> Column {
 fn results(rows: &[SweepPoint]) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let is_pressed = is_pressed(rows);
-    let second = if is_pressed { "after" } else { "integral" };
-    let mut columns =
-        ["pull-off", second, "to the first", "p", "asperities", "stuck"].map(|head| vec![head.to_owned()]);
+    let second = if is_pressed { "preload" } else { "integral" };
+    let heads = ["pull-off", second, "to the first", "p-value", "independence", "P(stuck)"];
+    let mut columns = heads.map(|head| vec![head.to_owned()]);
     for (point, row) in rows.iter().enumerate() {
         let difference = &row.differences[0];
         let to_first = match point {

@@ -9,6 +9,7 @@ use super::partial::{Beginning, OverwritePolicy, Part, Run, beginning, write_res
 use super::result_file::{write_curves, write_head};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
+use super::snaps::missed_preloads;
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
 use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of};
@@ -265,7 +266,7 @@ impl PreparedRun {
         let of_mean = if replicas == 0 { of_integral } else { of_mean() };
         let retraction =
             cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
-        Results {
+        let mut results = Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             fit: law.view().fit().cloned(),
             scene,
@@ -289,7 +290,9 @@ impl PreparedRun {
             seconds: Vec::new(),
             threads: 0,
             metadata,
-        }
+        };
+        results.warnings.extend(missed_preloads(&results));
+        results
     }
 }
 

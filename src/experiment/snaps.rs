@@ -4,8 +4,13 @@ use super::results::Results;
 use super::sampling::loading;
 use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
+use crate::format::si;
 use crate::math::moments::Moments;
 use crate::math::proportion::exact_interval;
+use crate::scene::Warning;
+
+/// Largest share of the replicas that may miss a preload.
+const LARGEST_MISSED: f64 = 0.01;
 
 /// One of the numbers that are kept of every replica.
 struct Column<'a> {
@@ -62,6 +67,27 @@ fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
 pub(crate) fn stuck(results: &Results) -> Option<Counts> {
     let force = results.scene.restoring_force?;
     Some(holding(results.ensemble.replicas.iter().map(|replica| replica.pull_off_force), force))
+}
+
+/// Preloads that part of the replicas do not reach.
+pub(crate) fn missed_preloads(results: &Results) -> Option<Warning> {
+    let (snaps, replicas) = (Snaps::of(results), results.scene.replicas);
+    let missed = snaps.loading.preload.iter().zip(snaps.places_of_turns()).filter_map(|(preload, turn)| {
+        let missing = replicas - snaps.pull_off(turn).count();
+        let is_noticeable = missing as f64 > LARGEST_MISSED * replicas as f64;
+        is_noticeable.then(|| format!("{missing} do not reach {}", si(*preload, "N")))
+    });
+    let missed: Vec<String> = missed.collect();
+    (!missed.is_empty()).then(|| {
+        Warning::new(
+            format!(
+                "of {replicas} replicas {}: a pull-off after a preload is of those that reach it",
+                missed.join(", ")
+            ),
+            "replicas that reach a preload are no random choice",
+            "let [separation] begin at a smaller h",
+        )
+    })
 }
 
 impl<'a> Snaps<'a> {

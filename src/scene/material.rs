@@ -88,7 +88,8 @@ fn softer(entry: &Entry<'_>, hardness: &[f64], ratios: &[f64]) -> Result<(f64, f
         (&[hardness], &[ratio]) => Ok((hardness, ratio)),
         (&[hardness], &[one, other]) if one == other => Ok((hardness, one)),
         (&[_], _) => Err(entry.wrong(
-            "which body is that of? Give the hardness of both, [H1, H2], in the order of poisson_ratio: the softer one flows",
+            "which body is that of? Give the hardness of both, [H1, H2], in the order of poisson_ratio: the softer one flows; for \
+             a sweep give reduced_modulus, without youngs_modulus, and poisson_ratio of the softer body",
         )),
         _ => {
             let of = |body: usize| (hardness[body], ratios[body % ratios.len()]);

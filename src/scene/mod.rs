@@ -68,7 +68,7 @@ pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]
 pub use table::KEYS;
-pub(crate) use taken::taken;
+pub(crate) use taken::{FROM_ASPERITIES, sources_of_heights, taken};
 #[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
 #[doc(hidden)]

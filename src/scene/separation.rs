@@ -24,8 +24,10 @@ const TOUCHING: f64 = 1e-3;
 const STEPS_OF_ENDS: f64 = 10.0;
 /// Heights that stand for the law of heights, at equal probabilities.
 const HEIGHTS: u32 = 2000;
-/// Largest external load of the closest separation over the largest preload, as contacts without adhesion bear it.
+/// Mean load of the closest separation over the largest preload, less its scatter.
 const MARGIN_OF_LOADS: f64 = 1.5;
+/// Standard deviations by which the load of a patch may be below the mean.
+const SCATTER_OF_LOADS: f64 = 3.0;
 
 /// Reads the separations, m, rising, if there are any.
 pub(super) fn given(section: &Section<'_>, surface_height_std: f64) -> Result<Option<Vec<f64>>, SceneError> {
@@ -47,6 +49,12 @@ pub(super) struct Tips<'a> {
     pub preload: f64,
 }
 
+/// A sum over the tips of a patch, and the standard deviations, of tips at random, that the mean is above it.
+struct Wanted {
+    sum: f64,
+    scatter: f64,
+}
+
 impl Tips<'_> {
     /// Separations, m, that follow from the surface: from where a tenth of the nominal area touches, or where the largest
     /// preload is reached, to where the tallest tip of a thousand replicas pulls no longer.
@@ -61,9 +69,9 @@ impl Tips<'_> {
             + self.asperity.lubricant_thickness
             + self.liquid
             + REACH * self.asperity.equilibrium_spacing;
-        let touching = self.closest(&heights, furthest, LARGEST_SHARE * surface.nominal_area, &|depth| {
-            PI * surface.asperity_radius * depth
-        });
+        let touching = Wanted { sum: LARGEST_SHARE * surface.nominal_area, scatter: 0.0 };
+        let touching =
+            self.closest(&heights, furthest, touching, &|depth| PI * surface.asperity_radius * depth);
         // The highest tips keep contacts that are small against their radius, also in a patch without tall ones.
         let shortest = normal.gaussian_quantile(libm::pow(TOUCHING, 1.0 / surface.asperity_count as f64));
         let highest = surface.heights.of_normal(shortest.min(HIGHEST));
@@ -71,7 +79,7 @@ impl Tips<'_> {
         let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
-                let wanted = MARGIN_OF_LOADS * self.preload;
+                let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
                 end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth))).floor()
             }
             false => end(touching).floor().max(end(small).ceil()),
@@ -80,12 +88,13 @@ impl Tips<'_> {
         spaced(from, to, DEFAULT_COUNT)
     }
 
-    /// The separation d, m, at which tips of `heights`, m, that overlap by a depth have `of` it in sum, which rises.
-    fn closest(&self, heights: &[f64], furthest: f64, wanted: f64, of: &dyn Fn(f64) -> f64) -> f64 {
+    /// The separation d, m, at which tips of `heights`, m, that overlap by a depth have enough of what a depth gives.
+    fn closest(&self, heights: &[f64], furthest: f64, wanted: Wanted, of: &dyn Fn(f64) -> f64) -> f64 {
         let share = self.surface.asperity_count as f64 / heights.len() as f64;
         let lacks = |d: f64| {
             let depths = heights.iter().map(|height| height - d).filter(|depth| *depth > 0.0);
-            share * depths.map(of).sum::<f64>() < wanted
+            let [sum, squares] = depths.map(of).fold([0.0; 2], |[a, b], own| [a + own, b + own * own]);
+            share * sum - wanted.scatter * (share * squares).sqrt() < wanted.sum
         };
         // A depth of all the radius is beyond every law.
         let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);

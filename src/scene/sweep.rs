@@ -11,7 +11,7 @@
 use super::axes::{Axis, SweepTable};
 use super::choices::Mode;
 use super::definition::Scene;
-use super::error::SceneError;
+use super::error::{SceneError, all};
 use super::files::Files;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
@@ -56,14 +56,9 @@ impl Sweep {
     /// Reads the table \[sweep\] of a scene.
     pub(super) fn read(text: &str, sweep: &Entry<'_>, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let SweepTable { mode, common_random_numbers, axes } = SweepTable::read(sweep)?;
-        Ok(Self {
-            mode,
-            common_random_numbers,
-            axes,
-            text: text.to_owned(),
-            template: template(text)?,
-            files,
-        })
+        let template = template(text)?;
+        all(axes.iter().map(|axis| refuse_pair(&template, axis.key.name)))?;
+        Ok(Self { mode, common_random_numbers, axes, text: text.to_owned(), template, files })
     }
 
     /// The text of the scene with its sweep.
@@ -203,6 +198,25 @@ fn template(text: &str) -> Result<DocumentMut, SceneError> {
         text.parse().map_err(|_| SceneError::general("[sweep]: the scene cannot be taken apart as TOML"))?;
     template.remove("sweep");
     Ok(template)
+}
+
+/// Refuses a key of which the scene has two values, where a point has one.
+fn refuse_pair(template: &DocumentMut, name: &str) -> Result<(), SceneError> {
+    let Some((table, key)) = name.split_once('.') else { return Ok(()) };
+    let value = template.get(table).and_then(|table| table.get(key));
+    if !value.is_some_and(Item::is_array) {
+        return Ok(());
+    }
+    let advice = match table {
+        "material" => {
+            "give reduced_modulus there, without youngs_modulus, and hardness and poisson_ratio of the softer body"
+        }
+        "surface" => "give one value there, of both faces together",
+        _ => return Ok(()),
+    };
+    Err(SceneError::general(format!(
+        "`sweep.{name}`: [{table}] has two values of it, and a point of a sweep has one: {advice}"
+    )))
 }
 
 /// Puts a value in the place of a key, whatever it was.

@@ -1,8 +1,9 @@
-//! What a scene takes where it gives no key: defaults, and the law and separations that follow.
+//! What a scene takes where it gives no key: defaults, and the law, separations and heights that follow.
 
 use super::definition::Scene;
 use super::keys::{Absent, Key};
 use super::table::KEYS;
+use crate::surface::{HeightLaw, Radii};
 use toml::de::{DeTable, DeValue};
 
 /// Tables whose keys have their defaults in every scene; the root is the empty one.
@@ -37,6 +38,28 @@ pub fn taken(scene: &Scene) -> Vec<String> {
     }
     lines
 }
+
+/// The sources of σ and σ_s of a scene, in words.
+pub fn sources_of_heights(scene: &Scene) -> [&'static str; 2] {
+    let document = DeTable::parse(&scene.text).ok();
+    let is_given = |name: &str| document.as_ref().is_some_and(|own| is_given(own.get_ref(), name));
+    let surface = match () {
+        () if is_given("surface.spectrum") => "from the spectrum",
+        () if is_given("surface.asperities") => "of the map",
+        () if is_given("surface.surface_height_std") => "given",
+        () => FROM_ASPERITIES,
+    };
+    let asperities = match (&scene.surface.heights.law, &scene.surface.radii) {
+        (HeightLaw::Sample(_), _) => "of the file",
+        (_, Radii::Nayak(_)) => "of the summits of a Gaussian surface",
+        _ if is_given("surface.asperity_height_std") => "given",
+        _ => "from sigma, as of a Gaussian surface",
+    };
+    [surface, asperities]
+}
+
+/// The source of a σ that follows from σ_s.
+pub const FROM_ASPERITIES: &str = "from sigma_s, as of a Gaussian surface; surface_height_std sets it";
 
 /// Whether the default of a key counts in this scene.
 fn applies(key: &Key, scene: &Scene) -> bool {

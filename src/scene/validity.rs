@@ -211,7 +211,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     if share > LARGEST_SHORTENING {
         warnings.push(Warning::new(
             format!(
-                "the curvature around bridges takes {:.0} % of the reach of the liquid, more than {:.0} %",
+                "the curvature around bridges takes {:.1} % of the reach of the liquid, more than {:.0} %",
                 100.0 * share,
                 100.0 * LARGEST_SHORTENING
             ),
@@ -276,7 +276,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             (lambda < SMALLEST_JKR_LAMBDA && flows).then(|| Warning::new(
                 format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
                 "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
-                "change model.unloading",
+                "unloading = \"secant\" in [model] has no such limit",
             ))
         }
     }
@@ -297,7 +297,7 @@ fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
                 100.0 * (1.0 - plastic / flowed)
             ),
             "the unloading of Mesarovic and Johnson (2000) is for full plasticity; its tops are too flat for those",
-            "change model.unloading",
+            "unloading = \"secant\" in [model] has no such limit",
         )
     })
 }
@@ -380,7 +380,7 @@ fn told_of(
 fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let told = |what: WhatIsRead, share: f64, h_star: &str| {
         let share =
-            if share < 10.0 { format!("{:.0} % of", 100.0 * share) } else { format!("{share:.0} times") };
+            if share < 10.0 { format!("{:.1} % of", 100.0 * share) } else { format!("{share:.0} times") };
         format!("{share} the nominal area is in contact {}, {h_star}", what.place())
     };
     let shares = told_of(scene, readings, LARGEST_SHARE, |reading| reading.share_in_contact, told)?;
@@ -389,8 +389,12 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
                  random one in three overlaps",
         match scene.instability.preload.is_empty() {
-            true => "turn at a larger separation; at pull-off no key helps",
-            false => "press with a smaller preload; at pull-off no key helps",
+            true => {
+                "turn back at a larger separation; at pull-off compute the whole contact by boundary elements"
+            }
+            false => {
+                "press with a smaller preload; at pull-off compute the whole contact by boundary elements"
+            }
         },
     ))
 }
@@ -510,9 +514,9 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
 fn inaccurate(error: f64) -> Option<Warning> {
     (!(error <= LARGEST_ERROR)).then(|| {
         Warning::new(
-            format!("the integral may be off by {error:.1e} of itself, more than {LARGEST_ERROR:.0e}"),
+            format!("the relative error of the integral may be {error:.1e}, more than {LARGEST_ERROR:.0e}"),
             "what is compared with it, or corrected by it as a control variate, is off by as much",
-            "change model.law",
+            "another law, by law in [model], may be smoother",
         )
     })
 }
@@ -526,7 +530,7 @@ mod tests {
     fn an_integral_that_is_none_is_told() {
         assert!(inaccurate(1e-6).is_none());
         let finding = |error: f64| inaccurate(error).unwrap().finding;
-        assert!(finding(0.19).contains("off by 1.9e-1 of itself") && finding(f64::NAN).contains("NaN"));
+        assert!(finding(0.19).contains("may be 1.9e-1, more") && finding(f64::NAN).contains("NaN"));
     }
 
     /// Circles of one size at random overlap none of their neighbours with the probability exp(−4 share).

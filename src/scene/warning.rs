@@ -12,7 +12,7 @@ pub struct Warning {
 }
 
 impl Warning {
-    pub(super) fn new(finding: String, reason: impl Into<String>, change: impl Into<String>) -> Self {
+    pub(crate) fn new(finding: String, reason: impl Into<String>, change: impl Into<String>) -> Self {
         Self { finding, reason: reason.into(), change: change.into() }
     }
 

@@ -55,7 +55,10 @@ def quantities_of(result: Sweep) -> list[str]:
 def of_points(
     result: Sweep, quantity: str
 ) -> tuple[xarray.DataArray, xarray.DataArray, xarray.DataArray | None]:
-    """Mean, standard error and integral of a quantity at all points; without replicas the integral in the place of the mean."""
+    """Mean, standard error and integral of a quantity at all points; without replicas the integral in the place of the mean.
+
+    A probability has in the place of the error how far its 95 % interval reaches below and above, over `range_end`.
+    """
     if not result.has_replicas:
         integral = result[f"integral/{QUANTITIES[quantity][2]}"]
         if quantity.endswith("separation"):
@@ -68,7 +71,7 @@ def of_points(
     if quantity == "stuck_probability":
         of = result["device"].to_dataset() if pressed is None else pressed
         share, low, high = (of[f"stuck_probability{end}"] for end in ("", "_low", "_high"))
-        return share, 0.25 * (high - low), None
+        return share, xarray.concat([share - low, high - share], "range_end"), None
     if pressed is not None and quantity == "pull_off_force":
         return pressed["mean_over_patches"], pressed["standard_error"], None
     if pressed is not None and quantity == "pull_off_scatter":
@@ -152,7 +155,7 @@ def sweep(
     by: str | None = None,
     names: bool = True,
 ) -> Axes:
-    """A number of each point over a key of the sweep: mean over replicas with its standard error, and the integral's.
+    """A number of each point over a key of the sweep: mean over replicas with its standard error (of a probability its 95 % interval), and the integral's.
 
     Parameters
     ----------
@@ -195,8 +198,9 @@ def sweep(
     for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
         places = (key.isel(chosen).values.ravel() if follows else key.values) / key_factor
         order = np.argsort(places)
+        bars = error.isel(chosen).values.reshape(*(error.sizes[end] for end in error.dims if end == "range_end"), -1)
         drawn = ax.errorbar(
-            places[order], mean.isel(chosen).values.ravel()[order] / factor, error.isel(chosen).values.ravel()[order] / factor,
+            places[order], mean.isel(chosen).values.ravel()[order] / factor, bars[..., order] / factor,
             color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, label=name,
         )  # fmt: skip
         if integral is not None:

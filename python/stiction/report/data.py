@@ -126,6 +126,9 @@ def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) ->
 def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
     mean, error, integral = of_points(result, figure)
     columns = {f"{figure}_mean_over_patches": mean, f"{figure}_standard_error": error}
+    if "range_end" in error.dims:
+        below, above = error
+        columns = {figure: mean, f"{figure}_low": mean - below, f"{figure}_high": mean + above}
     if integral is not None:
         columns[f"{figure}_of_integral"] = integral
     keys = [key.replace(".", "_") for key in result.keys]

@@ -69,8 +69,6 @@ _HISTORIES = {
 }
 _INDEPENDENCE = {"good": "good", "a shift": "caution", "invalid": "bad"}
 _AGREEMENT = {"agree": "good", "disagree": "bad"}
-# A force that changes by more than this from one separation to the next at pull-off is coarse.
-_COARSE = 0.1
 
 
 def facts(result: Result) -> Facts:
@@ -154,7 +152,9 @@ def _is_of_resolution(warning: str) -> bool:
 def _validity(result: Result) -> Verdict:
     there = [warning for warning in result.warnings if not _is_of_resolution(warning)]
     if not there:
-        return Verdict("validity", "good", "good", "nothing lies outside of what the laws were made for")
+        psi = float(result.attrs.get("asperity_plasticity_index", 0.0))
+        flows = f"; contacts flow, with ψ of σ_s = {quantities.number(psi, 2)}, as the law has it" if psi > 1.0 else ""
+        return Verdict("validity", "good", "no warning", f"the scene is within the limits of its law and of known materials and surfaces{flows}")
     return Verdict("validity", "caution", _several(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
 
 
@@ -213,8 +213,8 @@ def _resolution(run: Run) -> Verdict:
     told = f"one separation from pull-off the force differs by {_percent(step, 2)}; {told}"
     if at_edge > 0.0:
         notes.append(f"{_percent(at_edge, 2)} of the patches have their pull-off at the edge of the separations")
-    if step > _COARSE or notes:
-        return Verdict("resolution", "caution", "coarse" if step > _COARSE else "look", "; ".join([*notes, told]))
+    if notes:
+        return Verdict("resolution", "caution", "look", "; ".join([*notes, told]))
     return Verdict("resolution", "good", "fine", told)
 
 
@@ -287,6 +287,7 @@ def _run(run: Run) -> Facts:
                 Number("scatter from patch to patch", _percent(quoted.scatter, 4),
                        f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
             ]
+        numbers += _after_preloads(run)[1:]
         numbers += [
             Number("separation of pull-off", quantities.si(quoted.separation, "m"),
                    f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
@@ -342,6 +343,27 @@ def _run(run: Run) -> Facts:
     tables = [*_targets(run), *_springs(run), *_stuck(run)]
     commands = _again(run, ["run"])
     return Facts("run", numbers, verdicts, computed, commands, paths_in(run.scene), tables)
+
+
+def _after_preloads(result: Run | Sweep) -> list[Number]:
+    """The pull-off after each preload that is reached, the largest first; of a sweep the smallest and the largest mean of the points."""
+    if "instability/preload" not in result:
+        return []
+    group = result.group("instability")
+    numbers = []
+    for i in np.argsort(-np.asarray(group["preload"].values)):
+        load, mean, std, count = (
+            group[name].isel(preload=i).values.ravel()
+            for name in ("preload", "pull_off_after_preload_mean", "pull_off_after_preload_std", "preload_reached_count")
+        )
+        if not (np.isfinite(load).all() and (count > 0).any()):
+            continue
+        if isinstance(result, Sweep):
+            text, note = _span(np.nanmin(mean), np.nanmax(mean), "N"), f"smallest and largest mean of {_several(mean.size, 'point')}"
+        else:
+            text, note = quantities.with_error(mean[0], std[0] / math.sqrt(count[0]), "N"), f"mean over {count[0]} patches"
+        numbers.append(Number(f"pull-off force after {quantities.si(load[0], 'N', 3)}", text, note))
+    return numbers
 
 
 def _mean_planes(run: Run) -> Number:
@@ -436,7 +458,7 @@ def _stuck(run: Run) -> Iterator[Table]:
 
     names = ("probability", "probability_low", "probability_high")
     restoring = quantities.si(float(group["restoring_force"]), "N")
-    header = ["after", "probability", "95 % interval from", "to"]
+    header = ["preload", "probability", "95 % interval from", "to"]
     cells = [[load, *(cell(name, of, i) for name in names)] for i, (load, of) in enumerate(rows)]
     yield Table(f"Probability that the pull-off is above {restoring}", header, cells)
 
@@ -450,10 +472,7 @@ def _sweep(sweep: Sweep) -> Facts:
         means = pull_off["mean_over_patches"].values
         span = _span(np.nanmin(means), np.nanmax(means), "N")
         note = f"smallest and largest mean of {_several(means.size, 'point')}"
-        if "preload" in pull_off:
-            note += ", each after the largest preload that is reached"
-            numbers = []
-        numbers.insert(0, Number("pull-off force", span, note))
+        numbers = _after_preloads(sweep) or [Number("pull-off force", span, note), *numbers]
         overall = str(sweep["validation"].attrs["overall_verdict"])
         smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
         level = 100 * float(sweep["validation"].attrs["significance"])
@@ -487,7 +506,7 @@ def _edges(sweep: Sweep) -> Any:
 def _points(sweep: Sweep, keys: list[str]) -> Table:
     import xarray
 
-    pull_off, heads = sweep.pull_off, {"mean_over_patches": "pull-off force", "of_integral": "of the integral", "preload": "after", "verdict": "cross-check"}
+    pull_off, heads = sweep.pull_off, {"mean_over_patches": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
     second = "preload" if "preload" in pull_off else "of_integral"
     whole = xarray.Dataset({name: pull_off[name] for name in ("mean_over_patches", "standard_error", second) if name in pull_off})
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):

@@ -10,6 +10,9 @@ use crate::scene::echo::shortened;
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
     [(&RUN, Dimension::Separation), (&ASPERITIES, Dimension::Asperity)];
 
+/// Groups whose columns are of the whole loop, also where there are preloads.
+const OF_WHOLE_LOOP: [&str; 2] = ["device", "differences"];
+
 /// A column: its name, and the texts in its rows.
 type Column = (String, Vec<String>);
 
@@ -44,14 +47,20 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
     let rows: usize = shape.iter().product();
     let (coordinates, others): (Vec<_>, Vec<_>) = own.into_iter().partition(|own| own.is_coordinate);
     let places = coordinates.len();
+    let mut is_pressed = false;
     for (i, own) in coordinates.into_iter().chain(others).enumerate() {
         if i == places && wanted_points {
-            columns.extend(quoted(reader, &described, rows)?);
+            let pressed = after_preloads(reader, &described)?;
+            is_pressed = !pressed.is_empty();
+            columns.extend(if is_pressed { pressed } else { quoted(reader, &described, rows)? });
         }
         let (group, name) = own.names();
         let name = match group {
             _ if own.is_coordinate => named(name, own),
             "" => named(name, own),
+            group if is_pressed && OF_WHOLE_LOOP.contains(&group) && name != "restoring_force" => {
+                named(&format!("{group}/{name} of the whole loop"), own)
+            }
             group => named(&format!("{group}/{name}"), own),
         };
         if columns.iter().any(|(known, _)| *known == name) {
@@ -69,21 +78,6 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
 /// The columns of the pull-off force that is to be quoted at each of some points, in front of all others.
 fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<Vec<Column>, OutputError> {
     let mut columns = Vec::new();
-    let preloads = "/instability/preload";
-    if described.iter().any(|own| own.path == preloads)
-        && let Stored::Numbers(preloads) = reader.stored(preloads)?
-    {
-        for name in ["pull_off_after_preload_mean", "pull_off_after_preload_std"] {
-            let Stored::Numbers(values) = reader.stored(&format!("/instability/{name}"))? else { continue };
-            for (i, preload) in preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite()) {
-                let texts = values.iter().skip(i).step_by(preloads.len()).map(|value| format!("{value:?}"));
-                columns.push((format!("{name}[{preload:?} N] [N]"), texts.collect()));
-            }
-        }
-        if !columns.is_empty() {
-            return Ok(columns);
-        }
-    }
     for (dataset, names) in [
         ("mean", &["pull_off_force_mean_over_patches"][..]),
         ("standard_error", &["pull_off_force_standard_error"]),
@@ -97,6 +91,41 @@ fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<V
             let of_points = values.chunks_exact((values.len() / points).max(1));
             let texts = of_points.map(|of_point| format!("{:?}", of_point[i]));
             columns.push((format!("{name} [N]"), texts.collect()));
+        }
+    }
+    Ok(columns)
+}
+
+/// The columns of what follows each preload, at each of some points; none without preloads.
+fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Column>, OutputError> {
+    let of = |path: &str| -> Result<Vec<f64>, OutputError> {
+        Ok(match described.iter().any(|own| own.path == path).then(|| reader.stored(path)).transpose()? {
+            Some(Stored::Numbers(values)) => values,
+            Some(Stored::Whole(values)) => values.into_iter().map(|value| value as f64).collect(),
+            _ => Vec::new(),
+        })
+    };
+    let after = |name: &str| of(&format!("/instability/pull_off_after_preload_{name}"));
+    let stuck = |name: &str| of(&format!("/device/stuck_{name}_after_preload"));
+    let (std, reached) = (after("std")?, of("/instability/preload_reached_count")?);
+    let error = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
+    let all = [
+        ("pull_off_after_preload_mean", "N", after("mean")?),
+        ("pull_off_after_preload_standard_error", "N", error),
+        ("pull_off_after_preload_std", "N", std),
+        ("preload_reached_count", "1", reached),
+        ("stuck_probability_after_preload", "1", stuck("probability")?),
+        ("stuck_probability_low_after_preload", "1", stuck("probability_low")?),
+        ("stuck_probability_high_after_preload", "1", stuck("probability_high")?),
+    ];
+    let preloads = of("/instability/preload")?;
+    let mut columns = Vec::new();
+    for (name, unit, values) in all.iter().filter(|(_, _, values)| !values.is_empty()) {
+        for (i, preload) in preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite()) {
+            let of_points = values.iter().skip(i).step_by(preloads.len());
+            let texts =
+                of_points.map(|value| if unit == &"1" { value.to_string() } else { format!("{value:?}") });
+            columns.push((format!("{name}[{preload:?} N] [{unit}]"), texts.collect()));
         }
     }
     Ok(columns)

@@ -83,7 +83,7 @@ def test_the_line_of_a_scene_is_what_was_found(form, command, tmp_path):
     radius = re.search(r"1/mean curvature ([\d.]+) µm", checked)
     assert float(radius[1]) == pytest.approx(1e6 * of.radius, rel=2e-4)
     assert f"alpha = {of.alpha:.3f}" in checked
-    std = re.search(r"heights with standard deviation\s+([\d.]+) pm", checked)
+    std = re.search(r"sigma_s\s+([\d.]+) pm", checked)
     assert float(std[1]) == pytest.approx(1e12 * of.height_std, rel=2e-4)
 
 

@@ -153,7 +153,7 @@ def _validity(result: Result) -> Verdict:
     there = [warning for warning in result.warnings if not _is_of_resolution(warning)]
     if not there:
         psi = float(result.attrs.get("asperity_plasticity_index", 0.0))
-        flows = f"; contacts flow, with ψ of σ_s = {quantities.number(psi, 2)}, as the law has it" if psi > 1.0 else ""
+        flows = f"; contacts flow (ψ of σ_s = {quantities.number(psi, 2)}), which the law computes" if psi > 1.0 else ""
         return Verdict("validity", "good", "no warning", f"the scene is within the limits of its law and of known materials and surfaces{flows}")
     return Verdict("validity", "caution", _several(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
 
@@ -287,10 +287,10 @@ def _run(run: Run) -> Facts:
                 Number("scatter from patch to patch", _percent(quoted.scatter, 4),
                        f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
             ]
-        numbers += _after_preloads(run)[1:]
         numbers += [
             Number("separation of pull-off", quantities.si(quoted.separation, "m"),
                    f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
+            *_after_preloads(run)[1:],
         ]  # fmt: skip
         if quoted.preload is not None:
             whole, error = _scalar(run, "pull_off_force")
@@ -311,7 +311,8 @@ def _run(run: Run) -> Facts:
                             ("energy dissipated in each further cycle", "replicas/repeated_dissipated_energy")):  # fmt: skip
             if name not in run:
                 continue
-            lost = _mean(label, run[name].values, "J")
+            of_all = "" if quoted.preload is None else ", over all separations"
+            lost = _mean(label + of_all, run[name].values, "J")
             flattened = run.attrs["unloading"] == "flattened_top"
             why = "contacts flow by adhesion alone" if flattened else "the adhesion of loading is not that of unloading"
             gains = lost.value < (-3.0 * lost.error if lost.error > 0.0 else 0.0)

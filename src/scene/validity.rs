@@ -211,8 +211,8 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     if share > LARGEST_SHORTENING {
         warnings.push(Warning::new(
             format!(
-                "the curvature around bridges takes {:.1} % of the reach of the liquid, more than {:.0} %",
-                100.0 * share,
+                "the curvature around bridges takes {} % of the reach of the liquid, more than {:.0} %",
+                above(share, LARGEST_SHORTENING),
                 100.0 * LARGEST_SHORTENING
             ),
             "forces of bridges have it to first order, and are off by some four times its square from Young and Laplace",
@@ -376,11 +376,19 @@ fn told_of(
     (!all.is_empty()).then(|| all.join(" and "))
 }
 
+/// A share above a limit in whole per cent, with a digit more where it would look like the limit.
+fn above(share: f64, limit: f64) -> String {
+    let digits = usize::from(100.0 * share < 100.0 * limit + 0.5);
+    format!("{:.digits$}", 100.0 * share)
+}
+
 /// Whether contacts are still far apart where results are read off.
 fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let told = |what: WhatIsRead, share: f64, h_star: &str| {
-        let share =
-            if share < 10.0 { format!("{:.1} % of", 100.0 * share) } else { format!("{share:.0} times") };
+        let share = match share {
+            share if share < 10.0 => format!("{} % of", above(share, LARGEST_SHARE)),
+            share => format!("{share:.0} times"),
+        };
         format!("{share} the nominal area is in contact {}, {h_star}", what.place())
     };
     let shares = told_of(scene, readings, LARGEST_SHARE, |reading| reading.share_in_contact, told)?;
@@ -524,6 +532,11 @@ fn inaccurate(error: f64) -> Option<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_share_above_a_limit_does_not_look_like_it() {
+        assert_eq!([above(0.102, 0.1), above(0.107, 0.1), above(0.27, 0.1)], ["10.2", "11", "27"]);
+    }
 
     /// An integral that has lost something, or is not a number, is warned of.
     #[test]

@@ -1,6 +1,6 @@
 //! What people come for: scenes to begin with, pull-off after preloads, quantiles, and the probability to stay stuck.
 
-use crate::common::program::{Folder, assert_exit, small, text};
+use crate::common::program::{Folder, assert_exit, labelled, small, text};
 use hdf5::File;
 
 fn values(folder: &Folder, file: &str, dataset: &str) -> Vec<f64> {
@@ -22,7 +22,7 @@ fn a_template_is_written_once_and_runs() {
     let materials = folder.stiction(&["new", "--materials"]);
     assert_exit(&materials, 0);
     let printed = text(&materials.stdout);
-    for material in ["poly-Si", "SiO2", "Au", "Al", "DLC", "glass", "PDMS", "FDTS", "OTS"] {
+    for material in ["poly-Si", "SiO2", "Si3N4", "Au", "Al", "DLC", "glass", "PDMS", "FDTS", "OTS"] {
         assert!(printed.lines().any(|line| line.contains(material)), "{material}");
     }
     assert!(printed.lines().all(|line| line.chars().count() <= 80), "{printed}");
@@ -115,4 +115,118 @@ fn preloads_need_no_spring() {
         assert!(share == stuck[i] || share.is_nan() && stuck[i].is_nan(), "{share} {stuck:?}");
     }
     assert!(printed.contains("after a preload") && printed.contains("above 1.000 µN"), "{printed}");
+}
+
+/// What follows each preload is a column of the points of a sweep; differences and the device's own columns are of whole
+/// loops. A warning that all points give is in the summary.
+#[test]
+fn each_preload_has_columns_in_the_table_of_a_sweep() {
+    let scene = small()
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("\"hybrid\"", "\"md_plastic\"")
+        .replace("\"7.39 /um^2\"", "\"4 /um^2\"");
+    let folder = Folder::new(&format!(
+        "{scene}\n[instability]\npreload = [\"20 uN\", \"1 N\"]\n[device]\nrestoring_force = \"40 uN\"\n\
+         [sweep]\n\"material.work_of_adhesion\" = [\"0.05 J/m^2\", \"0.09 J/m^2\"]\n"
+    ));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    let printed = labelled(&text(&run.stdout), "warning");
+    let begins =
+        |words: &str| printed.iter().any(|row| row.starts_with(words) && row.ends_with("(at all points)"));
+    assert!(begins("eta R sigma = 0.0216 is below 0.0249"), "{printed:?}");
+    assert!(
+        begins("of 40 replicas 40 do not reach 1.000 N: a pull-off after a preload is of those"),
+        "{printed:?}"
+    );
+    let table = text(&folder.stiction(&["info", "--csv", "scene.h5"]).stdout);
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| {
+        let place =
+            rows[0].iter().position(|own| *own == name).unwrap_or_else(|| panic!("{name}: {:?}", rows[0]));
+        rows[1..].iter().map(|row| row[place].parse().unwrap()).collect::<Vec<f64>>()
+    };
+    let of =
+        |dataset: &str| values(&folder, "scene.h5", dataset).into_iter().step_by(2).collect::<Vec<f64>>();
+    let std = of("/instability/pull_off_after_preload_std");
+    let reached = column("preload_reached_count[2e-5 N] [1]");
+    let errors: Vec<f64> = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
+    assert!(reached.iter().all(|count| *count > 30.0), "{reached:?}");
+    assert_eq!(column("pull_off_after_preload_standard_error[2e-5 N] [N]"), errors);
+    for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
+        let after = format!("{name}_after_preload");
+        assert_eq!(column(&format!("{after}[2e-5 N] [1]")), of(&format!("/device/{after}")));
+        column(&format!("device/{name} of the whole loop [1]"));
+    }
+    column("differences/pull_off_force_mean of the whole loop [N]");
+}
+
+/// A preload that a share of the replicas misses is warned of.
+#[test]
+fn missed_preloads_are_warned_of() {
+    let scene = small()
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("\"hybrid\"", "\"md_plastic\"")
+        .replace("from = 0.7", "from = 1.5");
+    let folder = Folder::new(&format!("{scene}\n[instability]\npreload = [\"1 uN\", \"1.9 mN\", \"1 N\"]\n"));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    let reached = File::open(folder.path("scene.h5")).unwrap();
+    let reached = reached.dataset("/instability/preload_reached_count").unwrap().read_raw::<u64>().unwrap();
+    assert!((1..40).contains(&reached[1]), "{reached:?}");
+    let printed = text(&run.stdout);
+    let expected =
+        format!("of 40 replicas {} do not reach 1.900 mN, 40 do not reach 1.000 N", 40 - reached[1]);
+    let warnings = labelled(&printed, "warning");
+    assert!(
+        warnings.iter().any(|row| row.starts_with(&expected) && row.contains("smaller h")),
+        "{expected}: {printed}"
+    );
+    assert!(labelled(&printed, "dissipated")[0].starts_with("over all separations, per cycle"), "{printed}");
+}
+
+/// `check` says where both standard deviations of heights come from; a summary, where the surface's follows.
+#[test]
+fn sources_of_roughness_are_said() {
+    let given = "surface_height_std = \"1.619 nm\"";
+    let both = format!("{given}\nasperity_height_std = \"1 nm\"");
+    for (heights, surface, asperities) in [
+        (given, "1.619 nm: rms height of the surface, given", "from sigma, as of a Gaussian surface"),
+        (
+            "asperity_height_std = \"1.417 nm\"",
+            "surface, from sigma_s, as of a Gaussian surface",
+            "asperities, given",
+        ),
+        (
+            both.as_str(),
+            "1.619 nm: rms height of the surface, given",
+            "1.000 nm: rms height of the asperities, given",
+        ),
+    ] {
+        let folder = Folder::new(&small().replace(given, heights));
+        let printed = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+        let [sigma, sigma_s] = ["sigma", "sigma_s"].map(|label| labelled(&printed, label).concat());
+        assert!(sigma.contains(surface) && sigma_s.contains(asperities), "{printed}");
+        let summary = text(&folder.stiction(&["run", "scene.toml"]).stdout);
+        assert_eq!(labelled(&summary, "sigma").len(), usize::from(!heights.contains("surface")), "{summary}");
+    }
+}
+
+/// A sweep has one value where a scene may have two, of both bodies.
+#[test]
+fn values_of_two_bodies_are_not_swept() {
+    for (key, values, advice) in [
+        ("material.hardness", "[\"2.5 GPa\", \"9 GPa\"]", "poisson_ratio of the softer body"),
+        ("surface.surface_height_std", "[\"1 nm\", \"1.3 nm\"]", "one value there, of both faces together"),
+    ] {
+        let name = key.split_once('.').unwrap().1;
+        let scene = small();
+        let own = scene.lines().find(|line| line.starts_with(name)).unwrap();
+        let scene = scene.replace(own, &format!("{name} = {values}"));
+        let folder = Folder::new(&format!("{scene}\n[sweep]\n\"{key}\" = {values}\n"));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 2);
+        let said = text(&check.stderr);
+        assert!(said.contains(&format!("`sweep.{key}`")) && said.contains(advice), "{said}");
+    }
 }

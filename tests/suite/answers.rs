@@ -167,8 +167,8 @@ fn missed_preloads_are_warned_of() {
     let scene = small()
         .replace("history = \"approach\"", "history = \"loop\"")
         .replace("\"hybrid\"", "\"md_plastic\"")
-        .replace("from = 0.7", "from = 1.5");
-    let folder = Folder::new(&format!("{scene}\n[instability]\npreload = [\"1 uN\", \"1.9 mN\", \"1 N\"]\n"));
+        .replace("from = -1.0", "from = 1.5");
+    let folder = Folder::new(&format!("{scene}\n[instability]\npreload = [\"1 uN\", \"1 mN\", \"1 N\"]\n"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     let reached = File::open(folder.path("scene.h5")).unwrap();
@@ -176,7 +176,7 @@ fn missed_preloads_are_warned_of() {
     assert!((1..40).contains(&reached[1]), "{reached:?}");
     let printed = text(&run.stdout);
     let expected =
-        format!("of 40 replicas {} do not reach 1.900 mN, 40 do not reach 1.000 N", 40 - reached[1]);
+        format!("of 40 replicas {} do not reach 1.000 mN, 40 do not reach 1.000 N", 40 - reached[1]);
     let warnings = labelled(&printed, "warning");
     assert!(
         warnings.iter().any(|row| row.starts_with(&expected) && row.contains("smaller h")),

@@ -211,18 +211,11 @@ fn warn(warned: &mut Warned, point: usize, file: &Path) -> Result<(), OutputErro
     Ok(())
 }
 
-/// Adds a finding, which the first point gives the numbers of.
 fn add(warned: &mut Warned, point: usize, finding: &str) {
-    match warned.iter_mut().find(|(known, _)| kind(known) == kind(finding)) {
+    match warned.iter_mut().find(|(known, _)| known == finding) {
         Some((_, points)) => points.push(point),
         None => warned.push((finding.to_owned(), vec![point])),
     }
-}
-
-/// A finding without its numbers and their units.
-fn kind(finding: &str) -> Vec<&str> {
-    let is_word = |word: &&str| word.len() > 3 && !word.contains(|letter: char| letter.is_ascii_digit());
-    finding.split_whitespace().filter(is_word).collect()
 }
 
 /// Warnings of the points, a line each, with the points that give them.

@@ -34,8 +34,28 @@ pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, F
     let scene = points.scene(0)?;
     let table = table(sweep, rows, scene.replicas > 0);
     let warnings = Reader::open(output, &[&SWEEP])?.optional_text("/", "warnings")?.unwrap_or_default();
-    let warnings: String = warnings.lines().map(|line| labelled("warning", line)).collect();
-    Ok(title(&scene) + &described(sweep) + "\n" + &table + &warnings + &written_to(output))
+    Ok(title(&scene) + &described(sweep) + "\n" + &table + &warned(&warnings) + &written_to(output))
+}
+
+/// The warnings; of those that differ in their numbers alone the first.
+fn warned(warnings: &str) -> String {
+    let is_word = |word: &&str| word.len() > 3 && !word.contains(|letter: char| letter.is_ascii_digit());
+    let mut kinds: Vec<Vec<&str>> = Vec::new();
+    let (mut text, mut left) = (String::new(), 0);
+    for line in warnings.lines() {
+        let finding = line.split(" (at ").next().unwrap_or_default();
+        let kind: Vec<&str> = finding.split_whitespace().filter(is_word).collect();
+        if kinds.contains(&kind) {
+            left += 1;
+            continue;
+        }
+        kinds.push(kind);
+        text += &labelled("warning", line);
+    }
+    if left > 0 {
+        text += &labelled("", &format!("{left} more with other numbers: stiction info"));
+    }
+    text
 }
 
 fn written_to(output: &Path) -> String {

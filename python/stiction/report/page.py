@@ -337,9 +337,12 @@ def _provenance(result: Result) -> list[tuple[str, str]]:
         ("SHA-256", digest),
         ("made", str(attrs.get("created", ""))),
         ("format", f"{attrs['format']} {version}"),
-        ("program", f"stiction {attrs.get('program_version', '')}"),
-        ("source", f"revision {attrs.get('source_revision', 'unknown')}, hash {attrs.get('source_hash', 'unknown')}"),
     ]
+    if "program_version" in attrs:
+        rows.append(("program", f"stiction {attrs['program_version']}"))
+    known = [f"{name} {attrs[key]}" for name in ("revision", "hash") if str(attrs.get(key := f"source_{name}", "unknown")) != "unknown"]
+    if known:
+        rows.append(("source", ", ".join(known)))
     if "diagnostics" in result:
         group = result["diagnostics"]
         seconds = float(group["seconds"].values.sum())

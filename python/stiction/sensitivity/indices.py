@@ -23,7 +23,7 @@ q̂ is that of the interaction between patch and parameter alone.
 **Only differences between points count.** What patch i has everywhere more than others is in no difference, so it should be in no
 numerator. T has differences alone. Of S the factor m(B) is taken from its mean over the block; as the Sobol points of a block are stratified
 in each coordinate, that changes the mean of the product by O(n⁻²) of n rows or less. The variance is that of pairs, (m(A_j) − m(B_l))²/2 over all
-j and l: coordinates are scrambled independently, so all A are independent of all B.
+j and l: coordinates are scrambled independently, so all A are independent of all B. A block of fewer than 4 rows has no mean that is stratified enough: there m(B) is taken from the mean of all blocks.
 
 **Blocks.** A block is a scrambled Sobol sequence of its own, with patches of its own; blocks are independent, and identically
 distributed. Intervals are by bootstrap over the blocks, so they hold both what is left of the points and of the patches, and they take
@@ -45,6 +45,9 @@ from scipy import stats
 __all__ = ["Estimated", "estimated", "points"]
 
 Array = NDArray[np.float64]
+
+# Rows of a block from which on its own mean does.
+_STRATIFIED = 4
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,8 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     y = y - centre
     a, mixed, b = y[:, :, 0], y[:, :, 1:-1], y[:, :, -1]
     change = mixed - a[:, :, None]
-    first = _pairs((b - b.mean(axis=1, keepdims=True))[:, :, None], change).mean(axis=1)
+    middle = b.mean(axis=1, keepdims=True) if b.shape[1] >= _STRATIFIED else 0.0
+    first = _pairs((b - middle)[:, :, None], change).mean(axis=1)
     total = 0.5 * _pairs(change, change).mean(axis=1)
     of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean(axis=1) - _pairs(a.mean(axis=1), b.mean(axis=1))
     ends = np.stack([a, b], axis=2)

@@ -25,8 +25,8 @@ _PILOT, _PILOT_BELOW = 64, 256
 _TURN = 0.25
 # Patches of a mixture that have to be in the event at first, at least and at most, and how many are drawn for each.
 _HITS, _DRAWN = (32, 128), 8
-# The smallest effective number of patches in the event, and the one that is aimed at.
-_EFFECTIVE, _ALIKE = 25.0, 50.0
+# The smallest effective number of patches in the event, and the one that is aimed at, however large the error may be.
+_EFFECTIVE, _ALIKE = 25.0, 100.0
 # Patches at most, by default.
 _MOST_ABOVE, _MOST_BELOW = 200_000, 20_000_000
 # Pilots for a force above which patches pull with a probability; how near the last one's is, as a logarithm.
@@ -64,6 +64,7 @@ class Patches:
         self.tables |= {"ensemble": seeded, **({"instability": instability} if instability else {})}
         self.threads = threads
         self.reseed(int(seeded.get("seed", 1)) if seed is None else seed)
+        self._first = int(self._seeds.integers(2**62))
         with self._sampled(_PILOT) as run:
             self._scene = dict(run.attrs)
             self.is_loop = self._scene["history"] == "loop"
@@ -94,7 +95,7 @@ class Patches:
     def _sampled(self, replicas: int) -> Any:
         """A run of patches of the scene's own law."""
         tables = {**self.tables, "ensemble": {"replicas": replicas}, "output": {"curves": True}}
-        return experiments.run(tables, seed=int(self._seeds.integers(2**62)), threads=self.threads, progress=False)
+        return experiments.run(tables, seed=self._first, threads=self.threads, progress=False)
 
     def _of(self, run: Any) -> Array:
         """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""

@@ -147,7 +147,8 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")
         handles += marker
     handles += _snaps(run, ax, x, means, unit)
-    handles += [marked_invalid(ax, x, mean / unit, is_invalid(run)) for mean in means.values()][0]
+    marks = [marked_invalid(ax, x, mean / unit, is_invalid(run)) for mean in means.values()]
+    handles += marks[0]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)
@@ -173,7 +174,8 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
     handles: list[Any] = []
     for way, force, color, line in curves:
         handles += ax.plot(values(run, "integral/h_star"), force / unit, color=color, linestyle=line, label=f"integral, {way}")
-    handles += [marked_invalid(ax, values(run, "integral/h_star"), force / unit, is_invalid(run)) for _, force, _, _ in curves][0]
+    marks = [marked_invalid(ax, values(run, "integral/h_star"), force / unit, is_invalid(run)) for _, force, _, _ in curves]
+    handles += marks[0]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)

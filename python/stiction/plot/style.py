@@ -26,7 +26,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 __all__ = [
-    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "MARKERS", "PINK", "VERMILION",
+    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "INVALID", "MARKERS", "PINK", "VERMILION",
     "context", "dressed", "empty", "inches", "label", "legend", "lettered", "logarithmic", "marked_invalid", "new_axes", "picture",
     "places_logarithmic", "plain", "scaled",
 ]  # fmt: skip
@@ -38,6 +38,7 @@ GREY = "0.45"
 DASHED, DASH_DOT = (0, (4, 1.6)), (0, (5, 1.2, 1, 1.2))
 # In all figures the integral is dashed and black, or an open symbol; means over patches are solid lines, or full symbols.
 H_STAR = "separation $h^*=h/\\sigma$"
+INVALID = "invalid: not independent"
 
 _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))
 # Lengths that widths may be given in, inches.
@@ -152,7 +153,7 @@ def marked_invalid(ax: Axes, x: ArrayLike, y: ArrayLike, invalid: ArrayLike) -> 
     if not there.any():
         return []
     line = ax.plot(np.asarray(x, float), np.where(there, np.asarray(y, float), np.nan), color=GREY, alpha=0.3, linewidth=7.0,
-                   solid_capstyle="round", zorder=0.8, label="invalid: not independent")  # fmt: skip
+                   solid_capstyle="round", zorder=0.8, label=INVALID)  # fmt: skip
     return list(line)
 
 

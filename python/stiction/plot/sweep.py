@@ -93,10 +93,11 @@ def of_points(
 
 def invalid_points(result: Sweep) -> xarray.DataArray:
     """Points whose asperities are taken as independent and may not be."""
-    invalid = result["independence/verdict"].astype(str) == "invalid"
+    invalid: xarray.DataArray = result["independence/verdict"].astype(str) == "invalid"
     if "substrate.coupling" in result.keys:
-        return invalid & (result["substrate_coupling"].astype(str) == "none")
-    return invalid & ("coupling" not in result)
+        coupled = result["substrate_coupling"].astype(str) != "none"
+        return invalid.where(~coupled, False)
+    return xarray.zeros_like(invalid) if "coupling" in result else invalid
 
 
 def _scatter(relative: xarray.DataArray, count: Any) -> tuple[xarray.DataArray, xarray.DataArray, None]:

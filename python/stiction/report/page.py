@@ -338,11 +338,9 @@ def _provenance(result: Result) -> list[tuple[str, str]]:
         ("made", str(attrs.get("created", ""))),
         ("format", f"{attrs['format']} {version}"),
     ]
-    if "program_version" in attrs:
-        rows.append(("program", f"stiction {attrs['program_version']}"))
-    known = [f"{name} {attrs[key]}" for name in ("revision", "hash") if str(attrs.get(key := f"source_{name}", "unknown")) != "unknown"]
-    if known:
-        rows.append(("source", ", ".join(known)))
+    for title, key in (("program", "program_version"), ("revision", "source_revision"), ("hash of the source", "source_hash")):
+        if (known := str(attrs.get(key, "unknown"))) != "unknown":
+            rows.append((title, f"stiction {known}" if title == "program" else known))
     if "diagnostics" in result:
         group = result["diagnostics"]
         seconds = float(group["seconds"].values.sum())

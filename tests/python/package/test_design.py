@@ -270,11 +270,11 @@ def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
 
 
 def test_what_never_or_always_happens_is_said(tmp_path, capsys):
-    """No patch pulls harder than all its asperities at once; the 201 patches all pull at least almost nothing."""
+    """No patch pulls harder than all its asperities at once; the 200 patches all pull at least almost nothing."""
     assert Patches(extremes(9.0)).probability(1.0).value == 0.0
     path = tmp_path / "scene.toml"
     path.write_text(stiction.scenes.toml({"format": 1, **extremes(3.0)}), encoding="utf-8")
-    for above, said in (("1 N", "none, or rarer than"), ("0.1 fN", "at least 0.982, as all of 201 patches are such")):
+    for above, said in (("1 N", "none, or rarer than"), ("0.1 fN", "at least 0.982, as all of 200 patches are such")):
         assert command.main([str(path), "--above", above]) == 0
         assert said in capsys.readouterr().out
 

@@ -122,12 +122,12 @@ def _told(found: Probability, below: bool) -> str:
     if found.hits == found.replicas:
         return f"  at least {quantities.number(found.interval[0], 3)}, as all of {found.replicas} patches are such (95 %)"
     low, high = (quantities.number(end, 2) for end in found.interval)
+    plain = quantities.number((1.0 - found.value) / found.value / found.relative_error**2, 2)
     return (
         f"  {quantities.number(found.value, 3)} ± {100.0 * found.relative_error:.0f} %, 95 % interval {low} to {high}\n"
-        f"  from {found.replicas} patches, {found.hits} of them such; plain sampling needs "
-        f"{quantities.number((1.0 - found.value) / found.value / found.relative_error**2, 2)} for this error\n"
-        f"  they weigh as {found.effective:.0f} alike {'runs' if below else 'patches'} would, the largest weight is "
-        f"{100.0 * found.largest:.1f} % of all; mean weight {found.total:.3f} ± {found.total_error:.3f}, which has to be 1"
+        f"  one in {quantities.number(1.0 / found.value, 2)} patches\n"
+        f"  from {found.replicas} patches, {found.hits} of them such, that weigh as {found.effective:.0f} alike\n"
+        f"  {'runs' if below else 'patches'} would, the largest {100.0 * found.largest:.1f} % of all; plain sampling needs {plain}"
     )
 
 

@@ -19,10 +19,14 @@ from .heights import Array
 
 __all__ = ["Patches"]
 
-# Replicas of the scene's own law at first, then of a mixture, and the fewest of these that have to be in the event.
-_PILOT, _FIRST, _HITS = 256, 1024, 128
-# The smallest effective number of patches in the event.
-_EFFECTIVE = 25.0
+# Replicas of the scene's own law at first, and below a threshold.
+_PILOT, _PILOT_BELOW = 64, 256
+# Share of the patches that turn nearer than the laws have it: patches in the event mostly turn near.
+_TURN = 0.25
+# Patches of a mixture that have to be in the event at first, at least and at most, and how many are drawn for each.
+_HITS, _DRAWN = (32, 128), 8
+# The smallest effective number of patches in the event, and the one that is aimed at, however large the error may be.
+_EFFECTIVE, _ALIKE = 25.0, 100.0
 # Patches at most, by default.
 _MOST_ABOVE, _MOST_BELOW = 200_000, 20_000_000
 # Pilots for a force above which patches pull with a probability; how near the last one's is, as a logarithm.
@@ -60,8 +64,8 @@ class Patches:
         self.tables |= {"ensemble": seeded, **({"instability": instability} if instability else {})}
         self.threads = threads
         self.reseed(int(seeded.get("seed", 1)) if seed is None else seed)
-        pilot = {**self.tables, "ensemble": {"replicas": _PILOT}, "output": {"curves": True}}
-        with experiments.run(pilot, seed=int(self._seeds.integers(2**62)), threads=threads, progress=False) as run:
+        self._first = int(self._seeds.integers(2**62))
+        with self._sampled(_PILOT) as run:
             self._scene = dict(run.attrs)
             self.is_loop = self._scene["history"] == "loop"
             self.separations = run["replicas/separation"].values
@@ -76,10 +80,9 @@ class Patches:
                         f"instability.preload: {missed} of {turns.size} patches do not reach {quantities.si(self.preload, 'N')}; "
                         "begin nearer by [separation], or press less"
                     )
-                turn = float(np.nanmedian(turns))
+                turn = float(np.nanquantile(turns, _TURN))
                 self.tables["instability"] = {"preload": [f"{self.preload!r} N"]}
             self._turn = turn
-            attraction = -self._force(run).transpose("replica", "separation").values
             count = float(run["replicas/asperity_count"].values[0])
         surface = tables["surface"]
         self.poisson = surface.get("count", "fixed") == "poisson"
@@ -88,8 +91,11 @@ class Patches:
         self._ends = float(self.heights.ppf(1e-18)), float(self.heights.isf(1e-18))
         # Separations of the mean plane of the asperities.
         self.tops = self.separations - float(self._scene["mean_plane_offset"])
-        # Where each patch pulls most, nearly.
-        self._most = self.tops[attraction.argmax(axis=1)]
+
+    def _sampled(self, replicas: int) -> Any:
+        """A run of patches of the scene's own law."""
+        tables = {**self.tables, "ensemble": {"replicas": replicas}, "output": {"curves": True}}
+        return experiments.run(tables, seed=self._first, threads=self.threads, progress=False)
 
     def _of(self, run: Any) -> Array:
         """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""
@@ -154,10 +160,13 @@ class Patches:
     def _below(self) -> splitting.Curves:
         if self.is_loop:
             raise SceneError('model.history = "loop": probabilities below a force are of approach or retraction; count the patches of a long run')
-        low, middle, high = (float(of(self._most)) for of in (np.min, np.median, np.max))
+        with self._sampled(_PILOT_BELOW) as run:
+            forces = self._of(run)
+            # Where each patch pulls most, nearly.
+            most = self.tops[self._force(run).transpose("replica", "separation").values.argmin(axis=1)]
+        low, middle, high = (float(of(most)) for of in (np.min, np.median, np.max))
         # Half as far again as patches of the pilot reach.
         where = max(1.5 * low - 0.5 * middle, float(self.tops.min())), min(1.5 * high - 0.5 * middle, float(self.tops.max()))
-        forces = self.pull_off
         error = min(_IN_BINS * max(float(forces.min()), 0.1 * float(np.median(forces))), _OF_SCATTER * float(forces.std()))
         return splitting.Curves(self.heights, self.count, self.poisson, self._asperity, np.sort(self.tops), where, error)
 
@@ -182,7 +191,7 @@ class Patches:
         """
         if below:
             return splitting.Splitting(self._below, self._seeds).probability(threshold, error, most or _MOST_BELOW)
-        pilot = self._pilot(threshold, most)
+        pilot = self._pilot(threshold, error, most)
         return NEVER if pilot is None else self._main(pilot, threshold, error, most)[0]
 
     def quantile(
@@ -207,7 +216,7 @@ class Patches:
         force = float(np.quantile(self.pull_off, 1.0 - max(probability, 0.02)))
         spread = float(self.pull_off.std())
         for _ in range(_FORCES):
-            first = self._pilot(force, most)
+            first = self._pilot(force, error, most)
             if first is None:
                 force, spread = force - 0.5 * spread, 0.5 * spread
                 continue
@@ -223,22 +232,21 @@ class Patches:
             force = float(np.clip(at[0], force - spread, force + spread))
         raise StictionError(f"no force above which a patch pulls with probability {probability:g} was found")
 
-    def _pilot(self, threshold: float, most: int | None) -> tuple[tilting.Mixture, tilting.Drawn] | None:
+    def _pilot(self, threshold: float, error: float, most: int | None) -> tuple[tilting.Mixture, tilting.Drawn] | None:
         """A mixture for patches above a threshold and the first patches of it; none where the event never happens."""
         mixture = self._tilts.mixture(threshold)
         if mixture is None:
             return None
-        size, most = _FIRST, most or _MOST_ABOVE
-        while True:
-            pilot = mixture.drawn(size, self._seeds)
-            if (pilot.pull_off > threshold).sum() >= _HITS:
-                return mixture, pilot
-            if size >= most:
+        wanted, most = int(np.clip(1.0 / error**2, *_HITS)), most or _MOST_ABOVE
+        pilot = mixture.drawn(_DRAWN * wanted, self._seeds)
+        while (hits := int((pilot.pull_off > threshold).sum())) < wanted:
+            if (size := pilot.pull_off.size) >= most:
                 raise StictionError(
-                    f"of {size} patches {(pilot.pull_off > threshold).sum()} pull more than {quantities.si(threshold, 'N')}, "
-                    f"and {_HITS} are needed for its probability: `most` of more patches, or a lower threshold"
+                    f"of {size} patches {hits} pull more than {quantities.si(threshold, 'N')}, and {wanted} are needed for its probability: "
+                    "`most` of more patches, or a lower threshold"
                 )
-            size = min(4 * size, most)
+            pilot = pilot.and_more(mixture.drawn(min(size, most - size), self._seeds))
+        return mixture, pilot
 
     def _main(
         self, first: tuple[tilting.Mixture, tilting.Drawn], threshold: float, error: float, most: int | None
@@ -246,7 +254,7 @@ class Patches:
         """The probability from new patches, whose number and laws are by the pilot alone, and these."""
         mixture, pilot = first
         fitted, most = mixture.fitted(pilot, threshold), most or _MOST_ABOVE
-        size = fitted.patches(pilot, mixture, threshold, error)
+        size = fitted.patches(pilot, mixture, threshold, max(2.0 / error**2, _ALIKE))
         if size > most:
             raise StictionError(
                 f"the probability of a pull-off above {quantities.si(threshold, 'N')} takes {size} patches for an error of "
@@ -256,6 +264,7 @@ class Patches:
         found = fitted.estimate(drawn, threshold)
         what = f"the probability of a pull-off above {quantities.si(threshold, 'N')}"
         return checked(found, what, _EFFECTIVE, "patches"), (fitted, drawn)
+
 
 def _exceeded(drawn: tilting.Drawn, weights: Array, probabilities: Array) -> Array:
     """Forces that patches of a mixture exceed with probabilities, N."""

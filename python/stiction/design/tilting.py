@@ -21,7 +21,7 @@ fifth of the patches in equal shares, and a tenth is of the scene's own heights:
 
 **The number of patches does not depend on the estimate.** A pilot gives the shares of the laws by cross-entropy (how
 probable it is that a patch of the event is of each) and the second moment of the weights, and that the number of patches
-for an error. Then it is thrown away.
+for an error. Then it is thrown away. Laws have their shares of the patches by systematic sampling, so few patches do for many laws.
 
 Heights are in cells, in which the attraction of one asperity counts as that of the middle: the likelihood ratio is exact for what is drawn.
 
@@ -57,10 +57,6 @@ _WITHIN, _LAWS = 4, 128
 _REACH = 8.0
 # Shares of the scene's own heights, and of all laws alike.
 _OWN, _ALIKE = 0.1, 0.2
-# Patches of an estimate at least, and as how many alike ones those in the event are to weigh.
-_PATCHES, _ALIKE_PATCHES = 500, 200
-# More patches than a pilot says, as it knows the second moment of weights no better than so.
-_MARGIN = 2.0
 
 
 class Cells:
@@ -108,13 +104,14 @@ class Cells:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Patches of a mixture: pull-off (N), ln of the likelihood by each law over the scene's own (n, laws),
-    and the law that each is of.
-    """
+    """Patches of a mixture: pull-off (N), and ln of the likelihood by each law over the scene's own (n, laws)."""
 
     pull_off: Array
     likelihood: Array
-    law: NDArray[np.int64]
+
+    def and_more(self, more: Drawn) -> Drawn:
+        """These patches and more of the mixture."""
+        return Drawn(np.append(self.pull_off, more.pull_off), np.concatenate([self.likelihood, more.likelihood]))
 
 
 @dataclass(frozen=True)
@@ -144,8 +141,8 @@ class Patch:
 
 @dataclass(frozen=True)
 class Mixture:
-    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and how many of the
-    patches each has.
+    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and the share of the
+    patches that each has.
     """
 
     patch: Patch
@@ -153,12 +150,13 @@ class Mixture:
     shares: Array
 
     def drawn(self, patches: int, rng: np.random.Generator) -> Drawn:
-        """Patches, of each law as many as its share, rounded up."""
-        laws = np.repeat(np.arange(self.shares.size), np.maximum(np.ceil(patches * self.shares), 2).astype(int))
+        """Patches, of each law as many as its share on average."""
+        places = (np.arange(patches) + rng.random()) / patches
+        laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
         parts = [self._part(laws[first : first + step], rng) for first in steps(range(0, laws.size, step), "", f"parts of {laws.size} patches")]
         forces, likelihoods = (np.concatenate(of) for of in zip(*parts, strict=True))
-        return Drawn(forces, likelihoods, laws)
+        return Drawn(forces, likelihoods)
 
     def _part(self, laws: NDArray[np.int64], rng: np.random.Generator) -> tuple[Array, Array]:
         """Pull-off and likelihoods of patches of laws."""
@@ -177,12 +175,9 @@ class Mixture:
             heights[rows] = own
         return patch.pull_off(heights), in_cells @ self.ratios.T
 
-    def _weights(self, drawn: Drawn, shares: Array) -> Array:
-        return np.asarray(np.exp(-special.logsumexp(drawn.likelihood, axis=1, b=shares)))
-
     def weights(self, drawn: Drawn) -> Array:
-        """Likelihood of patches of this mixture under the scene's own law over that under the mixture."""
-        return self._weights(drawn, np.bincount(drawn.law) / drawn.law.size)
+        """Likelihood of patches under the scene's own law over that under this mixture."""
+        return np.asarray(np.exp(-special.logsumexp(drawn.likelihood, axis=1, b=self.shares)))
 
     def fitted(self, pilot: Drawn, threshold: float) -> Mixture:
         """The mixture whose shares are the probabilities that a patch of the event is of each law."""
@@ -192,27 +187,17 @@ class Mixture:
         of = np.exp(pilot.likelihood) * self.shares * weights[:, None]
         return Mixture(self.patch, self.ratios, _shares((weights * (pilot.pull_off > threshold)) @ of[:, 1:]))
 
-    def patches(self, pilot: Drawn, by: Mixture, threshold: float, error: float) -> int:
-        """The number of patches of this mixture that an error takes, from a pilot by another one."""
+    def patches(self, pilot: Drawn, by: Mixture, threshold: float, alike: float) -> int:
+        """The number of patches of this mixture of which those in the event weigh as many alike ones, from a pilot by another one."""
         weights = by.weights(pilot) * (pilot.pull_off > threshold)
-        second = float((weights * self._weights(pilot, self.shares)).mean() / weights.mean() ** 2)
-        return int(max(_MARGIN * (second - 1.0) / error**2, _ALIKE_PATCHES * second, _PATCHES)) + 1
+        second = float((weights * self.weights(pilot)).mean() / weights.mean() ** 2)
+        return int(alike * second) + 1
 
     def estimate(self, drawn: Drawn, threshold: float) -> Probability:
         """The probability of patches above a threshold, N."""
-        weights, inside, n = self.weights(drawn), drawn.pull_off > threshold, drawn.law.size
-        value = variance = total = total_variance = 0.0
-        for law in range(self.shares.size):
-            of = drawn.law == law
-            size = int(of.sum())
-            share, weight = size / n, weights[of]
-            counted = weight * inside[of]
-            value += share * float(counted.mean())
-            total += share * float(weight.mean())
-            variance += share**2 * float(counted.var(ddof=1)) / size
-            total_variance += share**2 * float(weight.var(ddof=1)) / size
-        hits, found = int(inside.sum()), shared(weights[inside])
-        return Probability(value, variance**0.5, n, hits, total, total_variance**0.5, *found)
+        weights, inside, n = self.weights(drawn), drawn.pull_off > threshold, drawn.pull_off.size
+        (value, error), (total, total_error) = ((float(of.mean()), float(of.std(ddof=1)) / n**0.5) for of in (weights * inside, weights))
+        return Probability(value, error, n, int(inside.sum()), total, total_error, *shared(weights[inside]))
 
 
 class Tilts:
@@ -266,7 +251,9 @@ class Tilts:
             return 0.0, np.inf
 
         def cost(t: float) -> float:
-            return count * float(special.logsumexp(t / scale * a + cells.log_masses)) - t * x / scale
+            exponents = t / scale * a + cells.log_masses
+            most = exponents.max()
+            return count * float(most + np.log(np.exp(exponents - most).sum())) - t * x / scale
 
         found = optimize.minimize_scalar(cost, bounds=(0.0, 200.0), method="bounded", options={"xatol": 1e-4})
         return float(found.x) / scale, -float(found.fun)

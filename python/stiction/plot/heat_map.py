@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
 
 from .. import quantities
 from ..errors import FileError
 from ..results import Sweep
-from .style import dressed, label, new_axes, plain, scaled
-from .sweep import QUANTITIES, axes_of, of_points
+from .style import INVALID, dressed, label, legend, new_axes, plain, scaled
+from .sweep import QUANTITIES, axes_of, invalid_points, of_points
 
 __all__ = ["heat_map", "is_map"]
 
@@ -71,6 +72,12 @@ def heat_map(
             color = "white" if value < middle else "black"
             text = "–" if np.isnan(value) else quantities.number(float(value), 3)
             ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small")
+    invalid = invalid_points(result).squeeze(drop=True).transpose(along, across).values
+    hatched = [Rectangle((column, row), 1.0, 1.0, fill=False, hatch="///", linewidth=0.0, label=INVALID) for row, column in np.argwhere(invalid)]
+    for cell in hatched:
+        ax.add_patch(cell)
+    if hatched:
+        legend(ax, hatched[:1])
     for name, axis in ((across, ax.xaxis), (along, ax.yaxis)):
         key = result[name]
         axis.set_ticks(np.arange(key.size) + 0.5, [plain(result.key_text(name, value, 3)) for value in key.values])

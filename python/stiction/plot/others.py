@@ -27,6 +27,7 @@ from .style import (
     empty,
     label,
     legend,
+    marked_invalid,
     new_axes,
     plain,
     scaled,
@@ -143,6 +144,7 @@ def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     handles += ax.plot(n, quantile[:, 3], color=BLUE, label="median")
     handles += ax.plot(n, 1.0 + values(study, "bias"), "o", color="black", label="mean")
     handles.append(ax.axhline(1.0, color="black", linestyle=DASHED, linewidth=0.8, label="integral"))
+    handles += marked_invalid(ax, n, 1.0 + values(study, "bias"), values(study, "independence") == "invalid")
     ax.set(xscale="log", xlabel=_COUNT, ylabel="pull-off force over the integral's")
     if quantile.max() > 4.0 * max(float(quantile.min()), 0.01):
         ax.set_yscale("log")

@@ -25,6 +25,7 @@ from .style import (
     label,
     legend,
     logarithmic,
+    marked_invalid,
     new_axes,
     plain,
     scaled,
@@ -59,6 +60,13 @@ def ways(run: Run) -> list[tuple[str, str, str, Any]]:
     if run.attrs["history"] == "loop":
         return [way for way in WAYS if f"integral/{way[1]}external_force" in run]
     return [(plain(run.attrs["history"]), "", BLUE, "-")]
+
+
+def is_invalid(run: Run) -> Any:
+    """Whether asperities are taken as independent and may not be, at each separation: closer than `independent_from` of a run of that verdict."""
+    from_where = float(run["independence/independent_from"])
+    whole = str(run["independence"].attrs["verdict"]) == "invalid" and "coupling" not in run
+    return whole & ~(values(run, "integral/separation") >= from_where)
 
 
 @dressed
@@ -139,6 +147,8 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")
         handles += marker
     handles += _snaps(run, ax, x, means, unit)
+    marks = [marked_invalid(ax, x, mean / unit, is_invalid(run)) for mean in means.values()]
+    handles += marks[0]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)
@@ -164,6 +174,8 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
     handles: list[Any] = []
     for way, force, color, line in curves:
         handles += ax.plot(values(run, "integral/h_star"), force / unit, color=color, linestyle=line, label=f"integral, {way}")
+    marks = [marked_invalid(ax, values(run, "integral/h_star"), force / unit, is_invalid(run)) for _, force, _, _ in curves]
+    handles += marks[0]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)

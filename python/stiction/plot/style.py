@@ -26,8 +26,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 __all__ = [
-    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "MARKERS", "PINK", "VERMILION",
-    "context", "dressed", "empty", "inches", "label", "legend", "lettered", "logarithmic", "new_axes", "picture",
+    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "INVALID", "MARKERS", "PINK", "VERMILION",
+    "context", "dressed", "empty", "inches", "label", "legend", "lettered", "logarithmic", "marked_invalid", "new_axes", "picture",
     "places_logarithmic", "plain", "scaled",
 ]  # fmt: skip
 
@@ -38,6 +38,7 @@ GREY = "0.45"
 DASHED, DASH_DOT = (0, (4, 1.6)), (0, (5, 1.2, 1, 1.2))
 # In all figures the integral is dashed and black, or an open symbol; means over patches are solid lines, or full symbols.
 H_STAR = "separation $h^*=h/\\sigma$"
+INVALID = "invalid: not independent"
 
 _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))
 # Lengths that widths may be given in, inches.
@@ -144,6 +145,16 @@ def legend(ax: Axes, handles: Sequence[Any] | None = None, columns: int = 2) -> 
     kept: list[Artist] = list(handles)
     drawn = ax.legend(handles=kept, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
     drawn.set_in_layout(True)
+
+
+def marked_invalid(ax: Axes, x: ArrayLike, y: ArrayLike, invalid: ArrayLike) -> list[Artist]:
+    """Marks the part of a curve that the file says is invalid by a broad line under it, and returns what the legend has of it."""
+    there = np.asarray(invalid, dtype=bool)
+    if not there.any():
+        return []
+    line = ax.plot(np.asarray(x, float), np.where(there, np.asarray(y, float), np.nan), color=GREY, alpha=0.3, linewidth=7.0,
+                   solid_capstyle="round", zorder=0.8, label=INVALID)  # fmt: skip
+    return list(line)
 
 
 def empty(ax: Axes, reason: str) -> Axes:

@@ -21,6 +21,7 @@ from .style import (
     label,
     legend,
     logarithmic,
+    marked_invalid,
     new_axes,
     places_logarithmic,
     plain,
@@ -91,6 +92,15 @@ def of_points(
         sigma = result["surface_height_std"]
         return mean / sigma, error / sigma, integral / sigma
     return mean, error, integral
+
+
+def invalid_points(result: Sweep) -> xarray.DataArray:
+    """Points whose asperities are taken as independent and may not be."""
+    invalid: xarray.DataArray = result["independence/verdict"].astype(str) == "invalid"
+    if "substrate.coupling" in result.keys:
+        coupled = result["substrate_coupling"].astype(str) != "none"
+        return invalid.where(~coupled, False)
+    return xarray.zeros_like(invalid) if "coupling" in result else invalid
 
 
 def _scatter(relative: xarray.DataArray, count: Any) -> tuple[xarray.DataArray, xarray.DataArray, None]:
@@ -195,6 +205,8 @@ def sweep(
         key = key.copy(data=[choices.index(name) for name in key.values])
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
+    marks: list[Any] = []
+    invalid = invalid_points(result)
     for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
         places = (key.isel(chosen).values.ravel() if follows else key.values) / key_factor
         order = np.argsort(places)
@@ -213,11 +225,14 @@ def sweep(
             )
         if name and names:
             handles.append(drawn)
+        judged = invalid.isel(chosen).values.ravel()[order]
+        marks = marked_invalid(ax, places[order], mean.isel(chosen).values.ravel()[order] / factor, judged) or marks
     if integral is not None:
         handles += [
             Line2D([], [], color=GREY, marker="o", linewidth=0, label="mean over patches"),
             Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="integral"),
         ]
+    handles += marks
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if choices:

@@ -337,9 +337,10 @@ def _provenance(result: Result) -> list[tuple[str, str]]:
         ("SHA-256", digest),
         ("made", str(attrs.get("created", ""))),
         ("format", f"{attrs['format']} {version}"),
-        ("program", f"stiction {attrs.get('program_version', '')}"),
-        ("source", f"revision {attrs.get('source_revision', 'unknown')}, hash {attrs.get('source_hash', 'unknown')}"),
     ]
+    for title, key in (("program", "program_version"), ("revision", "source_revision"), ("hash of the source", "source_hash")):
+        if (known := str(attrs.get(key, "unknown"))) != "unknown":
+            rows.append((title, f"stiction {known}" if title == "program" else known))
     if "diagnostics" in result:
         group = result["diagnostics"]
         seconds = float(group["seconds"].values.sum())

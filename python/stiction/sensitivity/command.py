@@ -27,7 +27,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
     parser.add_argument("--samples", type=int, default=512, metavar="N",
-                        help="rows of the design, a power of 2 from 128 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
+                        help="rows of the design, a power of 2 from 64 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
     parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, instead of the scene's")
     parser.add_argument("--seed", type=int, metavar="N", help="seed, instead of the scene's")
     parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")

@@ -23,7 +23,8 @@ q̂ is that of the interaction between patch and parameter alone.
 **Only differences between points count.** What patch i has everywhere more than others is in no difference, so it should be in no
 numerator. T has differences alone. Of S the factor m(B) is taken from its mean over the block; as the Sobol points of a block are stratified
 in each coordinate, that changes the mean of the product by O(n⁻²) of n rows or less. The variance is that of pairs, (m(A_j) − m(B_l))²/2 over all
-j and l: coordinates are scrambled independently, so all A are independent of all B.
+j and l: coordinates are scrambled independently, so all A are independent of all B. Blocks of fewer than 4 rows are not stratified enough for that:
+there m(B) is taken from the mean of all blocks.
 
 **Blocks.** A block is a scrambled Sobol sequence of its own, with patches of its own; blocks are independent, and identically
 distributed. Intervals are by bootstrap over the blocks, so they hold both what is left of the points and of the patches, and they take
@@ -45,6 +46,9 @@ from scipy import stats
 __all__ = ["Estimated", "estimated", "points"]
 
 Array = NDArray[np.float64]
+
+# Rows of a block at least that has a mean of its own.
+_STRATIFIED = 4
 
 
 @dataclass(frozen=True)
@@ -137,7 +141,8 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     y = y - centre
     a, mixed, b = y[:, :, 0], y[:, :, 1:-1], y[:, :, -1]
     change = mixed - a[:, :, None]
-    first = _pairs((b - b.mean(axis=1, keepdims=True))[:, :, None], change).mean(axis=1)
+    middle = b.mean(axis=1, keepdims=True) if b.shape[1] >= _STRATIFIED else 0.0
+    first = _pairs((b - middle)[:, :, None], change).mean(axis=1)
     total = 0.5 * _pairs(change, change).mean(axis=1)
     of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean(axis=1) - _pairs(a.mean(axis=1), b.mean(axis=1))
     ends = np.stack([a, b], axis=2)
@@ -148,16 +153,17 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     found = _indices(parts.mean(axis=0))
     generator = np.random.default_rng(seed)
     intervals = np.empty((found.size, 2))
+    others = np.array([np.delete(np.arange(len(parts)), block) for block in range(len(parts))])
     for place in range(found.size):
 
         def statistic(chosen: NDArray[np.intp], axis: int = -1, place: int = place) -> Array:
             of: Array = _indices(parts[chosen].mean(axis=-2))[..., place]
             return of
 
-        of_blocks = statistic(np.arange(len(parts))[:, None])
-        if not np.isfinite(of_blocks).all() or np.ptp(of_blocks) == 0.0:
-            # Equal in all blocks, such as no scatter at all. Where some blocks have no variance, nothing is known.
-            intervals[place] = found[place] if np.ptp(of_blocks) == 0.0 else np.nan
+        without_one = statistic(others)
+        if not np.isfinite(without_one).all() or np.ptp(without_one) == 0.0:
+            # Equal in all blocks, such as no scatter at all. Where one block has all of the variance, nothing is known.
+            intervals[place] = found[place] if np.ptp(without_one) == 0.0 else np.nan
             continue
         interval = stats.bootstrap(
             (np.arange(len(parts)),), statistic, confidence_level=level, n_resamples=resamples, vectorized=True,

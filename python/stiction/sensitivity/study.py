@@ -28,6 +28,8 @@ QUANTITIES = {
 }
 #: Independent blocks of points.
 BLOCKS = 32
+# Samples at least: with one row a block, intervals of 95 % hold the truth in 80 to 90 % of designs only.
+_LEAST = 64
 #: Points of a sweep at most.
 _MOST_POINTS = 10_000
 _VERSION = (1, 0)
@@ -54,7 +56,7 @@ def sensitivity(
     output : path, optional
         HDF5 file for the result.
     samples : int
-        Rows n of Saltelli's design, a power of 2 of at least 128: n (k + 2) points of k keys are computed, in 32 independent blocks.
+        Rows n of Saltelli's design, a power of 2 of at least 64: n (k + 2) points of k keys are computed, in 32 independent blocks.
     replicas : int, optional
         Patches at each point, instead of the scene's; all points of a block share them.
     seed, threads : int, optional
@@ -81,8 +83,8 @@ def sensitivity(
         The scene, a prior or an argument is wrong; priors are correlated; sampling is not independent. A point that the program refuses is
         named with its numbers.
     """
-    if samples < 128 or samples & (samples - 1):
-        raise SceneError(f"samples = {samples}: a power of 2 of at least 128 is needed")
+    if samples < _LEAST or samples & (samples - 1):
+        raise SceneError(f"samples = {samples}: a power of 2 of at least {_LEAST} is needed")
     if not 0.5 <= level < 1.0:
         raise SceneError(f"level = {level}: a number from 0.5 to below 1 is needed")
     found = priors.read(scene)

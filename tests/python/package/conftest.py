@@ -60,6 +60,12 @@ MADE = {
         replicas=8,
         **{"device.restoring_force": "30 uN"},
     ),
+    "judged": lambda path: stiction.sweep(
+        CONFIGS / "case_iii.toml",
+        {"material.work_of_adhesion": ["1 mJ/m^2", "10 mJ/m^2", "90 mJ/m^2"], "surface.nominal_area": ["1 um^2", "10 um^2", "100 um^2"]},
+        path,
+        replicas=2,
+    ),
     "sweep_of_one": lambda path: stiction.sweep(
         CONFIGS / "quick.toml", {"material.work_of_adhesion": ["10 mJ/m^2", "30 mJ/m^2"]}, path, replicas=4
     ),

@@ -107,6 +107,25 @@ def test_a_heat_map_has_the_points_of_its_grid(result):
         plot.heat_map(result("sweep_of_one"))
 
 
+def test_what_the_file_says_is_invalid_is_marked(result):
+    """Case III: its whole curve; of a sweep the points of that verdict alone, and as cells of a map; nothing of a surface that is good."""
+    mark = "invalid: not independent"
+    run = result("instability")
+    (line,) = [line for name, line in lines(plot.force(run)).items() if name == mark]
+    closer = ~(run["ensemble/separation"].values >= float(run["independence/independent_from"]))
+    assert run.independence.attrs["verdict"] == "invalid" and (np.isfinite(line.get_ydata()) == closer).all() and closer.any()
+    assert mark not in lines(plot.force(result("run")))
+    grid = result("judged")
+    verdicts = grid["independence/verdict"].values.astype(str)
+    assert 0 < (verdicts == "invalid").sum() < verdicts.size
+    ax = plot.sweep(grid, x="material.work_of_adhesion")
+    marked = [line for line in ax.lines if line.get_label() == mark]
+    assert sum(np.isfinite(line.get_ydata()).sum() for line in marked) == (verdicts == "invalid").sum()
+    assert [text.get_text() for text in ax.get_legend().get_texts()].count(mark) == 1
+    cells = [patch for patch in plot.heat_map(grid).patches if patch.get_hatch()]
+    assert len(cells) == (verdicts == "invalid").sum()
+
+
 def test_points_of_a_sweep_are_its_means_and_its_integral(result):
     of = result("sweep")
     ax = plot.sweep(of)

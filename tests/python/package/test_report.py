@@ -51,6 +51,7 @@ def test_every_kind_has_a_page_that_is_whole_and_needs_nothing_else(result, name
     links = re.findall(r'(?:href|src)="([^"]*)"', page)
     assert links and all(link.startswith(("#", "data:")) for link in links)
     assert not re.findall(r"<(script|link|iframe|object)\b|url\((?!#)|@import", page)
+    assert "unknown" not in words[words.rindex("Provenance"):]
     names = re.findall(r'\bid="([^"]*)"', page)
     assert len(names) == len(set(names))
     assert set(re.findall(r"url\(#([^)]*)\)", page)) | {link[1:] for link in links if link[0] == "#"} <= set(names)

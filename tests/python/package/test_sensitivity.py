@@ -41,22 +41,22 @@ def outcomes(seed, scatter=0.0, common=True, rows=16, blocks=32, patches=8):
     return ishigami(points)[..., None] + scatter * noise * (1.0 + points[..., :1])
 
 
-@pytest.mark.parametrize("scatter, common", [(0.0, True), (2.0, True), (2.0, False)])
-def test_indices_are_those_of_ishigami_and_intervals_hold_them(scatter, common):
-    """Of 40 designs. A mean is within 0.02 of the closed form beside its error (ratios of means are off by O(1/blocks)); each interval of
-    95 % holds the truth in at least 31 of 40: a right one fails that 3 times in 100 000, one of 60 % passes twice in 100.
+@pytest.mark.parametrize("scatter, common, rows", [(0.0, True, 16), (2.0, True, 16), (2.0, False, 16), (2.0, True, 2)])
+def test_indices_are_those_of_ishigami_and_intervals_hold_them(scatter, common, rows):
+    """Of 40 designs. A mean is within 0.02 of the closed form (0.06 of 2 rows) and its error (ratios of means are off by O(1/blocks)); each
+    interval of 95 % holds the truth in at least 31 of 40: a right one fails that 3 times in 100 000, one of 60 % passes twice in 100.
     """
     first, total, whole = of_ishigami()
     noise = 7.0 / 3.0 * scatter**2
     truth = np.concatenate([first, total, [noise / (whole + noise)]])
     values, held = [], []
     for seed in range(40):
-        found = indices.estimated(outcomes(seed, scatter, common), resamples=500)
+        found = indices.estimated(outcomes(seed, scatter, common, rows), resamples=500)
         values.append(np.concatenate([found.first_order, found.total, [found.scatter]]))
         between = np.concatenate([found.first_order_interval, found.total_interval, [found.scatter_interval]])
         held.append((between[:, 0] <= truth + 1e-12) & (truth - 1e-12 <= between[:, 1]))
     error = np.std(values, axis=0, ddof=1) / np.sqrt(40.0)
-    assert (np.abs(np.mean(values, axis=0) - truth) < 0.02 + Z * error).all()
+    assert (np.abs(np.mean(values, axis=0) - truth) < (0.02 if rows > 2 else 0.06) + Z * error).all()
     assert (np.sum(held, axis=0) >= 31).all()
 
 
@@ -222,7 +222,8 @@ def test_the_command_leaves_file_and_figure_and_overwrites_nothing(studied, monk
         (("replicas = 20", 'replicas = 16\nsampling = "stratified"'), {}, "ensemble.sampling = 'stratified': independent patches"),
         (("replicas = 20", 'target = { quantity = "pull_off_force", relative_standard_error = 0.1 }'), {}, "ensemble.target: a fixed number"),
         (("replicas = 20", "replicas = 1"), {}, "replicas = 1: at least 2 patches"),
-        (("", ""), {"samples": 100}, "samples = 100: a power of 2"),
+        (("", ""), {"samples": 100}, "samples = 100: a power of 2 of at least 64"),
+        (("", ""), {"samples": 32}, "samples = 32: a power of 2 of at least 64"),
         (("", ""), {"samples": 131072}, "samples = 131072: at most 80000"),
         (("", ""), {"level": 95}, "level = 95"),
         (("[ensemble]", '[priors]\nkeys = ["material.work_of_adhesion", "surface.asperity_radius"]\ncorrelation = [[1, 0.5], [0.5, 1]]\n[ensemble]'), {},

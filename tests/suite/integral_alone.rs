@@ -63,7 +63,7 @@ fn integrals_are_swept() {
     let run = folder.stiction(&["run", "scene.toml", "--replicas", "0"]);
     assert_exit(&run, 0);
     let summary = text(&run.stdout);
-    assert!(summary.contains("  integral  asperities\n"), "{summary}");
+    assert!(summary.contains("  integral  independence\n"), "{summary}");
     assert!(!summary.contains("cross-check"), "{summary}");
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
     let file = unlocked::open(folder.path("scene.h5"));

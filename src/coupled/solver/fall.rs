@@ -53,7 +53,6 @@ impl Solver<'_> {
                 if !(rate < 0.0) || -2.0 * rate * time < 1.0 {
                     break rate;
                 }
-                self.residual.iter_mut().for_each(|r| *r = -*r);
                 time = -0.4 / rate;
             };
             if idle >= most_idle && rate > 0.0 {

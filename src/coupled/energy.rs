@@ -40,9 +40,9 @@ const LEAP: f64 = 5.0;
 /// far off.
 const APART: f64 = 0.05;
 /// Share of the length over which a force varies, up to which Simpson's rule has its integral.
-const SHORT: f64 = 0.02;
+const SHORT: f64 = 0.05;
 /// Relative accuracy of other integrals.
-const WORK: f64 = 1e-10;
+const WORK: f64 = 1e-8;
 
 /// Classes of the energy that is lost at a separation, over the unit of energy of an asperity: the class k has 2^(k −
 /// 12) and more, and less than twice as much, the first also all that is less, the last all that is more.

@@ -126,7 +126,9 @@ fn pass<T: Real>(stage: &Stage<T>, groups: usize, stride: usize, from: &Complex<
             }),
             3 => butterfly::<T, 3>([source(0), source(1), source(2)], factors, out, three),
             4 => butterfly::<T, 4>([source(0), source(1), source(2), source(3)], factors, out, four),
-            _ => butterfly::<T, 5>([source(0), source(1), source(2), source(3), source(4)], factors, out, five),
+            _ => {
+                butterfly::<T, 5>([source(0), source(1), source(2), source(3), source(4)], factors, out, five)
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Effects of coupling on an ensemble, on the terminal.
 
 use super::rows::labelled;
+use crate::engine::Replica;
 use crate::experiment::results::Results;
 use crate::format::{percent, si, si_with_error};
 use crate::math::moments::Moments;
@@ -10,6 +11,8 @@ use crate::substrate::Kernel;
 const UNCHANGED: f64 = 1e-9;
 /// Most separations that are named.
 const SHOWN: usize = 5;
+/// Share of replicas with a pull-off at a state that is no result, from which on the pull-off is not to be quoted.
+const UNQUOTED: f64 = 0.01;
 
 /// Contact radii over distance, (a_i + a_j)/r_ij, from which on the summary warns, of points and of contacts of finite
 /// size: in a square lattice, the worst there is, their loads are off by 0.8 % and 0.6 % there (`docs/coupling.md`).
@@ -23,14 +26,54 @@ pub(super) fn changes(results: &Results) -> String {
     let [independent, difference] = &coupled.groups.scalars;
     let (without, change) = (independent.mean()[0], difference.mean()[0]);
     let name = substrate.coupling.name();
-    if !(without > 0.0) {
-        return labelled("coupling", name);
+    let effect = if !(without > 0.0) {
+        name.to_owned()
+    } else if (change / without).abs() < UNCHANGED {
+        format!("{name}: pull-off unchanged by it")
+    } else {
+        let change = si_with_error(change, difference.standard_error()[0], "N");
+        format!("{name}: changes the pull-off of {} by {change}", si(without, "N"))
+    };
+    labelled("coupling", &effect) + &recorded(results, &substrate.loads_at)
+}
+
+/// The separations, by their numbers, at which asperities are recorded one by one.
+fn recorded(results: &Results, at: &[usize]) -> String {
+    if at.is_empty() {
+        return String::new();
     }
-    if (change / without).abs() < UNCHANGED {
-        return labelled("coupling", &format!("{name}: pull-off unchanged by it"));
+    let separations = &results.scene.separations;
+    labelled("", &format!("asperities one by one at {}", list(results, at.iter().map(|k| separations[*k]))))
+}
+
+/// The first of separations, m, as h*.
+fn list(results: &Results, separations: impl ExactSizeIterator<Item = f64>) -> String {
+    let more = if separations.len() > SHOWN { " …" } else { "" };
+    let shown =
+        separations.take(SHOWN).map(|h| format!("{:.3}", h / results.scene.surface.surface_height_std));
+    format!("h* = {}{more}", shown.collect::<Vec<String>>().join(", "))
+}
+
+/// A warning where pull-offs are at states that are no results; nothing elsewhere.
+pub(super) fn unquoted(results: &Results) -> String {
+    let Some(coupled) = &results.ensemble.coupled else { return String::new() };
+    let (separations, ways) =
+        (&results.scene.separations, results.scene.states() / results.scene.separations.len());
+    let first = if ways == 1 { 0 } else { separations.len() };
+    let replicas = &results.ensemble.replicas;
+    // The two states next to the pull-off of each.
+    let share = |replica: &Replica| {
+        let above = separations.partition_point(|h| *h < replica.pull_off_separation);
+        let next = [above.saturating_sub(1), above.min(separations.len() - 1)].map(|k| first + k);
+        let shares = [&coupled.unsettled, &coupled.overlapping].map(|shares| next.map(|k| shares.mean()[k]));
+        shares.into_iter().flatten().fold(0.0, f64::max)
+    };
+    let share = replicas.iter().map(share).sum::<f64>() / replicas.len() as f64;
+    if share < UNQUOTED {
+        return String::new();
     }
-    let change = si_with_error(change, difference.standard_error()[0], "N");
-    labelled("coupling", &format!("{name}: changes the pull-off of {} by {change}", si(without, "N")))
+    let words = format!("not to be quoted: {} of the states next to it are no results", percent(share));
+    labelled("", &words)
 }
 
 /// States that are no results, and contacts that come too close.
@@ -81,11 +124,8 @@ fn counted(results: &Results, shares: &Moments, count: u64, [what, advice]: [&st
         return String::new();
     }
     let (states, separations) = (results.scene.states(), &results.scene.separations);
-    let h_star = |k: usize| separations[k % separations.len()] / results.scene.surface.surface_height_std;
     let places: Vec<usize> = (0..states).filter(|k| shares.mean()[*k] > 0.0).collect();
-    let list: Vec<String> = places.iter().take(SHOWN).map(|k| format!("{:.3}", h_star(*k))).collect();
-    let more = if places.len() > SHOWN { " …" } else { "" };
     let of = states * results.ensemble.replicas.len();
-    let places = list.join(", ");
-    labelled("warning", &format!("{count} of {of} states {what}, at h* = {places}{more}; {advice}"))
+    let places = list(results, places.iter().map(|k| separations[k % separations.len()]));
+    labelled("warning", &format!("{count} of {of} states {what}, at {places}; {advice}"))
 }

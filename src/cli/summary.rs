@@ -112,6 +112,7 @@ fn pull_off(results: &Results) -> String {
     if is_invalid && results.scene.substrate.is_none() {
         text += &labelled("", "not to be quoted: see independence");
     }
+    text += &coupling::unquoted(results);
     let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
     let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
     let (history, integral) = (history(results), si(-of_integral.value, "N"));

@@ -21,15 +21,17 @@
 //! on the step.
 
 use super::asperities::{Asperities, Forces, States};
-use super::solver::{Snapshot, Solver, multiply};
+use super::half_space::HalfSpace;
+use super::solver::{Snapshot, Solver};
+use super::systems::{Accuracy, System};
 use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::sums::Compensated;
 
 /// Residual of the state on the branch over the residual where its search begins.
 const ON_BRANCH: f64 = 3e-3;
-/// Relative residual of systems for it, and most products for one.
-const SYSTEM: (f64, usize) = (1e-2, 40);
+/// The accuracy of systems for it.
+const SYSTEM: Accuracy = Accuracy { residual: 1e-2, products: 40 };
 /// Most Newton steps to it.
 const STEPS: usize = 6;
 /// Newton step over the step of the surfaces beyond which the end of a branch may have been passed.
@@ -38,9 +40,9 @@ const LEAP: f64 = 5.0;
 /// far off.
 const APART: f64 = 0.05;
 /// Share of the length over which a force varies, up to which Simpson's rule has its integral.
-const SHORT: f64 = 0.02;
+const SHORT: f64 = 0.05;
 /// Relative accuracy of other integrals.
-const WORK: f64 = 1e-10;
+const WORK: f64 = 1e-8;
 
 /// Classes of the energy that is lost at a separation, over the unit of energy of an asperity: the class k has 2^(k −
 /// 12) and more, and less than twice as much, the first also all that is less, the last all that is more.
@@ -184,13 +186,10 @@ impl Solver<'_> {
             }
         };
         let slopes: Vec<f64> = (0..count).map(slope).collect();
-        let right: Vec<f64> = from.residual.iter().map(|r| -r).collect();
-        let (mut change, mut product) = (vec![0.0; count], vec![0.0; count]);
-        let Self { half_space, memory, .. } = self;
-        memory.gmres.solve(&right, &mut change, SYSTEM, |v, out| {
-            let displace = |loads: &[f64], out: &mut [f64]| half_space.displace_roughly(loads, out);
-            multiply((&slopes, 0.0), &from.states.resting, displace, v, (&mut product, out));
-        });
+        let mut change = vec![0.0; count];
+        let system = System { slopes: &slopes, resting: &from.states.resting, shift: 0.0 };
+        let sums = (&mut self.half_space, HalfSpace::displace_roughly as _);
+        system.solve(sums, &from.residual, SYSTEM, &mut self.memory.systems, &mut change);
         let mut states = from.states.clone();
         for (&i, rest) in &mut states.resting {
             rest.share += rest.stiffness * change[i as usize] / (rest.ends[1] - rest.ends[0]);
@@ -207,7 +206,8 @@ impl Solver<'_> {
         let middle = self.interference.iter().zip(&branch.interference);
         let middle: Vec<f64> = middle.map(|(a, b)| 0.5 * (a + b)).collect();
         let mut residual = vec![0.0; middle.len()];
-        self.half_space.displace_finely(&self.external, &mut residual);
+        // Known in full at loads next to these.
+        self.half_space.displace(&self.external, &mut residual);
         self.add_places(&self.interference, &mut residual);
         let Self { asperities, states, interference, external, memory, .. } = self;
         let mut forces = Forces::default();

@@ -15,7 +15,7 @@ const BOUND: f64 = 10.0;
 /// Sums over asperities, to full accuracy and to a few digits.
 pub struct Sums {
     fine: DisplacementSums,
-    rough: DisplacementSums,
+    rough: DisplacementSums<f32>,
     /// The unit of the sums.
     scale: f64,
     /// The influence at the mean distance of neighbours, in units of `scale`.
@@ -230,7 +230,7 @@ impl HalfSpace {
 }
 
 /// A bound from below of the distance of each of some places to the nearest other, in sides.
-fn nearest(coupling: Coupling, sums: &DisplacementSums, places: &[[f64; 2]]) -> Vec<f64> {
+fn nearest(coupling: Coupling, sums: &DisplacementSums<f32>, places: &[[f64; 2]]) -> Vec<f64> {
     let of = |(i, place): (usize, &[f64; 2])| {
         let (near, reach) = sums.around(*place);
         let others = near.map(|j| j as usize).filter(|j| *j != i);

@@ -8,6 +8,7 @@ mod half_space;
 mod knots;
 mod passages;
 mod solver;
+mod systems;
 #[cfg(test)]
 mod tests;
 

@@ -22,17 +22,15 @@ use super::avalanches::{Avalanches, avalanches};
 use super::energy::Step;
 use super::half_space::HalfSpace;
 use super::passages::Passages;
+use super::systems::{self, Accuracy, Displace, System};
 use crate::asperity::SolverStats;
-use crate::math::gmres;
-use crate::math::linalg::smallest_real_part;
 use crate::math::sums::Compensated;
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Smallest and largest residual of the system of a Newton step.
-const RESIDUALS: [f64; 2] = [1e-2, 0.1];
+/// Smallest residual of the system of a Newton step, where asperities have just passed and elsewhere, and the largest.
+const RESIDUALS: [f64; 3] = [0.05, 2e-3, 0.1];
 /// The share of the tolerance of loads that the system aims at.
-const AIM: f64 = 0.3;
+const AIM: f64 = 0.1;
 /// Most products for a system.
 const MOST_PRODUCTS: usize = 40;
 /// Residual of systems that decide on stability.
@@ -54,8 +52,6 @@ const CLOSE: (f64, usize) = (1e-3, 3);
 const UNTIED: (usize, usize) = (8, 100);
 /// Weight of an error of an interference, over the length of the law, against one of a load.
 const PLACES: f64 = 1e-3;
-/// Share of the longest Newton step that interferences are still uncertain by.
-const UNCERTAIN: f64 = 0.02;
 /// Share of the length of the law from which on two interferences tell a slope.
 const SECANT: f64 = 1e-8;
 /// Longest Newton step, in lengths over which laws vary: beyond it a state is another one.
@@ -133,8 +129,7 @@ pub(super) struct Scratch {
     shifted: Forces,
     displacements: Vec<f64>,
     pub(super) step: Vec<f64>,
-    product: Vec<f64>,
-    pub(super) gmres: gmres::Memory,
+    pub(super) systems: systems::Memory,
 }
 
 impl<'a> Solver<'a> {
@@ -153,7 +148,6 @@ impl<'a> Solver<'a> {
             beside: vec![0.0; count],
             displacements: vec![0.0; count],
             step: vec![0.0; count],
-            product: vec![0.0; count],
             ..Scratch::default()
         };
         Self {
@@ -196,7 +190,7 @@ impl<'a> Solver<'a> {
         (self.separation, self.is_stable) = (d, false);
         self.forget();
         self.passages.begin(self.heights.len(), true);
-        self.pass_all(0.0);
+        self.pass_all();
     }
 
     /// The present state.
@@ -411,27 +405,18 @@ impl<'a> Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// Solves (1 + shift + G K)Δδ = −r to a relative residual, with rough sums; the smallest eigenvalue of 1 + G K as
-    /// far as it shows.
-    pub(super) fn system(&mut self, shift: f64, tolerance: f64) -> f64 {
-        self.system_by(HalfSpace::displace_roughly, shift, tolerance)
+    /// Solves the system of the present state, shifted, to a relative residual, with rough sums; the smallest eigenvalue
+    /// of 1 + G K as far as it shows.
+    pub(super) fn system(&mut self, shift: f64, residual: f64) -> f64 {
+        self.system_by(HalfSpace::displace_roughly, shift, residual)
     }
 
     /// Solves the system with other sums.
-    fn system_by(
-        &mut self,
-        displace: impl Fn(&mut HalfSpace, &[f64], &mut [f64]),
-        shift: f64,
-        tolerance: f64,
-    ) -> f64 {
-        let Self { half_space, states, slopes, residual, memory, .. } = self;
-        let Scratch { step, product, gmres, .. } = memory;
-        residual.iter_mut().for_each(|r| *r = -*r);
-        let solved = gmres.solve(residual, step, (tolerance, MOST_PRODUCTS), |v, out| {
-            let displace = |loads: &[f64], out: &mut [f64]| displace(half_space, loads, out);
-            multiply((slopes, shift), &states.resting, displace, v, (product, out));
-        });
-        smallest_real_part(&solved.hessenberg) - shift
+    fn system_by(&mut self, displace: Displace, shift: f64, residual: f64) -> f64 {
+        let Self { half_space, states, slopes, memory, .. } = self;
+        let system = System { slopes, resting: &states.resting, shift };
+        let accuracy = Accuracy { residual, products: MOST_PRODUCTS };
+        system.solve((half_space, displace), &self.residual, accuracy, &mut memory.systems, &mut memory.step)
     }
 
     /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: asperities that hold
@@ -491,11 +476,11 @@ impl Solver<'_> {
     // Each way out of a step stands where the method has it: the order of them is the method.
     fn search(&mut self, d: f64, most: usize) -> bool {
         self.passages.begin(self.heights.len(), false);
-        self.pass_all(0.0);
+        self.pass_all();
         self.passages.is_moved = false;
         let mut smallest = f64::INFINITY;
         let near = (NEAR * self.asperities.length(0)).max(2.0 * (d - self.separation).abs());
-        let (mut step, mut knots) = (0, 0);
+        let (mut step, mut knots, mut has_passed) = (0, 0, true);
         while step < most {
             step += 1;
             let mut error = self.evaluate(d);
@@ -505,7 +490,7 @@ impl Solver<'_> {
             }
             if error <= EXACT * self.tolerance {
                 self.passages.is_close = true;
-                if self.pass(0.0) + self.undo() > 0 {
+                if self.pass() + self.undo() > 0 {
                     continue;
                 }
                 if smallest <= 0.0 && !self.states.resting.is_empty() {
@@ -525,7 +510,8 @@ impl Solver<'_> {
             if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
                 self.passages.come_close();
             }
-            let [low, high] = RESIDUALS;
+            let [passing, low, high] = RESIDUALS;
+            let low = if has_passed || !self.passages.is_close { passing } else { low };
             smallest = if step <= STUBBORN {
                 self.system(0.0, (AIM * self.tolerance / error).clamp(low, high))
             } else {
@@ -542,30 +528,19 @@ impl Solver<'_> {
             }
             self.passages.longest = self.passages.longest.max(longest);
             self.advance(1.0);
-            self.pass_all(UNCERTAIN * longest);
+            has_passed = self.pass_all();
         }
         false
     }
 
-    /// Lets asperities pass until none does.
-    fn pass_all(&mut self, room: f64) {
-        while self.pass(room) > 0 {}
+    /// Lets asperities pass until none does; whether there were any.
+    fn pass_all(&mut self) -> bool {
+        let mut has_passed = false;
+        while self.pass() > 0 {
+            has_passed = true;
+        }
+        has_passed
     }
-}
-
-/// Fills `out` with (1 + shift + G K) v, with 0 in the place of 1 + shift for asperities at rest: K are `slopes`, N/m, and
-/// `displace` multiplies by G. `loads` is memory.
-pub(super) fn multiply(
-    (slopes, shift): (&[f64], f64),
-    resting: &BTreeMap<u32, Rest>,
-    displace: impl FnOnce(&[f64], &mut [f64]),
-    v: &[f64],
-    (loads, out): (&mut [f64], &mut [f64]),
-) {
-    loads.iter_mut().zip(v.iter().zip(slopes)).for_each(|(load, (v, slope))| *load = slope * v);
-    displace(loads, out);
-    out.iter_mut().zip(v).for_each(|(out, v)| *out += (1.0 + shift) * v);
-    resting.keys().for_each(|&i| out[i as usize] -= (1.0 + shift) * v[i as usize]);
 }
 
 fn largest_magnitude(values: &[f64]) -> f64 {

@@ -7,6 +7,7 @@
 //! multiplication, because that sine has.
 
 use super::instruction_set::InstructionSet;
+use super::real::Real;
 use std::f64::consts::PI;
 
 /// cos 72°, cos 144°, sin 72° and sin 144°.
@@ -17,17 +18,17 @@ const TRIANGLE: f64 = 0.866_025_403_784_438_6;
 
 /// Complex numbers, real and imaginary parts apart.
 #[derive(Clone, Debug, Default)]
-pub struct Complex {
+pub struct Complex<T = f64> {
     /// Real parts.
-    pub re: Vec<f64>,
+    pub re: Vec<T>,
     /// Imaginary parts.
-    pub im: Vec<f64>,
+    pub im: Vec<T>,
 }
 
-impl Complex {
+impl<T: Real> Complex<T> {
     /// `count` zeros.
     pub fn zeros(count: usize) -> Self {
-        Self { re: vec![0.0; count], im: vec![0.0; count] }
+        Self { re: vec![T::zero(); count], im: vec![T::zero(); count] }
     }
 
     fn swap(&mut self, other: &mut Self) {
@@ -51,19 +52,19 @@ pub fn good_length(least: usize) -> usize {
 
 /// A stage of a transform: its radix, and cos and sin of the factors of each of its groups, radix − 1 of them.
 #[derive(Clone, Debug)]
-struct Stage {
+struct Stage<T> {
     radix: usize,
-    factors: Vec<(f64, f64)>,
+    factors: Vec<(T, T)>,
 }
 
 /// Transforms of one length.
 #[derive(Clone, Debug)]
-pub struct Transform {
+pub struct Transform<T = f64> {
     length: usize,
-    stages: Vec<Stage>,
+    stages: Vec<Stage<T>>,
 }
 
-impl Transform {
+impl<T: Real> Transform<T> {
     /// Transforms of a [good](good_length) length.
     pub fn new(length: usize) -> Self {
         let (mut left, mut stages) = (length, Vec::new());
@@ -71,7 +72,7 @@ impl Transform {
             while left.is_multiple_of(radix) && left > 1 {
                 let groups = left / radix;
                 let angle = |p: usize, u: usize| -2.0 * PI * ((p * u) % left) as f64 / left as f64;
-                let factor = |angle: f64| (libm::cos(angle), libm::sin(angle));
+                let factor = |angle: f64| (T::of(libm::cos(angle)), T::of(libm::sin(angle)));
                 let factors = (0..groups)
                     .flat_map(|p| (1..radix).map(move |u| (p, u)))
                     .map(|(p, u)| factor(angle(p, u)));
@@ -85,7 +86,7 @@ impl Transform {
 
     /// Transforms `columns` columns of `data`, row by row of it, forward: Σ x e^(−2πi jk/n). `scratch` has as
     /// many numbers.
-    pub fn forward(&self, columns: usize, data: &mut Complex, scratch: &mut Complex) {
+    pub fn forward(&self, columns: usize, data: &mut Complex<T>, scratch: &mut Complex<T>) {
         let (mut left, mut stride) = (self.length, columns);
         for stage in &self.stages {
             InstructionSet::current().run(
@@ -99,7 +100,7 @@ impl Transform {
     }
 
     /// Transforms columns with the opposite sign in the exponent, not divided by the length.
-    pub fn backward(&self, columns: usize, data: &mut Complex, scratch: &mut Complex) {
+    pub fn backward(&self, columns: usize, data: &mut Complex<T>, scratch: &mut Complex<T>) {
         std::mem::swap(&mut data.re, &mut data.im);
         self.forward(columns, data, scratch);
         std::mem::swap(&mut data.re, &mut data.im);
@@ -108,7 +109,7 @@ impl Transform {
 
 /// One stage: groups p of `radix` slices each a stride wide.
 #[inline(always)]
-fn pass(stage: &Stage, groups: usize, stride: usize, from: &Complex, to: &mut Complex) {
+fn pass<T: Real>(stage: &Stage<T>, groups: usize, stride: usize, from: &Complex<T>, to: &mut Complex<T>) {
     let radix = stage.radix;
     for p in 0..groups {
         let source = |t: usize| {
@@ -119,33 +120,35 @@ fn pass(stage: &Stage, groups: usize, stride: usize, from: &Complex, to: &mut Co
         let out = (&mut to.re[out.clone()], &mut to.im[out]);
         let factors = &stage.factors[(radix - 1) * p..(radix - 1) * (p + 1)];
         match radix {
-            2 => butterfly::<2>([source(0), source(1)], factors, out, |x| {
+            2 => butterfly::<T, 2>([source(0), source(1)], factors, out, |x| {
                 let [a, b] = x;
                 [(a.0 + b.0, a.1 + b.1), (a.0 - b.0, a.1 - b.1)]
             }),
-            3 => butterfly::<3>([source(0), source(1), source(2)], factors, out, three),
-            4 => butterfly::<4>([source(0), source(1), source(2), source(3)], factors, out, four),
-            _ => butterfly::<5>([source(0), source(1), source(2), source(3), source(4)], factors, out, five),
+            3 => butterfly::<T, 3>([source(0), source(1), source(2)], factors, out, three),
+            4 => butterfly::<T, 4>([source(0), source(1), source(2), source(3)], factors, out, four),
+            _ => {
+                butterfly::<T, 5>([source(0), source(1), source(2), source(3), source(4)], factors, out, five)
+            }
         }
     }
 }
 
-type Number = (f64, f64);
+type Number<T> = (T, T);
 
 #[inline(always)]
-fn butterfly<const R: usize>(
-    from: [(&[f64], &[f64]); R],
-    factors: &[Number],
-    (re, im): (&mut [f64], &mut [f64]),
-    of: impl Fn([Number; R]) -> [Number; R],
+fn butterfly<T: Real, const R: usize>(
+    from: [(&[T], &[T]); R],
+    factors: &[Number<T>],
+    (re, im): (&mut [T], &mut [T]),
+    of: impl Fn([Number<T>; R]) -> [Number<T>; R],
 ) {
     let stride = from[0].0.len();
-    let res: [&mut [f64]; R] = split(re, stride);
-    let ims: [&mut [f64]; R] = split(im, stride);
+    let res: [&mut [T]; R] = split(re, stride);
+    let ims: [&mut [T]; R] = split(im, stride);
     let from = from.map(|(re, im)| (&re[..stride], &im[..stride]));
     for q in 0..stride {
         // An array's own map is a call here, which keeps the loop from becoming one of vectors.
-        let mut values = [(0.0, 0.0); R];
+        let mut values = [(T::zero(), T::zero()); R];
         for t in 0..R {
             values[t] = (from[t].0[q], from[t].1[q]);
         }
@@ -161,7 +164,7 @@ fn butterfly<const R: usize>(
 }
 
 #[inline(always)]
-fn split<const R: usize>(mut all: &mut [f64], stride: usize) -> [&mut [f64]; R] {
+fn split<T, const R: usize>(mut all: &mut [T], stride: usize) -> [&mut [T]; R] {
     std::array::from_fn(|_| {
         let (first, rest) = std::mem::take(&mut all).split_at_mut(stride);
         all = rest;
@@ -170,10 +173,11 @@ fn split<const R: usize>(mut all: &mut [f64], stride: usize) -> [&mut [f64]; R] 
 }
 
 #[inline(always)]
-fn three([a, b, c]: [Number; 3]) -> [Number; 3] {
+fn three<T: Real>([a, b, c]: [Number<T>; 3]) -> [Number<T>; 3] {
+    let [half, triangle] = [T::of(0.5), T::of(TRIANGLE)];
     let (sum, less) = ((b.0 + c.0, b.1 + c.1), (b.0 - c.0, b.1 - c.1));
-    let middle = (a.0 - 0.5 * sum.0, a.1 - 0.5 * sum.1);
-    let turned = (TRIANGLE * less.1, -TRIANGLE * less.0);
+    let middle = (a.0 - half * sum.0, a.1 - half * sum.1);
+    let turned = (triangle * less.1, -triangle * less.0);
     [
         (a.0 + sum.0, a.1 + sum.1),
         (middle.0 + turned.0, middle.1 + turned.1),
@@ -182,7 +186,7 @@ fn three([a, b, c]: [Number; 3]) -> [Number; 3] {
 }
 
 #[inline(always)]
-fn four([a, b, c, d]: [Number; 4]) -> [Number; 4] {
+fn four<T: Real>([a, b, c, d]: [Number<T>; 4]) -> [Number<T>; 4] {
     let (even, odd) = ((a.0 + c.0, a.1 + c.1), (b.0 + d.0, b.1 + d.1));
     let (less, turned) = ((a.0 - c.0, a.1 - c.1), (b.1 - d.1, d.0 - b.0));
     [
@@ -194,8 +198,8 @@ fn four([a, b, c, d]: [Number; 4]) -> [Number; 4] {
 }
 
 #[inline(always)]
-fn five([a, b, c, d, e]: [Number; 5]) -> [Number; 5] {
-    let [c1, c2, s1, s2] = PENTAGON;
+fn five<T: Real>([a, b, c, d, e]: [Number<T>; 5]) -> [Number<T>; 5] {
+    let [c1, c2, s1, s2] = PENTAGON.map(T::of);
     let (outer, inner) = ((b.0 + e.0, b.1 + e.1), (c.0 + d.0, c.1 + d.1));
     let (less, lesser) = ((b.0 - e.0, b.1 - e.1), (c.0 - d.0, c.1 - d.1));
     let one = (a.0 + c1 * outer.0 + c2 * inner.0, a.1 + c1 * outer.1 + c2 * inner.1);
@@ -214,45 +218,45 @@ fn five([a, b, c, d, e]: [Number; 5]) -> [Number; 5] {
 /// Circular convolutions of square real grids with one even kernel; what is convolved fills the first `inner`
 /// rows and columns of a grid of side `side`, and no more is read of the result.
 #[derive(Clone, Debug)]
-pub struct Convolution {
+pub struct Convolution<T = f64> {
     inner: usize,
     side: usize,
-    transform: Transform,
+    transform: Transform<T>,
     /// Transform of the kernel over side², by wave numbers along the columns 0..=side/2, then along the rows.
-    spectrum: Vec<f64>,
+    spectrum: Vec<T>,
 }
 
 /// Memory of convolutions.
 #[derive(Clone, Debug, Default)]
-pub struct ConvolutionScratch {
-    pairs: Complex,
-    rows: Complex,
-    scratch: Complex,
+pub struct ConvolutionScratch<T = f64> {
+    pairs: Complex<T>,
+    rows: Complex<T>,
+    scratch: Complex<T>,
 }
 
-impl Convolution {
+impl<T: Real> Convolution<T> {
     /// Convolutions with the kernel whose transform at the wave numbers (along the rows, along the columns),
     /// both of 0..side, is given.
     pub fn new(inner: usize, side: usize, spectrum: impl Fn(usize, usize) -> f64) -> Self {
         let half = side / 2 + 1;
         let norm = 1.0 / (side as f64 * side as f64);
         let spectrum =
-            (0..side).flat_map(|x| (0..half).map(move |y| (x, y))).map(|(x, y)| norm * spectrum(x, y));
+            (0..side).flat_map(|x| (0..half).map(move |y| (x, y))).map(|(x, y)| T::of(norm * spectrum(x, y)));
         Self { inner, side, transform: Transform::new(side), spectrum: spectrum.collect() }
     }
 
     /// Convolves a grid of `inner` rows and columns, `inner` even, in its place.
-    pub fn apply(&self, grid: &mut [f64], memory: &mut ConvolutionScratch) {
+    pub fn apply(&self, grid: &mut [T], memory: &mut ConvolutionScratch<T>) {
         let Self { inner, side, .. } = *self;
         let (half, pairs) = (side / 2 + 1, inner / 2);
         let ConvolutionScratch { pairs: z, rows, scratch } = memory;
         for part in [&mut z.re, &mut z.im] {
-            part.resize(side * pairs, 0.0);
-            part[inner * pairs..].fill(0.0);
+            part.resize(side * pairs, T::zero());
+            part[inner * pairs..].fill(T::zero());
         }
         for part in [&mut rows.re, &mut rows.im] {
-            part.resize(side * half, 0.0);
-            part[inner * half..].fill(0.0);
+            part.resize(side * half, T::zero());
+            part[inner * half..].fill(T::zero());
         }
         for y in 0..inner {
             let (left, right) = grid[y * inner..(y + 1) * inner].split_at(pairs);
@@ -260,25 +264,26 @@ impl Convolution {
             z.im[y * pairs..(y + 1) * pairs].copy_from_slice(right);
         }
         self.transform_within(side * pairs, pairs, z, scratch, false);
+        let of_two = T::of(0.5);
         // The transforms of two real columns that came as one complex one.
         for y in 0..half {
             let mirrored = (side - y) % side;
             for c in 0..pairs {
                 let (a, b) = (y * pairs + c, mirrored * pairs + c);
                 let (left, right) = (c * half + y, (c + pairs) * half + y);
-                rows.re[left] = 0.5 * (z.re[a] + z.re[b]);
-                rows.im[left] = 0.5 * (z.im[a] - z.im[b]);
-                rows.re[right] = 0.5 * (z.im[a] + z.im[b]);
-                rows.im[right] = 0.5 * (z.re[b] - z.re[a]);
+                rows.re[left] = of_two * (z.re[a] + z.re[b]);
+                rows.im[left] = of_two * (z.im[a] - z.im[b]);
+                rows.re[right] = of_two * (z.im[a] + z.im[b]);
+                rows.im[right] = of_two * (z.re[b] - z.re[a]);
             }
         }
         self.transform_within(side * half, half, rows, scratch, false);
         for part in [&mut rows.re, &mut rows.im] {
-            part.iter_mut().zip(&self.spectrum).for_each(|(value, factor)| *value *= factor);
+            part.iter_mut().zip(&self.spectrum).for_each(|(value, factor)| *value *= *factor);
         }
         self.transform_within(side * half, half, rows, scratch, true);
         for y in 0..side {
-            let (from, sign) = if y < half { (y, 1.0) } else { (side - y, -1.0) };
+            let (from, sign) = if y < half { (y, T::one()) } else { (side - y, -T::one()) };
             for c in 0..pairs {
                 let (left, right) = (c * half + from, (c + pairs) * half + from);
                 z.re[y * pairs + c] = rows.re[left] - sign * rows.im[right];
@@ -298,12 +303,12 @@ impl Convolution {
         &self,
         count: usize,
         columns: usize,
-        data: &mut Complex,
-        scratch: &mut Complex,
+        data: &mut Complex<T>,
+        scratch: &mut Complex<T>,
         is_backward: bool,
     ) {
-        scratch.re.resize(count, 0.0);
-        scratch.im.resize(count, 0.0);
+        scratch.re.resize(count, T::zero());
+        scratch.im.resize(count, T::zero());
         if is_backward {
             self.transform.backward(columns, data, scratch);
         } else {

@@ -14,6 +14,8 @@ pub struct Solved {
     /// The upper Hessenberg matrix of the products in their basis, column by column, each with one row more than
     /// its number: its eigenvalues are close to the outermost of the system.
     pub hessenberg: Vec<Vec<f64>>,
+    /// The share of each vector of the basis in the solution.
+    pub weights: Vec<f64>,
 }
 
 /// Memory of solutions.
@@ -55,7 +57,8 @@ impl Memory {
                 break;
             }
         }
-        for (weight, basis) in triangle.solution().iter().zip(&self.basis) {
+        solved.weights = triangle.solution();
+        for (weight, basis) in solved.weights.iter().zip(&self.basis) {
             add(x, *weight, basis);
         }
         solved
@@ -144,7 +147,7 @@ impl Triangle {
 }
 
 /// x + factor · y in the place of x.
-fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+pub fn add(x: &mut [f64], factor: f64, y: &[f64]) {
     InstructionSet::current().run(
         #[inline(always)]
         || x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y),

@@ -18,5 +18,6 @@ pub mod polynomials;
 pub mod proportion;
 pub mod quadrature;
 pub mod quantile;
+pub mod real;
 pub mod roots;
 pub mod sums;

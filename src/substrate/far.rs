@@ -11,6 +11,7 @@
 use super::{Coupling, Influence};
 use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
 use crate::math::instruction_set::InstructionSet;
+use crate::math::real::Real;
 use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
@@ -23,7 +24,7 @@ const NODES: usize = 64;
 /// over which it goes to nothing.
 const MARGIN: (usize, usize) = (16, 64);
 /// Columns of a window that are taken together.
-const LANES: usize = 4;
+const LANES: usize = 8;
 
 /// The window.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +65,7 @@ impl Window {
 
 /// The sums over the smooth part.
 #[derive(Clone, Debug)]
-pub struct Far {
+pub struct Far<T> {
     window: Window,
     /// Rows and columns of the grid that loads are spread to.
     side: usize,
@@ -73,14 +74,14 @@ pub struct Far {
     /// First row and column of the window of each point.
     places: Vec<[u32; 2]>,
     /// The weights of the columns of each window, with zeros to a multiple of [`LANES`], then of its rows.
-    weights: Vec<f64>,
-    convolution: Convolution,
-    scratch: ConvolutionScratch,
-    grid: Vec<f64>,
-    inner: Vec<f64>,
+    weights: Vec<T>,
+    convolution: Convolution<T>,
+    scratch: ConvolutionScratch<T>,
+    grid: Vec<T>,
+    inner: Vec<T>,
 }
 
-impl Far {
+impl<T: Real> Far<T> {
     /// The sums over the smooth part of an influence, split at α, of points of the unit square, to about a relative
     /// `tolerance`; waves shorter than `shortest`, a wave number, are below that.
     pub fn new(
@@ -111,10 +112,10 @@ impl Far {
                 let x = x * per_side as f64;
                 let first = x.ceil();
                 place[k] = first as u32;
-                let along = |j: usize| window.value((first - x + j as f64 - half) / half);
+                let along = |j: usize| T::of(window.value((first - x + j as f64 - half) / half));
                 weights.extend((0..window.width).map(along));
                 if k == 0 {
-                    weights.resize(weights.len() + columns - window.width, 0.0);
+                    weights.resize(weights.len() + columns - window.width, T::zero());
                 }
             }
             places.push(place);
@@ -129,27 +130,24 @@ impl Far {
             convolution,
             scratch: ConvolutionScratch::default(),
             // Zeros of the last window go beyond its row.
-            grid: vec![0.0; side * side + LANES],
-            inner: vec![0.0; inner * inner],
+            grid: vec![T::zero(); side * side + LANES],
+            inner: vec![T::zero(); inner * inner],
         }
     }
 
     /// Fills `displacements` with those by the smooth part.
-    pub fn displace(&mut self, loads: &[f64], displacements: &mut [f64]) {
-        self.grid.fill(0.0);
+    pub fn displace(&mut self, loads: &[T], displacements: &mut [T]) {
+        self.grid.fill(T::zero());
         match self.window.width.div_ceil(LANES) {
             1 => self.displace_by::<1>(loads, displacements),
             2 => self.displace_by::<2>(loads, displacements),
             3 => self.displace_by::<3>(loads, displacements),
-            4 => self.displace_by::<4>(loads, displacements),
-            5 => self.displace_by::<5>(loads, displacements),
-            6 => self.displace_by::<6>(loads, displacements),
             _ => unreachable!("a window for 1e-16 has 23 columns"),
         }
     }
 
     /// The displacements with windows of `GROUPS` groups of columns.
-    fn displace_by<const GROUPS: usize>(&mut self, loads: &[f64], displacements: &mut [f64]) {
+    fn displace_by<const GROUPS: usize>(&mut self, loads: &[T], displacements: &mut [T]) {
         InstructionSet::current().run(
             #[inline(always)]
             || self.spread::<GROUPS>(loads),
@@ -164,19 +162,19 @@ impl Far {
     }
 
     #[inline(always)]
-    fn spread<const GROUPS: usize>(&mut self, loads: &[f64]) {
+    fn spread<const GROUPS: usize>(&mut self, loads: &[T]) {
         let Self { window, side, places, weights, grid, .. } = self;
         let weights = weights.chunks_exact(GROUPS * LANES + window.width);
         for ((place, weights), load) in places.iter().zip(weights).zip(loads) {
-            let (columns, rows) = groups::<GROUPS>(weights);
+            let (columns, rows) = groups::<T, GROUPS>(weights);
+            let columns = *columns;
             let mut begin = place[1] as usize * *side + place[0] as usize;
             for row in rows {
-                let strength = load * row;
-                let values = &mut grid[begin..begin + GROUPS * LANES];
-                for (values, columns) in values.chunks_exact_mut(LANES).zip(columns) {
-                    for k in 0..LANES {
-                        values[k] += strength * columns[k];
-                    }
+                let strength = *load * *row;
+                let (values, _) = grid[begin..begin + GROUPS * LANES].as_chunks_mut::<LANES>();
+                for (values, columns) in values.iter_mut().zip(&columns) {
+                    let own = *values;
+                    *values = std::array::from_fn(|k| own[k] + strength * columns[k]);
                 }
                 begin += *side;
             }
@@ -184,29 +182,27 @@ impl Far {
     }
 
     #[inline(always)]
-    fn read<const GROUPS: usize>(&self, displacements: &mut [f64]) {
+    fn read<const GROUPS: usize>(&self, displacements: &mut [T]) {
         let weights = self.weights.chunks_exact(GROUPS * LANES + self.window.width);
         for ((place, weights), displacement) in self.places.iter().zip(weights).zip(displacements) {
-            let (columns, rows) = groups::<GROUPS>(weights);
+            let (columns, rows) = groups::<T, GROUPS>(weights);
             // Columns are summed over the rows first, which every vector does alike.
-            let mut sums = [[0.0; LANES]; GROUPS];
+            let mut sums = [[T::zero(); LANES]; GROUPS];
             let mut begin = place[1] as usize * self.side + place[0] as usize;
             for row in rows {
-                let values = &self.grid[begin..begin + GROUPS * LANES];
-                for (sums, values) in sums.iter_mut().zip(values.chunks_exact(LANES)) {
-                    for k in 0..LANES {
-                        sums[k] += row * values[k];
-                    }
+                let (values, _) = self.grid[begin..begin + GROUPS * LANES].as_chunks::<LANES>();
+                for (sums, values) in sums.iter_mut().zip(values) {
+                    let (own, values) = (*sums, *values);
+                    *sums = std::array::from_fn(|k| own[k] + *row * values[k]);
                 }
                 begin += self.side;
             }
-            let mut lanes = [0.0; LANES];
+            let mut lanes = [T::zero(); LANES];
             for (sums, columns) in sums.iter().zip(columns) {
-                for k in 0..LANES {
-                    lanes[k] += sums[k] * columns[k];
-                }
+                lanes = std::array::from_fn(|k| lanes[k] + sums[k] * columns[k]);
             }
-            *displacement = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+            let fours: [T; 4] = std::array::from_fn(|k| lanes[k] + lanes[k + 4]);
+            *displacement = (fours[0] + fours[2]) + (fours[1] + fours[3]);
         }
     }
 
@@ -225,14 +221,14 @@ impl Far {
             }
             return;
         }
-        self.inner.fill(0.0);
+        self.inner.fill(T::zero());
         for y in 0..side {
             let row = &self.grid[y * side..(y + 1) * side];
             let (begin, repeated) = row.split_at(count);
             let inner = &mut self.inner[(y % count) * count..][..count];
-            inner.iter_mut().zip(begin).for_each(|(inner, value)| *inner += value);
+            inner.iter_mut().zip(begin).for_each(|(inner, value)| *inner += *value);
             for (x, value) in repeated.iter().enumerate() {
-                inner[x % count] += value;
+                inner[x % count] += *value;
             }
         }
     }
@@ -253,14 +249,19 @@ impl Far {
 
 /// The weights of the columns of a window, in groups, and the weights of its rows.
 #[inline(always)]
-fn groups<const GROUPS: usize>(weights: &[f64]) -> (&[[f64; LANES]; GROUPS], &[f64]) {
+fn groups<T, const GROUPS: usize>(weights: &[T]) -> (&[[T; LANES]; GROUPS], &[T]) {
     let (columns, rows) = weights.split_at(GROUPS * LANES);
     let (columns, _) = columns.as_chunks::<LANES>();
     (columns.try_into().expect("the window has this number of groups"), rows)
 }
 
 /// The convolution of a repeated square.
-fn periodic(window: Window, side: usize, kernel: impl Fn(f64) -> f64, shortest: f64) -> Convolution {
+fn periodic<T: Real>(
+    window: Window,
+    side: usize,
+    kernel: impl Fn(f64) -> f64,
+    shortest: f64,
+) -> Convolution<T> {
     let transforms = window.transforms(side / 2, side);
     let signed = |m: usize| m.min(side - m);
     Convolution::new(side, side, |x, y| {
@@ -274,12 +275,12 @@ fn periodic(window: Window, side: usize, kernel: impl Fn(f64) -> f64, shortest: 
 }
 
 /// The convolution of a square alone, of `per_side` grid points and in all `inner`.
-fn alone(
+fn alone<T: Real>(
     window: Window,
     (per_side, inner): (usize, usize),
     smooth: impl Fn(f64) -> f64,
     shortest: f64,
-) -> Convolution {
+) -> Convolution<T> {
     let kept = inner + MARGIN.0;
     let large = good_length(2 * kept + (inner / 2).max(2 * MARGIN.1));
     let spacing = 1.0 / per_side as f64;
@@ -289,7 +290,7 @@ fn alone(
     };
     let fades: Vec<f64> = (0..=large / 2).map(fade).collect();
     let distance = |i: usize| i.min(large - i);
-    let mut kernel = Complex::zeros(large * large);
+    let mut kernel: Complex = Complex::zeros(large * large);
     for y in 0..large {
         for x in 0..large {
             let (x_of, y_of) = (distance(x), distance(y));
@@ -311,7 +312,7 @@ fn alone(
     kernel.im.fill(0.0);
     in_both_ways(large, &mut kernel, Transform::backward);
     let side = good_length(2 * inner);
-    let mut own = Complex::zeros(side * side);
+    let mut own: Complex = Complex::zeros(side * side);
     for y in 0..side {
         for x in 0..side {
             let distance = |i: usize| i.min(side - i);

@@ -3,12 +3,16 @@
 use super::Coupling;
 use crate::math::counting_sort::counting_sort;
 use crate::math::instruction_set::InstructionSet;
+use crate::math::real::Real;
 use std::ops::Range;
 
 /// Rings of cells around that of a point in which its neighbours are.
 pub const RINGS: usize = 2;
 /// Fewest cells along a side: no cell is met twice.
 pub const FEWEST_CELLS: usize = 2 * RINGS + 1;
+
+/// Pairs that are taken together.
+pub const LANES: usize = 8;
 
 /// Points of the unit square in the order of their cells, row by row.
 #[derive(Clone, Debug)]
@@ -89,17 +93,17 @@ impl Cells {
 
 /// The influence of near neighbours.
 #[derive(Clone, Debug)]
-pub struct Near {
+pub struct Near<T> {
     /// Ranges of points for each point in the order of the cells: the ones behind it in its own cell, then
     /// the points of the cells after, together where they follow each other.
     ranges: Vec<Range<u32>>,
     /// Index of the first range of each point, and at last the number of ranges.
     starts: Vec<u32>,
-    /// The influence of each pair.
-    values: Vec<f64>,
+    /// The influence of each pair, with zeros to a multiple of [`LANES`] in each range.
+    values: Vec<T>,
 }
 
-impl Near {
+impl<T: Real> Near<T> {
     /// The influence, by `kernel` of the square of the distance, of points of the unit square in the order of
     /// their cells.
     pub fn new(coupling: Coupling, cells: &Cells, points: &[[f64; 2]], kernel: impl Fn(f64) -> f64) -> Self {
@@ -114,13 +118,17 @@ impl Near {
                         if range.is_empty() {
                             continue;
                         }
-                        let influence = |point: &[f64; 2]| kernel(coupling.square(points[i], *point));
-                        values.extend(points[range.clone()].iter().map(influence));
                         let range = range.start as u32..range.end as u32;
                         match ranges[first..].last_mut() {
                             Some(Range { end, .. }) if *end == range.start => *end = range.end,
                             _ => ranges.push(range),
                         }
+                    }
+                    for range in &ranges[first..] {
+                        let near = &points[range.start as usize..range.end as usize];
+                        let influence = |point: &[f64; 2]| T::of(kernel(coupling.square(points[i], *point)));
+                        values.extend(near.iter().map(influence));
+                        values.resize(values.len().next_multiple_of(LANES), T::zero());
                     }
                     starts.push(ranges.len() as u32);
                 }
@@ -129,8 +137,8 @@ impl Near {
         Self { ranges, starts, values }
     }
 
-    /// Adds to the displacements what near neighbours contribute.
-    pub fn add(&self, loads: &[f64], displacements: &mut [f64]) {
+    /// Adds to the displacements what near neighbours contribute; both have room for [`LANES`] more numbers.
+    pub fn add(&self, loads: &[T], displacements: &mut [T]) {
         InstructionSet::current().run(
             #[inline(always)]
             || self.add_in_lanes(loads, displacements),
@@ -138,40 +146,24 @@ impl Near {
     }
 
     #[inline(always)]
-    fn add_in_lanes(&self, loads: &[f64], displacements: &mut [f64]) {
-        let mut values = self.values.as_slice();
+    fn add_in_lanes(&self, loads: &[T], displacements: &mut [T]) {
+        let (mut values, _) = self.values.as_chunks::<LANES>();
         for (i, limits) in self.starts.windows(2).enumerate() {
-            let (load, mut lanes, mut rest) = (loads[i], [0.0; 8], 0.0);
+            let (load, mut lanes) = (loads[i], [T::zero(); LANES]);
             for range in &self.ranges[limits[0] as usize..limits[1] as usize] {
-                let range = range.start as usize..range.end as usize;
-                let (own, further) = values.split_at(range.len());
+                let (begin, count) = (range.start as usize, range.len().div_ceil(LANES));
+                let (own, further) = values.split_at(count);
                 values = further;
-                let (loads, displacements) = (&loads[range.clone()], &mut displacements[range]);
-                let (eights, own) = own.as_chunks::<8>();
-                let (loads_of, loads) = loads.as_chunks::<8>();
-                let (displaced, displacements) = displacements.as_chunks_mut::<8>();
-                for ((value, load_of), displacement) in eights.iter().zip(loads_of).zip(displaced) {
-                    for k in 0..8 {
-                        lanes[k] += value[k] * load_of[k];
-                        displacement[k] += value[k] * load;
-                    }
-                }
-                let (fours, own) = own.as_chunks::<4>();
-                let (loads_of, loads) = loads.as_chunks::<4>();
-                let (displaced, displacements) = displacements.as_chunks_mut::<4>();
-                for ((value, load_of), displacement) in fours.iter().zip(loads_of).zip(displaced) {
-                    for k in 0..4 {
-                        lanes[k] += value[k] * load_of[k];
-                        displacement[k] += value[k] * load;
-                    }
-                }
-                for ((value, load_of), displacement) in own.iter().zip(loads).zip(displacements) {
-                    rest += value * load_of;
-                    *displacement += value * load;
+                let (loads, _) = loads[begin..begin + LANES * count].as_chunks::<LANES>();
+                let (displaced, _) = displacements[begin..begin + LANES * count].as_chunks_mut::<LANES>();
+                for ((value, load_of), displacement) in own.iter().zip(loads).zip(displaced) {
+                    let (value, load_of, own) = (*value, *load_of, *displacement);
+                    lanes = std::array::from_fn(|k| lanes[k] + value[k] * load_of[k]);
+                    *displacement = std::array::from_fn(|k| own[k] + value[k] * load);
                 }
             }
-            let pairs = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];
-            displacements[i] += ((pairs[0] + pairs[2]) + (pairs[1] + pairs[3])) + rest;
+            let pairs: [T; 4] = std::array::from_fn(|k| lanes[k] + lanes[k + 4]);
+            displacements[i] += (pairs[0] + pairs[2]) + (pairs[1] + pairs[3]);
         }
     }
 }

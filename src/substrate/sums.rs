@@ -1,12 +1,13 @@
 //! Displacements of the feet of all asperities by the forces of all others.
 
 use super::far::Far;
-use super::near::{Cells, FEWEST_CELLS, Near, RINGS};
+use super::near::{Cells, FEWEST_CELLS, LANES, Near, RINGS};
 use super::{Coupling, Influence};
+use crate::math::real::Real;
 
 /// Points of a cell over the square of the reach of near pairs: balances the time of near sums against the
 /// time of sums on the grid.
-const PER_CELL: f64 = 0.75;
+const PER_CELL: [f64; 2] = [0.75, 1.3];
 /// Fewest points of sums that two threads take faster than one.
 const WORTH_SHARING: usize = 4000;
 
@@ -16,28 +17,28 @@ const WORTH_SHARING: usize = 4000;
 /// Places are in sides of the square, forces in any unit, and displacements in that unit over πE* times the
 /// side; curvatures in that over the square of the side.
 #[derive(Clone, Debug)]
-pub struct DisplacementSums {
+pub struct DisplacementSums<T = f64> {
     coupling: Coupling,
     cells: Cells,
-    near: Near,
-    far: Far,
+    near: Near<T>,
+    far: Far<T>,
     /// The part on the grid of the displacement of a foot by its own force.
-    own: f64,
-    loads: Vec<f64>,
-    displacements: Vec<f64>,
+    own: T,
+    loads: Vec<T>,
+    displacements: Vec<T>,
     /// Part of the displacements on the grid.
-    smooth: Vec<f64>,
+    smooth: Vec<T>,
     is_shared: bool,
 }
 
-impl DisplacementSums {
+impl<T: Real> DisplacementSums<T> {
     /// The sums over `points` of the unit square, 0 ≤ x, y < 1, with an error of about `tolerance` times the
     /// largest force over the mean distance.
     pub fn new(coupling: Coupling, influence: Influence, points: &[[f64; 2]], tolerance: f64) -> Self {
         let fewest = reach(tolerance) * FEWEST_CELLS as f64 / RINGS as f64;
         let tolerance = influence.of_parts(tolerance, points.len(), fewest);
         let reach = reach(tolerance);
-        let per_cell = PER_CELL * reach * reach;
+        let per_cell = PER_CELL[usize::from(coupling == Coupling::Patch)] * reach * reach;
         let count = ((points.len() as f64 / per_cell).sqrt() as usize).max(FEWEST_CELLS);
         let cells = Cells::new(count, points);
         let sorted: Vec<[f64; 2]> = cells.order.iter().map(|&i| points[i as usize]).collect();
@@ -47,11 +48,11 @@ impl DisplacementSums {
             coupling,
             near: Near::new(coupling, &cells, &sorted, kernel),
             far: Far::new(coupling, (influence, alpha), &sorted, 2.0 * alpha * reach, tolerance),
-            own: influence.own(alpha),
+            own: T::of(influence.own(alpha)),
             cells,
-            loads: vec![0.0; points.len()],
-            displacements: vec![0.0; points.len()],
-            smooth: vec![0.0; points.len()],
+            loads: vec![T::zero(); points.len() + LANES],
+            displacements: vec![T::zero(); points.len() + LANES],
+            smooth: vec![T::zero(); points.len()],
             is_shared: false,
         }
     }
@@ -59,7 +60,7 @@ impl DisplacementSums {
     /// Lets another thread of the pool take a part of the sums, if that is worth it, or not: for a pool that
     /// has one to spare. The sums are the same to the bit.
     pub fn share(&mut self, is_shared: bool) {
-        self.is_shared = is_shared && self.loads.len() >= WORTH_SHARING;
+        self.is_shared = is_shared && self.smooth.len() >= WORTH_SHARING;
     }
 
     /// The points around a place, and how far they reach from it at least, in sides.
@@ -70,11 +71,11 @@ impl DisplacementSums {
     /// The displacements by `loads`, in the order of the points.
     pub fn apply(&mut self, loads: &[f64], displacements: &mut [f64]) {
         for (own, &i) in self.loads.iter_mut().zip(&self.cells.order) {
-            *own = loads[i as usize];
+            *own = T::of(loads[i as usize]);
         }
         let Self { near, far, loads, displacements: close, smooth, .. } = self;
         let mut near = || {
-            close.iter_mut().zip(&*loads).for_each(|(u, load)| *u = -self.own * load);
+            close.iter_mut().zip(&*loads).for_each(|(u, load)| *u = -self.own * *load);
             near.add(loads, close);
         };
         let mut far = || far.displace(loads, smooth);
@@ -85,7 +86,7 @@ impl DisplacementSums {
             far();
         }
         for ((close, smooth), &i) in close.iter().zip(&*smooth).zip(&self.cells.order) {
-            displacements[i as usize] = close + smooth;
+            displacements[i as usize] = (*close + *smooth).value();
         }
     }
 }
@@ -192,7 +193,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         for coupling in [Coupling::Periodic, Coupling::Patch] {
             let mut sums = DisplacementSums::new(coupling, Influence::Displacement, &points, 1e-3);
-            let [mut by_one, mut by_two] = [vec![0.0; points.len()], vec![0.0; points.len()]];
+            let [mut by_one, mut by_two] = [vec![T::zero(); points.len()], vec![T::zero(); points.len()]];
             sums.apply(&loads, &mut by_one);
             sums.share(true);
             assert!(sums.is_shared);

@@ -24,7 +24,9 @@ fn bits_of_coupled_runs_depend_on_the_scene_alone() {
         &scene(&format!("{PERIODIC}kernel = \"contact\"\nloads_at = [2.0]\n"))
             .replace("13.54 um^2", "6.77 um^2"),
     );
-    assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
+    let run = folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]);
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains("asperities one by one at h* = "), "{}", text(&run.stdout));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "3", "-o", "3.h5"]), 0);
     let plain = Command::new(env!("CARGO_BIN_EXE_stiction"))
         .args(["run", "scene.toml", "-o", "baseline.h5"])
@@ -154,6 +156,23 @@ fn what_cannot_be_coupled_is_refused() {
         assert!(text(&run.stderr).contains(expected), "{table}: {}", text(&run.stderr));
         assert_eq!(folder.files(), ["scene.toml"]);
     }
+}
+
+/// A pull-off next to states with contacts that overlap is not to be quoted.
+#[test]
+fn a_pull_off_at_states_that_are_no_results_is_not_quoted() {
+    let sticky = scene("\n[substrate]\ncoupling = \"patch\"\npositions = \"uniform\"\n")
+        .replace("\"0.09 J/m^2\"", "\"0.5 J/m^2\"")
+        .replace("replicas = 16", "replicas = 2");
+    let summary = |places: &str| {
+        let folder = Folder::new(&sticky.replace("\"uniform\"", places));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        unbroken(&text(&run.stdout))
+    };
+    let (close, apart) = (summary("\"uniform\""), summary("\"square\""));
+    assert!(close.contains("not to be quoted: ") && close.contains("have contacts that overlap"), "{close}");
+    assert!(!apart.contains("not to be quoted"), "{apart}");
 }
 
 /// How close contacts come is in the file and the summary, by either kernel; where their circles overlap that is told, state

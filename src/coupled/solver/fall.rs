@@ -39,7 +39,7 @@ impl Solver<'_> {
         let (mut time, mut last, mut idle) = (FIRST, f64::NAN, 0);
         for _ in 0..FALL_STEPS {
             self.passages.begin(self.heights.len(), true);
-            self.pass(0.0);
+            self.pass();
             self.passages.is_moved = false;
             // Asperities that would come to rest at a jump go to and fro.
             self.states.resting.clear();
@@ -53,7 +53,6 @@ impl Solver<'_> {
                 if !(rate < 0.0) || -2.0 * rate * time < 1.0 {
                     break rate;
                 }
-                self.residual.iter_mut().for_each(|r| *r = -*r);
                 time = -0.4 / rate;
             };
             if idle >= most_idle && rate > 0.0 {

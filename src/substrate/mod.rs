@@ -49,7 +49,7 @@ impl Kernel {
 /// use stiction::substrate::{Coupling, DisplacementSums, Influence};
 ///
 /// // Two forces, half a side apart: alone on a half-space u = f/(πE* r).
-/// let mut sums = DisplacementSums::new(Coupling::Patch, Influence::Displacement, &[[0.25, 0.5], [0.75, 0.5]], 1e-13);
+/// let mut sums = DisplacementSums::<f64>::new(Coupling::Patch, Influence::Displacement, &[[0.25, 0.5], [0.75, 0.5]], 1e-13);
 /// let mut displacements = [0.0; 2];
 /// sums.apply(&[1.0, 3.0], &mut displacements);
 /// assert!((displacements[0] - 6.0).abs() < 1e-11 && (displacements[1] - 2.0).abs() < 1e-11);

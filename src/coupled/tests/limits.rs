@@ -236,7 +236,7 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
             let places = Places::HardCore(distance).draw(random, (count, 1.0), Coupling::Periodic);
             let mut found = vec![0.0; count];
             let loads: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i == 0))).collect();
-            let mut sums = crate::substrate::DisplacementSums::new(
+            let mut sums = crate::substrate::DisplacementSums::<f64>::new(
                 Coupling::Periodic,
                 Influence::Displacement,
                 &places,

@@ -141,15 +141,16 @@ impl Passages {
 }
 
 impl Solver<'_> {
-    /// Lets asperities that are beyond the ends of their segments pass, and returns the number that did.
-    pub(super) fn pass(&mut self) -> usize {
+    /// Lets asperities that are more than `room`, m, beyond the ends of their segments pass, and returns the
+    /// number that did.
+    pub(super) fn pass(&mut self, room: f64) -> usize {
         let mut count = 0;
         self.passages.frozen = 0;
         // The motion of the surfaces is enough for the first that pass.
         let is_trigger = self.passages.is_moved || self.passages.events.is_empty();
         for i in 0..self.interference.len() {
             let (own, delta) = (self.asperities.segment(&self.states, i), self.interference[i]);
-            let is_within = delta >= own.lower && delta < own.upper;
+            let is_within = delta >= own.lower - room && delta < own.upper + room;
             if !is_within && !self.states.resting.contains_key(&(i as u32)) {
                 count += usize::from(self.pass_one(i, delta, is_trigger));
             }

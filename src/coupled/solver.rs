@@ -52,6 +52,8 @@ const CLOSE: (f64, usize) = (1e-3, 3);
 const UNTIED: (usize, usize) = (8, 100);
 /// Weight of an error of an interference, over the length of the law, against one of a load.
 const PLACES: f64 = 1e-3;
+/// Share of the longest Newton step that interferences are still uncertain by.
+const UNCERTAIN: f64 = 0.02;
 /// Share of the length of the law from which on two interferences tell a slope.
 const SECANT: f64 = 1e-8;
 /// Longest Newton step, in lengths over which laws vary: beyond it a state is another one.
@@ -190,7 +192,7 @@ impl<'a> Solver<'a> {
         (self.separation, self.is_stable) = (d, false);
         self.forget();
         self.passages.begin(self.heights.len(), true);
-        self.pass_all();
+        self.pass_all(0.0);
     }
 
     /// The present state.
@@ -476,7 +478,7 @@ impl Solver<'_> {
     // Each way out of a step stands where the method has it: the order of them is the method.
     fn search(&mut self, d: f64, most: usize) -> bool {
         self.passages.begin(self.heights.len(), false);
-        self.pass_all();
+        self.pass_all(0.0);
         self.passages.is_moved = false;
         let mut smallest = f64::INFINITY;
         let near = (NEAR * self.asperities.length(0)).max(2.0 * (d - self.separation).abs());
@@ -490,7 +492,7 @@ impl Solver<'_> {
             }
             if error <= EXACT * self.tolerance {
                 self.passages.is_close = true;
-                if self.pass() + self.undo() > 0 {
+                if self.pass(0.0) + self.undo() > 0 {
                     continue;
                 }
                 if smallest <= 0.0 && !self.states.resting.is_empty() {
@@ -528,15 +530,15 @@ impl Solver<'_> {
             }
             self.passages.longest = self.passages.longest.max(longest);
             self.advance(1.0);
-            has_passed = self.pass_all();
+            has_passed = self.pass_all(UNCERTAIN * longest);
         }
         false
     }
 
     /// Lets asperities pass until none does; whether there were any.
-    fn pass_all(&mut self) -> bool {
+    fn pass_all(&mut self, room: f64) -> bool {
         let mut has_passed = false;
-        while self.pass() > 0 {
+        while self.pass(room) > 0 {
             has_passed = true;
         }
         has_passed

@@ -39,7 +39,7 @@ impl Solver<'_> {
         let (mut time, mut last, mut idle) = (FIRST, f64::NAN, 0);
         for _ in 0..FALL_STEPS {
             self.passages.begin(self.heights.len(), true);
-            self.pass();
+            self.pass(0.0);
             self.passages.is_moved = false;
             // Asperities that would come to rest at a jump go to and fro.
             self.states.resting.clear();

@@ -101,7 +101,7 @@ if FULL:  # three minutes
         assert held >= 33
 
 
-def test_a_rough_answer_takes_fewer_patches_and_is_said_as_one_in_so_many(tmp_path, capsys):
+def test_a_rough_answer_takes_fewer_patches_and_is_said_as_one_in_n(tmp_path, capsys):
     """An error of 0.5 takes at most 0.6 of the patches of 0.1, as half as many alike ones do; one in 1.19e5 patches has an asperity above 6.0 σ
     (8510 of 9.9e-10), and the number is right within 4.5 errors of 14 %.
     """

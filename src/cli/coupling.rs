@@ -11,7 +11,7 @@ use crate::substrate::Kernel;
 const UNCHANGED: f64 = 1e-9;
 /// Most separations that are named.
 const SHOWN: usize = 5;
-/// Share of replicas with a pull-off at a state that is no result, from which on the pull-off is not to be quoted.
+/// Share of states that are no results next to pull-offs, from which on the pull-off is not to be quoted.
 const UNQUOTED: f64 = 0.01;
 
 /// Contact radii over distance, (a_i + a_j)/r_ij, from which on the summary warns, of points and of contacts of finite
@@ -54,7 +54,7 @@ fn list(results: &Results, separations: impl ExactSizeIterator<Item = f64>) -> S
     format!("h* = {}{more}", shown.collect::<Vec<String>>().join(", "))
 }
 
-/// A warning where pull-offs are at states that are no results; nothing elsewhere.
+/// Says that the pull-off is not to be quoted, where pull-offs are next to states that are no results.
 pub(super) fn unquoted(results: &Results) -> String {
     let Some(coupled) = &results.ensemble.coupled else { return String::new() };
     let (separations, ways) =

@@ -5,8 +5,8 @@ use super::near::{Cells, FEWEST_CELLS, LANES, Near, RINGS};
 use super::{Coupling, Influence};
 use crate::math::real::Real;
 
-/// Points of a cell over the square of the reach of near pairs: balances the time of near sums against the
-/// time of sums on the grid.
+/// Points of a cell over the square of the reach of near pairs, of a repeated square and of one alone, the grid of which
+/// is twice as wide: balances the time of near sums against the time of sums on the grid.
 const PER_CELL: [f64; 2] = [0.75, 1.3];
 /// Fewest points of sums that two threads take faster than one.
 const WORTH_SHARING: usize = 4000;

@@ -201,21 +201,21 @@ def _resolution(run: Run) -> Verdict:
     inside = 0 < lowest < h.size - 1
     notes = [warning for warning in run.warnings if _is_of_resolution(warning)]
     error = float(run["integral"].attrs["quadrature_error"])
-    told = f"the integral is good to {quantities.number(error, 1)} of itself"
+    explained = f"the integral is good to {quantities.number(error, 1)} of itself"
     if "coupling" in run and int(run["coupling/unsettled_count"].values.sum()) > 0:
         notes.append(f"{int(run['coupling/unsettled_count'].values.sum())} equilibria did not settle")
     if not pulls.any():
-        return Verdict("resolution", "none", "no pull-off", told)
+        return Verdict("resolution", "none", "no pull-off", explained)
     if not inside or at_edge > 0.5:
         text = "the pull-off is at the edge of the separations: it may lie beyond"
         return Verdict("resolution", "bad", "at the edge", "; ".join([text, *notes]))
     step = float(np.nanmax(np.abs(force[[lowest - 1, lowest + 1]] - force[lowest])) / abs(force[lowest]))
-    told = f"one separation from pull-off the force differs by {_percent(step, 2)}; {told}"
+    explained = f"one separation from pull-off the force differs by {_percent(step, 2)}; {explained}"
     if at_edge > 0.0:
         notes.append(f"{_percent(at_edge, 2)} of the patches have their pull-off at the edge of the separations")
     if notes:
-        return Verdict("resolution", "caution", "look", "; ".join([*notes, told]))
-    return Verdict("resolution", "good", "fine", told)
+        return Verdict("resolution", "caution", "look", "; ".join([*notes, explained]))
+    return Verdict("resolution", "good", "fine", explained)
 
 
 # Commands.

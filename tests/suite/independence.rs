@@ -231,7 +231,7 @@ fn what_may_be_quoted_is_said() {
     assert!(independent.contains("not to be quoted: see independence"), "{independent}");
     assert!(independent.contains("independence      invalid: "), "{independent}");
     for coupled in [&patch, &repeated] {
-        assert!(!coupled.contains("not to be quoted"), "{coupled}");
+        assert!(!coupled.contains("not to be quoted: see independence"), "{coupled}");
     }
     assert!(patch.contains("independence      invalid: "), "{patch}");
     assert!(unbroken(&repeated).contains("(for a patch alone)"), "{repeated}");

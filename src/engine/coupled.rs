@@ -41,8 +41,8 @@ pub struct Substrate<'a> {
     pub memory: Option<&'a SurfaceLoops>,
     /// The length over which the law of the typical asperity varies, m.
     pub length: f64,
-    /// The unit of its energy, J.
-    pub energy: f64,
+    /// The unit of its energy, J; none where it is not known: bridges of liquid take energy from the vapour.
+    pub energy: Option<f64>,
 }
 
 /// A surface that is moved from separation to separation.
@@ -54,8 +54,8 @@ struct CoupledSurface<'a> {
     side: f64,
     /// The outcome at the last separation that was reached.
     settled: Settled,
-    /// The unit of energy, J.
-    energy: f64,
+    /// The unit of energy, J, where that is known.
+    energy: Option<f64>,
     regimes: Vec<RegimeSums>,
     highest: f64,
     /// Where the first contact is there on approach, and the last on retraction, h in m.
@@ -323,10 +323,10 @@ impl CoupledSurface<'_> {
         coupled.largest_avalanche[state] = avalanches.largest as f64;
         let sizes = coupled.avalanche_sizes.iter_mut().zip(avalanches.of_class);
         sizes.for_each(|(sum, count)| *sum += u64::from(count));
-        let lost = self.solver.energy_lost();
+        let lost = self.energy.map_or(f64::NAN, |_| self.solver.energy_lost());
         coupled.energy_lost[state] = lost;
-        if lost.is_finite() && lost != 0.0 {
-            coupled.energy_classes[energy_class(lost / self.energy)] += 1;
+        if let Some(unit) = self.energy.filter(|_| lost.is_finite() && lost != 0.0) {
+            coupled.energy_classes[energy_class(lost / unit)] += 1;
         }
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
         let crowding = self.solver.crowding(self.side);

@@ -63,7 +63,7 @@ impl Sampling<'_> {
             history: self.scene.history,
             memory: self.memory,
             length: self.scene.scale().length,
-            energy: self.scene.scale().energy(),
+            energy: (!self.scene.model.is_wet()).then(|| self.scene.scale().energy()),
         }
     }
 

@@ -154,13 +154,8 @@ fn angles(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
 /// The law of a scene with its liquid.
 ///
 /// # Errors
-/// [`SceneError`] when it is for none and has one, or the other way round, or with what it is not known for.
-pub(super) fn wet(
-    root: &Section<'_>,
-    law: Model,
-    meniscus: Option<Meniscus>,
-    is_coupled: bool,
-) -> Result<Model, SceneError> {
+/// [`SceneError`] when it is for none and has one, or the other way round.
+pub(super) fn wet(root: &Section<'_>, law: Model, meniscus: Option<Meniscus>) -> Result<Model, SceneError> {
     let (capillary, model) = (root.get("capillary"), root.section("model", false)?);
     let named = |key: &str| model.and_then(|model| model.get(key));
     match (capillary, meniscus, law.is_wet()) {
@@ -171,9 +166,6 @@ pub(super) fn wet(
             let problem = "needs a liquid: [capillary] with relative_humidity = 0.45, contact_angles = [\"30 deg\", \"30 deg\"]";
             Err(named("law")
                 .map_or_else(|| SceneError::general(problem.to_owned()), |entry| entry.wrong(problem)))
-        }
-        (Some(entry), _, true) if is_coupled => {
-            Err(entry.wrong("bridges are computed for independent asperities only; leave out [substrate]"))
         }
         (_, Some(meniscus), true) => Ok(law.with_liquid(meniscus)),
         (_, _, false) => Ok(law),

@@ -108,7 +108,7 @@ impl<'a> Readings<'a> {
         let asperity = material.asperity(surface.asperity_radius, self.lubricant_thickness)?;
         let ModelTable { law, history, cycle, unloading, critical_approach } = model;
         let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
-        let law = wet(root, law, meniscus, self.substrate.is_some())?;
+        let law = wet(root, law, meniscus)?;
         law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
             .map_err(|error| {
                 SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))

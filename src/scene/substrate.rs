@@ -1,7 +1,7 @@
 //! The elastic half-space that couples the asperities of a scene.
 
 use super::choices::{COUPLINGS, KERNELS, POSITIONS, TOLERANCES_OF_LOADS};
-use super::error::{SceneError, Together};
+use super::error::{SceneError, Together, all};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::substrate::{Coupling, Kernel};
@@ -58,6 +58,11 @@ impl<'a> SubstrateTable<'a> {
     pub fn read(root: &Section<'a>) -> Result<Option<Self>, SceneError> {
         let Some(section) = root.section("substrate", false)? else { return Ok(None) };
         let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &COUPLINGS));
+        if let Ok(None) = coupling {
+            let others = section.entries().filter(|(key, _)| *key != "coupling");
+            let problem = "does nothing with coupling = \"none\"; leave it out";
+            return all(others.map(|(_, entry)| Err::<(), _>(entry.wrong(problem)))).map(|_| None);
+        }
         let kernel = section.value("kernel").choice("kernel", &KERNELS);
         let places = section.value("positions").choice("positions", &POSITIONS);
         let minimum_distance = section.optional("minimum_distance", |entry| {

@@ -229,9 +229,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["unknown bridges; known: metastable, reversible"],
     ),
     (
-        "law = \"hybrid\"\nhistory = \"approach\"",
-        "law = \"capillary\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n[substrate]\ncoupling = \"periodic\"",
-        &["bridges are computed for independent asperities only; leave out [substrate]"],
+        "[output]",
+        "[substrate]\ncoupling = \"none\"\nkernel = \"point\"\ntolerance = 1e-9\n[output]",
+        &[
+            "`substrate.kernel = \"point\"`: does nothing with coupling = \"none\"; leave it out",
+            "`substrate.tolerance = 1e-9`: does nothing",
+        ],
     ),
     (
         "law = \"hybrid\"\nhistory = \"approach\"",

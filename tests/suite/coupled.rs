@@ -4,6 +4,7 @@ use crate::common::asperities::write_asperities;
 use crate::common::program::{Folder, QUICK, assert_exit, bits, text, unbroken};
 use crate::common::unlocked;
 use serde_json::Value;
+use std::f64::consts::PI;
 use std::process::Command;
 
 /// A square of 100 asperities of case II, 8 separations, 16 replicas.
@@ -348,6 +349,36 @@ fn measured_places_say_what_they_allow() {
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
 }
 
+/// Wet asperities of a patch are where δ_i + Σ f_j/(πE* r_ij) − z_i is one number, that of their separation, on both ways;
+/// what their avalanches lose is not known.
+#[test]
+fn wet_asperities_are_coupled() {
+    let wet = scene("\n[substrate]\ncoupling = \"patch\"\nloads_at = [1.0, 2.0, 3.0]\n")
+        .replace("law = \"hybrid\"\nhistory = \"approach\"", "law = \"capillary\"\nhistory = \"loop\"")
+        .replace("replicas = 16", "replicas = 1")
+        + "\n[capillary]\nrelative_humidity = 0.45\ncontact_angles = [\"20 deg\", \"40 deg\"]\n";
+    let folder = Folder::new(&wet);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let file = unlocked::open(folder.path("scene.h5"));
+    let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let [x, y, z] = ["x", "y", "height"].map(|name| read(&format!("/asperities/{name}")));
+    for way in ["", "retraction_"] {
+        let [forces, interference] =
+            ["external_force", "interference"].map(|name| read(&format!("/asperities/{way}{name}")));
+        for (forces, interference) in forces.chunks(x.len()).zip(interference.chunks(x.len())) {
+            let displacement = |i: usize| -> f64 {
+                let others = (0..x.len()).filter(|j| *j != i);
+                others.map(|j| forces[j] / (PI * 85.29e9 * (x[i] - x[j]).hypot(y[i] - y[j]))).sum()
+            };
+            let planes: Vec<f64> = (0..x.len()).map(|i| z[i] - displacement(i) - interference[i]).collect();
+            let [low, high] = [f64::min, f64::max].map(|of| planes.iter().copied().reduce(of).unwrap());
+            assert!(high - low < 1e-8 * 1.619e-9, "{way} {low:e} {high:e}");
+            assert!((0..x.len()).any(|i| displacement(i).abs() > 1e-3 * 1.619e-9), "{way}");
+        }
+        assert!(read(&format!("/coupling/{way}energy_lost_mean")).iter().all(|energy| energy.is_nan()));
+    }
+}
+
 /// A sweep with and without coupling over two sizes has the bits of each by itself, and the names of the couplings.
 #[test]
 fn sweeps_switch_coupling_on_and_off() {
@@ -372,7 +403,8 @@ fn sweeps_switch_coupling_on_and_off() {
     let swept = bits(&folder.path("sweep.h5"));
     assert_eq!(of(&swept, "/substrate_coupling"), [0.0, 1.0].map(|name: f64| (2.0 * name).to_bits()));
     for (i, coupling, area) in [(0, "none", 4), (3, "patch", 8)] {
-        let own = scene(&table.replace("patch", coupling));
+        // Without coupling the other keys of its table are left out.
+        let own = scene(if coupling == "none" { "" } else { table });
         let own = own.replace("13.54 um^2", &format!("{area} um^2"));
         std::fs::write(folder.path("scene.toml"), own).unwrap();
         assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "own.h5", "--force"]), 0);

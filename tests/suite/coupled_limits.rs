@@ -87,14 +87,22 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
 /// flowed, is that of the scene without the table, to rounding.
 #[test]
 fn one_asperity_alone_is_as_without_coupling() {
-    for (law, hardness) in [("jkr", "2.5 GPa"), ("emd", "2.5 GPa"), ("md_plastic", "1 GPa")] {
+    let liquid = "\n[capillary]\nrelative_humidity = 0.45\ncontact_angles = [\"20 deg\", \"40 deg\"]\n";
+    let laws = [
+        ("jkr", "2.5 GPa", ""),
+        ("emd", "2.5 GPa", ""),
+        ("md_plastic", "1 GPa", ""),
+        ("capillary", "30 GPa", liquid),
+        ("capillary", "1 GPa", liquid),
+    ];
+    for (law, hardness, liquid) in laws {
         let alone = scene("\n[substrate]\ncoupling = \"patch\"\n")
             .replace("13.54 um^2", "0.1354 um^2")
             .replace("history = \"approach\"", "history = \"loop\"")
             .replace("law = \"hybrid\"", &format!("law = \"{law}\""))
             .replace("hardness = \"2.5 GPa\"", &format!("hardness = \"{hardness}\""))
             .replace("count = 8", "count = 61");
-        let folder = Folder::new(&alone);
+        let folder = Folder::new(&(alone + liquid));
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         let file = unlocked::open(folder.path("scene.h5"));
         let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();

@@ -45,8 +45,8 @@ class Patches:
     Parameters
     ----------
     tables : mapping
-        A scene of independent asperities of one radius, with heights by a law that is a formula, on any history; after
-        the largest preload where there are preloads.
+        A scene of asperities of one radius, coupled or not, with heights by a law that is a formula, on any history;
+        after the largest preload where there are preloads.
     seed, threads : int, optional
         As in `stiction.run`.
 
@@ -118,7 +118,9 @@ class Patches:
             surface = {**self.tables["surface"], "nominal_area": area, "count": "fixed"}
             ensemble = {"replicas": z.shape[0], "heights": {"path": str(path), "dataset": "height", "unit": "m"}}
             tables = {key: value for key, value in {**self.tables, "surface": surface, "ensemble": ensemble, **changes}.items() if value is not None}
-            return experiments.run(tables, threads=self.threads, progress=False)
+            # Of given heights places alone are drawn: other ones each time.
+            seed = int(self._seeds.integers(2**62)) if "substrate" in tables else None
+            return experiments.run(tables, seed=seed, threads=self.threads, progress=False)
 
     def _pull_off(self, z: Array) -> Array:
         """Pull-off force of patches, N, by their heights, m, of NaN where there is no asperity."""
@@ -131,7 +133,8 @@ class Patches:
         """Attraction, N, of single asperities, (separations, cells), on the way back from where patches turn."""
         given = np.unique([self._turn, *h]) if self.is_loop else h
         separation = {"h": [f"{float(one)!r} m" for one in given]}
-        with self._computed(self._cells.z[:, None], separation=separation, output={"curves": True}, instability=None) as run:
+        changes = {"separation": separation, "output": {"curves": True}, "instability": None, "substrate": None}
+        with self._computed(self._cells.z[:, None], **changes) as run:
             force = self._force(run).transpose("separation", "replica").values
         return np.asarray(-force[np.searchsorted(given, h)])
 
@@ -160,6 +163,8 @@ class Patches:
     def _below(self) -> splitting.Curves:
         if self.is_loop:
             raise SceneError('model.history = "loop": probabilities below a force are of approach or retraction; count the patches of a long run')
+        if "substrate" in self.tables:
+            raise SceneError("substrate: probabilities below a force are of independent asperities; count the patches of a long run")
         with self._sampled(_PILOT_BELOW) as run:
             forces = self._of(run)
             # Where each patch pulls most, nearly.
@@ -275,14 +280,14 @@ def _exceeded(drawn: tilting.Drawn, weights: Array, probabilities: Array) -> Arr
 
 
 # Tables of scenes that this knows.
-_TABLES = ("material", "surface", "model", "separation", "instability", "device", "ensemble", "solver", "output")
+_TABLES = ("material", "surface", "model", "separation", "substrate", "instability", "device", "ensemble", "solver", "output")
 
 
 def _checked(tables: Mapping[str, Any]) -> None:
     """Refuses scenes that neither tilts nor splitting know."""
     for table, content in tables.items():
         if isinstance(content, Mapping) and table not in _TABLES:
-            raise SceneError(f"{table}: probabilities of rare patches are of independent asperities alone; leave the table out")
+            raise SceneError(f"{table}: probabilities of rare patches know no such forces; leave the table out")
     surface, ensemble = tables.get("surface", {}), tables.get("ensemble", {})
     for key in ("asperities", "spectrum", "summits", "radii"):
         if key in surface and surface[key] != "common":
@@ -293,5 +298,7 @@ def _checked(tables: Mapping[str, Any]) -> None:
         raise SceneError(f"surface.heights.law = {name!r}: a law of a formula is needed: {', '.join(heights.LAWS)}")
     if ensemble.get("sampling", "independent") != "independent":
         raise SceneError(f"ensemble.sampling = {ensemble['sampling']!r}: independent patches are needed")
+    if "substrate" in tables and surface.get("count", "fixed") == "poisson":
+        raise SceneError('surface.count = "poisson": coupled asperities of rare patches have a fixed number; count = "fixed"')
     if "heights" in ensemble:
         raise SceneError("ensemble.heights: patches are drawn by the law of `[surface]`; leave it out")

@@ -1,12 +1,12 @@
 r"""Patches that pull more than a threshold, by tilted heights.
 
-The asperities of a patch are independent, so its attraction on the way back is a sum, S(h) = Σ_i a(z_i; h), with the attraction a (minus the external
+The heights of a patch are independent, and without coupling its attraction on the way back is a sum, S(h) = Σ_i a(z_i; h), with the attraction a (minus the external
 force) of one asperity of the height z at the separation h, and its pull-off F about the largest S. Heights are drawn from tilted laws
 
 .. math:: q_j(z) = p(z) \exp(\theta_j\, a(z; h_j) - \psi_j), \qquad \psi_j = \log \operatorname{E} \exp(\theta_j\, a(z; h_j)),
 
 under which a patch has the likelihood ratio exp(Σ_i θ_j a(z_i; h_j) − ψ_j), whatever its pull-off is by the program: on approach, after a
-loop, or after a preload. Patches of all laws are weighed together (balance heuristic),
+loop, or after a preload; also of coupled asperities, which have their places at random. Patches of all laws are weighed together (balance heuristic),
 
 .. math:: \hat p = \frac1n \sum_i \frac{1[F_i > x]}{\sum_j \alpha_j \exp(\theta_j S_i(h_j) - N \psi_j)},
 

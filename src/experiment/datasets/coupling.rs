@@ -58,7 +58,7 @@ fn of_history(history: History) -> Vec<Dataset> {
             history,
             "energy_lost_mean",
             "J",
-            "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN with the contact kernel",
+            "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN with the contact kernel or with bridges",
             |own| &own.energy_lost,
         ),
     ]);
@@ -238,7 +238,7 @@ pub(super) fn of_replicas() -> Vec<Dataset> {
         of_replica(
             "energy_lost",
             "J",
-            "energy that avalanches of a coupled replica lost at all separations, NaN with the contact kernel",
+            "energy that avalanches of a coupled replica lost at all separations, NaN with the contact kernel or with bridges",
             |own| own.energy_lost,
         ),
         classes_of_replica(

@@ -355,6 +355,25 @@ def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
     assert 0.0 < rarer.value < 1e-3 and rarer.relative_error < 0.15
 
 
+def test_coupled_patches_have_the_shares_of_plain_ones():
+    """Against 1500 patches by the program, of another seed, of 15 asperities on a half-space: within 4.5 errors of the difference (7e-6)."""
+    scene = {**pressed(), "substrate": {"coupling": "patch"}, "model": {"law": "md_plastic"}}
+    scene["surface"] = {**scene["surface"], "nominal_area": "2 um^2"}
+    with stiction.run({**scene, "ensemble": {"replicas": 1500, "seed": 11}}, progress=False) as run:
+        forces = run["replicas/pull_off_force"].values
+        # Else nothing would be tested.
+        assert abs(run["coupling/scalar_difference_mean"].values[1]) > 2 * run["coupling/scalar_difference_standard_error"].values[1]
+    threshold = float(np.quantile(forces, 0.95))
+    plain = float((forces > threshold).mean())
+    patches = Patches(scene)
+    found = patches.probability(threshold, error=0.2)
+    assert found.value == pytest.approx(plain, abs=4.5 * np.hypot(found.standard_error, np.sqrt(plain * (1.0 - plain) / forces.size)))
+    with pytest.raises(SceneError, match="substrate: probabilities below a force are of independent asperities"):
+        patches.probability(threshold, below=True)
+    with pytest.raises(SceneError, match=r'surface\.count = "poisson"'):
+        Patches({**scene, "surface": {**scene["surface"], "count": "poisson"}})
+
+
 def test_the_largest_preload_is_taken_in_any_order():
     rising, falling = pressed("0.6 mN"), pressed("0.6 mN")
     falling["instability"]["preload"].reverse()
@@ -386,7 +405,7 @@ def test_the_command_says_what_was_found(tmp_path, capsys):
 @pytest.mark.parametrize(
     "table, key, value, told",
     [
-        ("substrate", "coupling", "periodic", "substrate: probabilities of rare patches are of independent asperities"),
+        ("electrostatic", "voltage", "1 V", "electrostatic: probabilities of rare patches know no such forces"),
         ("surface", "radii", {"law": "gamma", "coefficient_of_variation": 0.3}, "surface.radii: .* one radius"),
         ("surface", "heights", {"law": "file", "path": "x.csv", "column": 1, "unit": "nm"}, "surface.heights.law = 'file'"),
         ("ensemble", "heights", {"path": "x.csv", "column": 1, "unit": "nm"}, "ensemble.heights: patches are drawn"),

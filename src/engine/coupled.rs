@@ -16,9 +16,11 @@ use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::f64::consts::PI;
 
-/// Steps between the neighbours of the smallest sample of a curve, in which it is looked for again, and how
-/// often.
-const ZOOM: (usize, usize) = (16, 2);
+/// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again, and how often at most.
+const PARTS: usize = 8;
+const ROUNDS: usize = 3;
+/// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
+const SMOOTH: f64 = 1e-3;
 
 /// The half-space under the asperities of the surfaces of a job.
 #[derive(Clone, Copy)]
@@ -335,32 +337,49 @@ impl CoupledSurface<'_> {
     }
 
     /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the
-    /// state at the sample before it.
+    /// state at the sample before it: that of the parabola through three places where the force is smooth.
     fn zoom(&mut self, samples: &[(f64, f64)], before: &Snapshot) -> Extremum {
         let smallest = |best: usize, i: usize| if samples[i].1 < samples[best].1 { i } else { best };
         let at = (0..samples.len()).fold(0, smallest);
         let mut best = samples[at];
-        let is_edge = at == 0 || at + 1 == samples.len();
-        if !is_edge {
-            let mut ends = (samples[at - 1].0, samples[at + 1].0);
-            let mut from = before.clone();
-            for _ in 0..ZOOM.1 {
-                self.solver.restore(&from);
-                let place = |j: usize| ends.0 + (ends.1 - ends.0) * j as f64 / ZOOM.0 as f64;
-                let mut found = None;
-                for j in 1..ZOOM.0 {
-                    let before = self.solver.snapshot();
-                    let force = self.go(place(j));
-                    if force <= best.1 {
-                        best = (place(j), force);
-                        found = Some((before, (place(j - 1), place(j + 1))));
-                    }
+        if at == 0 || at + 1 == samples.len() {
+            return Extremum { place: best.0, value: best.1, at_edge: true };
+        }
+        let (mut ends, mut from) = ([samples[at - 1], samples[at + 1]], before.clone());
+        for _ in 0..ROUNDS {
+            self.solver.restore(&from);
+            let [first, last] = ends.map(|(place, _)| place);
+            let mut forces = vec![ends[0]];
+            let mut found = None;
+            for j in 1..PARTS {
+                let before = self.solver.snapshot();
+                let place = first + (last - first) * j as f64 / PARTS as f64;
+                let force = self.go(place);
+                forces.push((place, force));
+                if force <= best.1 {
+                    best = (place, force);
+                    found = Some((j, before));
                 }
-                let Some((closer, within)) = found else { break };
-                (from, ends) = (closer, within);
+            }
+            forces.push(ends[1]);
+            let Some((j, closer)) = found else { break };
+            (from, ends) = (closer, [forces[j - 1], forces[j + 1]]);
+            if ends.iter().all(|(_, force)| force - best.1 <= SMOOTH * best.1.abs()) {
+                best = lowest(ends[0], best, ends[1]);
+                break;
             }
         }
-        Extremum { place: best.0, value: best.1, at_edge: is_edge }
+        Extremum { place: best.0, value: best.1, at_edge: false }
+    }
+}
+
+/// The lowest point of the parabola through three at equal distances, of which the second is not above the others.
+fn lowest((first, a): (f64, f64), (middle, b): (f64, f64), (last, c): (f64, f64)) -> (f64, f64) {
+    let bend = a - 2.0 * b + c;
+    if bend > 0.0 {
+        (middle + 0.25 * (last - first) * (a - c) / bend, b - 0.125 * (a - c) * (a - c) / bend)
+    } else {
+        (middle, b)
     }
 }
 

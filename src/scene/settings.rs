@@ -7,6 +7,9 @@ use super::reader;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, TableLike, Value};
 
+/// The key at whose value `none` the rest of its table has no meaning.
+pub(super) const COUPLING: &str = "substrate.coupling";
+
 /// A key of a scene and the value that it is to have, `material.work_of_adhesion=0.1 J/m^2`.
 #[derive(Clone, Debug)]
 pub struct Setting {
@@ -91,6 +94,15 @@ fn holds(sweep: &Item, path: &[String]) -> bool {
     has(sweep, &[&own.join(".")]) || has(sweep, &own)
 }
 
+/// Leaves the other keys of the substrate out where the asperities have become independent.
+pub(super) fn uncouple(scene: &mut DocumentMut) {
+    let substrate = scene.get_mut("substrate").and_then(Item::as_table_like_mut);
+    let is_none = |table: &&mut dyn TableLike| table.get("coupling").and_then(Item::as_str) == Some("none");
+    let Some(table) = substrate.filter(is_none) else { return };
+    let keys: Vec<String> = table.iter().map(|(key, _)| key.to_owned()).collect();
+    keys.iter().filter(|key| *key != "coupling").for_each(|key| drop(table.remove(key)));
+}
+
 /// Puts a value in the place of a key, whatever it was; its tables are made where they are missing.
 ///
 /// # Errors
@@ -121,6 +133,9 @@ pub fn with_settings(text: &str, settings: &[Setting]) -> Result<String, SceneEr
     let mut scene: DocumentMut =
         text.parse().map_err(|_| SceneError::general("the scene cannot be taken apart as TOML"))?;
     settings.iter().try_for_each(|setting| setting.put(&mut scene))?;
+    if settings.iter().any(|setting| setting.path.join(".") == COUPLING) {
+        uncouple(&mut scene);
+    }
     Ok(scene.to_string())
 }
 

@@ -15,7 +15,7 @@ use super::error::{SceneError, all};
 use super::files::Files;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
-use super::settings::place;
+use super::settings::{COUPLING, place, uncouple};
 use crate::asperity::models::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
@@ -27,8 +27,6 @@ const OF_SOME_LAWS: [OfSomeLaws; 3] = [
     OfSomeLaws { table: "model", key: "plastic_contact", takes: |law| law.contact().is_some() },
 ];
 const LIQUID: &str = "capillary";
-/// The key of a sweep at whose value `none` the rest of its table has no meaning, and is left out.
-const COUPLING: &str = "substrate.coupling";
 
 /// A key of a table (empty: of the scene) and the laws that take it.
 struct OfSomeLaws {
@@ -122,12 +120,8 @@ impl Sweep {
         for (axis, number) in self.axes.iter().zip(self.values(point)) {
             put(&mut scene, axis.key.name, axis.key.item(number))?;
         }
-        if let Some(substrate) = scene.get_mut("substrate").and_then(Item::as_table_like_mut)
-            && self.axes.iter().any(|axis| axis.key.name == COUPLING)
-            && substrate.get("coupling").and_then(Item::as_str) == Some("none")
-        {
-            let others: Vec<String> = substrate.iter().map(|(key, _)| key.to_owned()).collect();
-            others.iter().filter(|key| *key != "coupling").for_each(|key| drop(substrate.remove(key)));
+        if self.axes.iter().any(|axis| axis.key.name == COUPLING) {
+            uncouple(&mut scene);
         }
         let Some(law) = self.law(point) else { return Ok(scene.to_string()) };
         for OfSomeLaws { table, key, .. } in OF_SOME_LAWS.iter().filter(|of| !(of.takes)(&law)) {

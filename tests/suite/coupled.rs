@@ -414,5 +414,8 @@ fn sweeps_switch_coupling_on_and_off() {
             assert_eq!(all[i * own.len()..(i + 1) * own.len()], own, "{coupling} {area} {name}");
         }
         assert_eq!(own.iter().any(|(name, _)| name.starts_with("/asperities/")), coupling == "patch");
+        // A setting does what the sweep does.
+        let set = ["run", "scene.toml", "-o", "set.h5", "--set", "substrate.coupling=\"none\"", "--force"];
+        assert_exit(&folder.stiction(&set), 0);
     }
 }

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 const PARTS: usize = 8;
 const ROUNDS: usize = 3;
 /// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
-const SMOOTH: f64 = 1e-3;
+const SMOOTH: f64 = 1e-4;
 
 /// The half-space under the asperities of the surfaces of a job.
 #[derive(Clone, Copy)]
@@ -356,13 +356,16 @@ impl CoupledSurface<'_> {
                 let place = first + (last - first) * j as f64 / PARTS as f64;
                 let force = self.go(place);
                 forces.push((place, force));
+                // The last smallest sample is in the middle.
                 if force <= best.1 {
                     best = (place, force);
+                    found = Some((j, before));
+                } else if j == PARTS / 2 && found.is_none() {
                     found = Some((j, before));
                 }
             }
             forces.push(ends[1]);
-            let Some((j, closer)) = found else { break };
+            let (j, closer) = found.expect("the middle is one of them");
             (from, ends) = (closer, [forces[j - 1], forces[j + 1]]);
             if ends.iter().all(|(_, force)| force - best.1 <= SMOOTH * best.1.abs()) {
                 best = lowest(ends[0], best, ends[1]);

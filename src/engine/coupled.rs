@@ -11,7 +11,7 @@ use super::{Ends, Job};
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Loop, Path, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
-use crate::math::extrema::{Extremum, largest_secant};
+use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::f64::consts::PI;
@@ -339,8 +339,7 @@ impl CoupledSurface<'_> {
     /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the
     /// state at the sample before it: that of the parabola through three places where the force is smooth.
     fn zoom(&mut self, samples: &[(f64, f64)], before: &Snapshot) -> Extremum {
-        let smallest = |best: usize, i: usize| if samples[i].1 < samples[best].1 { i } else { best };
-        let at = (0..samples.len()).fold(0, smallest);
+        let at = smallest(&samples.iter().map(|sample| sample.1).collect::<Vec<f64>>());
         let mut best = samples[at];
         if at == 0 || at + 1 == samples.len() {
             return Extremum { place: best.0, value: best.1, at_edge: true };
@@ -368,21 +367,11 @@ impl CoupledSurface<'_> {
             let (j, closer) = found.expect("the middle is one of them");
             (from, ends) = (closer, [forces[j - 1], forces[j + 1]]);
             if ends.iter().all(|(_, force)| force - best.1 <= SMOOTH * best.1.abs()) {
-                best = lowest(ends[0], best, ends[1]);
-                break;
+                let [places, forces] = [[ends[0].0, best.0, ends[1].0], [ends[0].1, best.1, ends[1].1]];
+                return Extremum { at_edge: false, ..minimum(&places, &forces) };
             }
         }
         Extremum { place: best.0, value: best.1, at_edge: false }
-    }
-}
-
-/// The lowest point of the parabola through three at equal distances, of which the second is not above the others.
-fn lowest((first, a): (f64, f64), (middle, b): (f64, f64), (last, c): (f64, f64)) -> (f64, f64) {
-    let bend = a - 2.0 * b + c;
-    if bend > 0.0 {
-        (middle + 0.25 * (last - first) * (a - c) / bend, b - 0.125 * (a - c) * (a - c) / bend)
-    } else {
-        (middle, b)
     }
 }
 

@@ -40,7 +40,7 @@ pub fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
 }
 
-/// The minimum of a curve sampled at rising places: the vertex of the parabola through the smallest sample
+/// The minimum of a curve sampled at rising or falling places: the vertex of the parabola through the smallest sample
 /// and its neighbours, or the smallest sample itself at an edge. Spacings may differ. For a smooth curve with
 /// samples Δ apart the value is off by O(Δ³) of its third derivative, and by nothing for a parabola.
 ///

@@ -7,7 +7,7 @@ use super::reader;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, Key, TableLike, Value};
 
-/// The key at whose value `none` the rest of its table has no meaning.
+/// The key with the value `none`, next to which the other keys of its table have no meaning.
 pub(super) const COUPLING: &str = "substrate.coupling";
 
 /// A key of a scene and the value that it is to have, `material.work_of_adhesion=0.1 J/m^2`.

@@ -554,8 +554,8 @@ static FIRST: &[Key] = &[
     key("substrate.coupling", "\"periodic\"", Choice(|| names(&COUPLINGS)))
         .what("what surrounds the surface")
         .about(
-            "`none`: asperities are independent, as without the table, whose other keys are then refused. `periodic`: the surface, a square, is repeated without end, and h is the distance from the mean plane of \
-             the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
+            "`none`: asperities are independent, as without the table, and its other keys are refused. `periodic`: the surface, a \
+             square, is repeated without end, and h is the distance from the mean plane of the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
         )
         .swept(),
     key("substrate.kernel", "\"contact\"", Choice(|| names(&KERNELS)))

@@ -119,7 +119,7 @@ class Patches:
             ensemble = {"replicas": z.shape[0], "heights": {"path": str(path), "dataset": "height", "unit": "m"}}
             tables = {key: value for key, value in {**self.tables, "surface": surface, "ensemble": ensemble, **changes}.items() if value is not None}
             # Of given heights places alone are drawn: other ones each time.
-            seed = int(self._seeds.integers(2**62)) if "substrate" in tables else None
+            seed = int(self._seeds.integers(2**62)) if _is_coupled(tables) else None
             return experiments.run(tables, seed=seed, threads=self.threads, progress=False)
 
     def _pull_off(self, z: Array) -> Array:
@@ -163,7 +163,7 @@ class Patches:
     def _below(self) -> splitting.Curves:
         if self.is_loop:
             raise SceneError('model.history = "loop": probabilities below a force are of approach or retraction; count the patches of a long run')
-        if "substrate" in self.tables:
+        if _is_coupled(self.tables):
             raise SceneError("substrate: probabilities below a force are of independent asperities; count the patches of a long run")
         with self._sampled(_PILOT_BELOW) as run:
             forces = self._of(run)
@@ -283,11 +283,15 @@ def _exceeded(drawn: tilting.Drawn, weights: Array, probabilities: Array) -> Arr
 _TABLES = ("material", "surface", "model", "separation", "substrate", "instability", "device", "ensemble", "solver", "output")
 
 
+def _is_coupled(tables: Mapping[str, Any]) -> bool:
+    return bool(tables.get("substrate", {}).get("coupling", "none") != "none")
+
+
 def _checked(tables: Mapping[str, Any]) -> None:
     """Refuses scenes that neither tilts nor splitting know."""
     for table, content in tables.items():
         if isinstance(content, Mapping) and table not in _TABLES:
-            raise SceneError(f"{table}: probabilities of rare patches know no such forces; leave the table out")
+            raise SceneError(f"{table}: rare patches are computed without this table; leave it out")
     surface, ensemble = tables.get("surface", {}), tables.get("ensemble", {})
     for key in ("asperities", "spectrum", "summits", "radii"):
         if key in surface and surface[key] != "common":
@@ -298,7 +302,7 @@ def _checked(tables: Mapping[str, Any]) -> None:
         raise SceneError(f"surface.heights.law = {name!r}: a law of a formula is needed: {', '.join(heights.LAWS)}")
     if ensemble.get("sampling", "independent") != "independent":
         raise SceneError(f"ensemble.sampling = {ensemble['sampling']!r}: independent patches are needed")
-    if "substrate" in tables and surface.get("count", "fixed") == "poisson":
+    if _is_coupled(tables) and surface.get("count", "fixed") == "poisson":
         raise SceneError('surface.count = "poisson": coupled asperities of rare patches have a fixed number; count = "fixed"')
     if "heights" in ensemble:
         raise SceneError("ensemble.heights: patches are drawn by the law of `[surface]`; leave it out")

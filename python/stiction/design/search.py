@@ -128,7 +128,7 @@ def probability(
     Parameters
     ----------
     scene : path or dict
-        A scene of independent asperities of one radius, without priors.
+        A scene of asperities of one radius, without priors; of independent ones for `below`.
     above, below : str, float or pint.Quantity
         One of them: the threshold, N.
     error : float

@@ -139,7 +139,7 @@ class Block:
         start, end = ends[labels[0]][0], ends[labels[-1]][-1] + 1
         # Lines that go on behind the last label, as far as they do on the page.
         for line in kept[max(i for i, line in enumerate(kept) if label(line)) + 1 :]:
-            if not line.strip() or end >= len(said) or label(said[end]):
+            if not (line.strip() and said[end:] and said[end].strip()) or label(said[end]):
                 break
             end += 1
         return "\n".join(said[start:end])

@@ -2,14 +2,14 @@
 
 Usage: python scripts/plot_coupling.py RESULTS [-o FOLDER]
 
-RESULTS is a folder with case_i.h5, case_ii.h5, case_iii.h5 and patches.h5; those that are not there are
-computed into it, in some minutes on two cores. The pictures go to docs; the table of the three cases is
+RESULTS is a folder with case_i.h5, case_ii.h5, case_iii.h5, case_iii_loop.h5 and patches.h5; those that are not
+there are computed into it, in half an hour on two cores. The pictures go to docs; the table of the three cases is
 printed.
 
 coupled_cases.svg   force over separation of the three cases, with the integral and the mean field, and what
                     coupling changes
 coupled_patch.svg   the patch of case III, which snaps: force, avalanches, asperities before and after the
-                    largest
+                    largest, and the way back
 coupled_chart.svg   change of pull-off over the attraction of the integral, and of the force over separation,
                     roughness, size
 """
@@ -130,9 +130,26 @@ def draw_map(axes, patch, state, largest, window):
     return drawn, f"$h^*$ = {h_star:.2f}: {int(np.sum(touches))} of {int(np.sum(np.isfinite(x)))} touch"
 
 
+def draw_way_back(axes, file):
+    """The forces of a loop there and back, with the mean field of the way back."""
+    x = file["validation/separation"][()] / file.attrs["surface_height_std"]
+    ways = {"approach": "ensemble/external_force_mean", "way back": "ensemble/retraction_external_force_mean",
+            "mean field of the way back": "validation/retraction_mean_field_external_force"}  # fmt: skip
+    curves = {label: file[path][()] for label, path in ways.items()}
+    factor, sign = factor_and_unit([-min(curve.min() for curve in curves.values())], "N")
+    styles = {"color": BLUE, "linestyle": DASHED}, {"color": BLUE}, {"color": PINK, "linestyle": DASH_DOT}
+    for (label, curve), style in zip(curves.items(), styles):
+        axes.plot(x, curve / factor, linewidth=1.0, label=label, **style)
+    unsettled = file["coupling/retraction_unsettled_count"][()] > 0
+    axes.plot(x[unsettled], curves["way back"][unsettled] / factor, "x", color=BLUE, label="not settled")
+    axes.axhline(0.0, color="0.8", linewidth=0.7, zorder=0)
+    axes.set(xlim=(x[0], x[-1]), xlabel=H_STAR, ylabel=f"external force ({sign})")
+    legend(axes)
+
+
 @dressed
-def draw_patch(file):
-    figure, (force, sizes, *maps) = column(2.5, 1.9, 3.0, 3.0)
+def draw_patch(file, loop):
+    figure, (force, sizes, *maps, back) = column(2.5, 1.9, 3.0, 3.0, 2.2)
     patch = coupling_of(file, "patch")
     h_star, coupled = patch["coupling/h_star"], patch.independent + patch.difference
     factor, sign = factor_and_unit([patch["integral/pull_off_force"]], "N")
@@ -155,6 +172,7 @@ def draw_patch(file):
         drawn, title = draw_map(axes, patch, state, largest, window)
         axes.set_title(title)
         figure.colorbar(drawn, ax=axes, label="load (µN)")
+    draw_way_back(back, loop)
     return figure
 
 
@@ -264,13 +282,13 @@ def main():
     parser.add_argument("results", type=Path, metavar="RESULTS", help="folder of the results")
     arguments = parser.parse_args()
     files = {}
-    for name in (*CASES.values(), "patches"):
+    for name in (*CASES.values(), "case_iii_loop", "patches"):
         path = arguments.results / f"{name}.h5"
         if not path.is_file():
             run("run", ROOT / "configs" / "coupled" / f"{name}.toml", "-o", path, "--quiet")
         files[name] = h5py.File(path)
     cases = {name: files[scene] for name, scene in CASES.items()}
-    pictures = {"cases": draw_cases(files), "patch": draw_patch(files["case_iii"]),
+    pictures = {"cases": draw_cases(files), "patch": draw_patch(files["case_iii"], files["case_iii_loop"]),
                 "chart": draw_chart(files["patches"], cases)}  # fmt: skip
     for name, figure in pictures.items():
         path = arguments.output / f"coupled_{name}.svg"

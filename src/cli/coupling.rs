@@ -91,10 +91,16 @@ pub(super) fn troubles(results: &Results) -> String {
             Kernel::Point => "; kernel = \"contact\" has the next order",
             Kernel::Contact => "",
         };
+        let crowded = (0..results.scene.states()).filter(|k| coupled.crowding.mean()[*k] > limit);
+        let separations = &results.scene.separations;
+        let furthest = crowded.map(|k| separations[k % separations.len()]).reduce(f64::max);
+        let places = furthest.map_or(String::new(), |h| {
+            format!(" up to h* = {:.3}", h / results.scene.surface.surface_height_std)
+        });
         text += &labelled(
             "warning",
             &format!(
-                "contact radii add up to {} of a distance, more than {}: loads by kernel = \"{}\" can be off by \
+                "contact radii add up to {} of a distance, more than {}{places}: loads by kernel = \"{}\" can be off by \
                  more than 1 %{better}",
                 percent(largest),
                 percent(limit),

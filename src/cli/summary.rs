@@ -15,7 +15,7 @@ use crate::format::{duration, percent, si, si_all, si_with_error, signed_percent
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
-use crate::math::interval::{FEWEST, LEVEL};
+use crate::math::interval::{FEWEST, LEVEL, interval};
 use crate::math::moments::Moments;
 use crate::scene::{FROM_ASPERITIES, Warning, sources_of_heights};
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
@@ -156,8 +156,13 @@ fn preloads(results: &Results) -> String {
             text += &labelled(&si(*preload, "N"), "no patch reaches it");
             continue;
         }
-        let (mean, std) = (moments.mean()[0], moments.std()[0]);
-        let value = si_with_error(mean, std / (count as f64).sqrt(), "N");
+        let (mean, error) = (moments.mean()[0], moments.std()[0] / (count as f64).sqrt());
+        let ends = interval(mean, error, 0.0, count, count as f64 - 1.0);
+        let range = match ends[1] > ends[0] {
+            true => format!(", {:.0} % {}", 100.0 * LEVEL, si_all(&ends, " to ", "N")),
+            false => String::new(),
+        };
+        let value = si_with_error(mean, error, "N") + &range;
         let part = if count < of { format!("; {count} of {of} patches reach it") } else { String::new() };
         text += &labelled(&si(*preload, "N"), &format!("{value}; {}{part}", below(snaps.pull_offs(turn))));
     }
@@ -193,7 +198,9 @@ fn stuck_patches(results: &Results) -> String {
 /// Where to find a probability that few patches know.
 fn rare(counts: Counts) -> String {
     match counts.snap {
-        0..FEW => labelled("", "few patches decide: stiction design finds probabilities of rare ones"),
+        0..FEW if counts.known > 0 => {
+            labelled("", "few patches decide: stiction design finds probabilities of rare ones")
+        }
         _ => String::new(),
     }
 }

@@ -333,7 +333,7 @@ impl CoupledSurface<'_> {
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
         let crowding = self.solver.crowding(self.side);
         coupled.overlapping[state] = f64::from(u8::from(crowding > 1.0));
-        coupled.largest_crowding = coupled.largest_crowding.max(crowding);
+        coupled.crowding[state] = crowding;
     }
 
     /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the

@@ -21,6 +21,8 @@ pub struct CoupledMoments {
     pub largest_avalanche: Moments,
     /// Energy that they lost, J.
     pub energy_lost: Moments,
+    /// Largest (a_i + a_j)/r_ij of all pairs.
+    pub crowding: Moments,
     /// Replicas without a stable state, as shares.
     pub unsettled: Moments,
     /// Replicas in which circles of contact overlap, as shares.
@@ -53,6 +55,7 @@ impl CoupledMoments {
             avalanche_count: Moments::new(s),
             largest_avalanche: Moments::new(s),
             energy_lost: Moments::new(s),
+            crowding: Moments::new(s),
             unsettled: Moments::new(s),
             overlapping: Moments::new(s),
             groups: CoupledGroups {
@@ -72,6 +75,7 @@ impl CoupledMoments {
         self.avalanche_count.push(&coupled.avalanche_count);
         self.largest_avalanche.push(&coupled.largest_avalanche);
         self.energy_lost.push(&coupled.energy_lost);
+        self.crowding.push(&coupled.crowding);
         self.unsettled.push(&coupled.unsettled);
         self.overlapping.push(&coupled.overlapping);
         self.groups.push(job, replica, curves, coupled);
@@ -85,6 +89,7 @@ impl CoupledMoments {
             &self.avalanche_count,
             &self.largest_avalanche,
             &self.energy_lost,
+            &self.crowding,
             &self.unsettled,
             &self.overlapping,
         ];
@@ -95,8 +100,10 @@ impl CoupledMoments {
         let groups = &mut self.groups;
         let lists =
             [&mut self.independent[..], &mut groups.independent, &mut groups.difference, &mut groups.scalars];
-        let Self { avalanche_count, largest_avalanche, energy_lost, unsettled, overlapping, .. } = self;
-        let single = [avalanche_count, largest_avalanche, energy_lost, unsettled, overlapping];
+        let Self {
+            avalanche_count, largest_avalanche, energy_lost, crowding, unsettled, overlapping, ..
+        } = self;
+        let single = [avalanche_count, largest_avalanche, energy_lost, crowding, unsettled, overlapping];
         lists.into_iter().flatten().chain(single)
     }
 

@@ -34,8 +34,8 @@ pub struct CoupledCurves {
     pub unsettled: Vec<f64>,
     /// 1 where circles of contact overlap, else 0.
     pub overlapping: Vec<f64>,
-    /// Largest (a_i + a_j)/r_ij of all pairs in all states.
-    pub largest_crowding: f64,
+    /// Largest (a_i + a_j)/r_ij of all pairs.
+    pub crowding: Vec<f64>,
     /// Energy that avalanches lost on the step to each state, J.
     pub energy_lost: Vec<f64>,
     /// Avalanches of all steps by their size: of 2^k to 2^(k+1) − 1 asperities.
@@ -48,7 +48,7 @@ impl CoupledCurves {
     /// Curves of which only the ones of the same asperities without coupling are known yet.
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
-        let [avalanche_count, largest_avalanche, unsettled, overlapping, energy_lost] =
+        let [avalanche_count, largest_avalanche, unsettled, overlapping, crowding, energy_lost] =
             std::array::from_fn(|_| vec![0.0; states]);
         Self {
             independent: independent.total.clone(),
@@ -56,7 +56,7 @@ impl CoupledCurves {
             largest_avalanche,
             unsettled,
             overlapping,
-            largest_crowding: 0.0,
+            crowding,
             energy_lost,
             avalanche_sizes: [0; CLASSES],
             energy_classes: [0; ENERGY_CLASSES],

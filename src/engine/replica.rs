@@ -86,12 +86,12 @@ impl CoupledReplica {
     /// The record by curves with coupling, without asperities one by one.
     pub(super) fn new(independent: Replica, coupled: &CoupledCurves) -> Self {
         let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
-        let largest = coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size));
+        let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         Self {
             independent,
             unsettled: total(&coupled.unsettled),
-            largest_avalanche: largest as u64,
-            largest_crowding: coupled.largest_crowding,
+            largest_avalanche: largest(&coupled.largest_avalanche) as u64,
+            largest_crowding: largest(&coupled.crowding),
             overlapping: total(&coupled.overlapping),
             avalanche_sizes: coupled.avalanche_sizes,
             energy_lost: coupled.energy_lost.iter().sum(),

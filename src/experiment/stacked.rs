@@ -352,7 +352,7 @@ fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> 
     if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
 }
 
-/// A point with the pull-off after the largest preload that is reached, where there are preloads.
+/// A point with the pull-off after the largest preload that is reached, where there are preloads: none where none is reached.
 fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPoint, OutputError> {
     if !reader.has("/instability/pull_off_after_preload_mean") {
         return Ok(of_loop);
@@ -363,7 +363,9 @@ fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPo
     let counts = reader.values::<u64>("/instability/preload_reached_count")?;
     let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
     let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
-    let Some(i) = largest else { return Ok(of_loop) };
+    let Some(i) = largest else {
+        return Ok(SweepPoint { pull_off: [f64::NAN; 2], stuck_probability: f64::NAN, ..of_loop });
+    };
     Ok(SweepPoint {
         pull_off: [means[i], stds[i] / (counts[i] as f64).sqrt()],
         preload: preloads[i],

@@ -109,10 +109,10 @@ impl<'a> Readings<'a> {
         let ModelTable { law, history, cycle, unloading, critical_approach } = model;
         let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
         let law = wet(root, law, meniscus)?;
-        law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
-            .map_err(|error| {
-                SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
-            })?;
+        let of_law = LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before");
+        law.admits(&of_law).map_err(|error| {
+            SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
+        })?;
         let separations = match separation::given(&separation, surface.surface_height_std)? {
             Some(given) => given,
             None => Tips {
@@ -120,6 +120,7 @@ impl<'a> Readings<'a> {
                 surface: &surface,
                 liquid: law.meniscus().map_or(0.0, Meniscus::range),
                 preload: instability.largest_preload(),
+                law: law.law(&of_law).ok(),
             }
             .separations(),
         };

@@ -7,6 +7,7 @@ use super::reader::{Entry, Section};
 use super::units::Dimension::Length;
 use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
 use crate::asperity::scale::Asperity;
+use crate::asperity::{Law, SolvedAsperity};
 use crate::surface::{Heights, LENGTHS, Surface};
 use std::f64::consts::PI;
 use toml::de::DeValue;
@@ -47,6 +48,8 @@ pub(super) struct Tips<'a> {
     pub liquid: f64,
     /// The largest preload, N; 0 without any.
     pub preload: f64,
+    /// Their law, if it is one for them.
+    pub law: Option<Box<dyn Law>>,
 }
 
 /// A sum over the tips of a patch, and the standard deviations, of tips at random, that the mean is above it.
@@ -105,11 +108,14 @@ impl Tips<'_> {
         near
     }
 
-    /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion.
+    /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion, or that of
+    /// its law, by which softer and flatter tops pull more.
     fn load(&self, depth: f64) -> f64 {
         let Asperity { reduced_modulus, hardness, radius, work_of_adhesion, .. } = *self.asperity;
         let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth * depth.sqrt();
-        elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion
+        let least = elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion;
+        let of_law = self.law.as_ref().map(|law| SolvedAsperity::new(&**law, depth).external_force());
+        of_law.map_or(least, |load| least.min(load))
     }
 }
 

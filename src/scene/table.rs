@@ -98,7 +98,10 @@ static FIRST: &[Key] = &[
     key("surface", "{ asperity_radius = \"3.33 um\" }", Table).what("the rough surface"),
     key("surface.asperity_radius", "\"3.33 um\"", Quantity(Of::Length, Positive))
         .what("radius of the asperities")
-        .about("R, the radius of curvature of a top; the mean one where `radii` scatter.")
+        .about(
+            "R, the radius of curvature of a summit of both faces together: 1/κ with κ² the sum over the faces of their 1/R², so \
+             R/√2 of two like faces. The mean one where `radii` scatter.",
+        )
         .swept(),
     key("surface.asperity_density", "\"7.39 /um^2\"", Quantity(Of::ArealDensity, Positive))
         .what("asperities per area")

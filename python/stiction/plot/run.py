@@ -144,7 +144,8 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         way, _, color, _ = ways(run)[:2][-1]
         at = np.interp(place, x, means[way]) / unit
         marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
-        marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")
+        of = "whole loop" if isinstance(run, Run) and run.after_largest_preload is not None else "mean"
+        marker[0].set_label(f"pull-off of the {of}, {quantities.si(pull, 'N')}")
         handles += marker
     handles += _snaps(run, ax, x, means, unit)
     marks = [marked_invalid(ax, x, mean / unit, is_invalid(run)) for mean in means.values()]

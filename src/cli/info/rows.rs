@@ -31,7 +31,14 @@ pub(super) fn rows(reader: &Reader, first: Vec<Row>) -> Result<String, OutputErr
     for (group, rows) in &mut groups {
         let name = if group.is_empty() { "/" } else { &group[1..] };
         let attributes = reader.attributes(name)?.into_iter().filter(|(name, _)| name != "scene");
-        rows.extend(attributes.map(|(name, value)| [one_line(&name), one_line(&value)]));
+        // A text of several lines, such as warnings, has a row each.
+        let lines = |(name, value): (String, String)| -> Vec<Row> {
+            let lines = value.lines().enumerate();
+            lines
+                .map(|(i, line)| [if i == 0 { one_line(&name) } else { String::new() }, one_line(line)])
+                .collect()
+        };
+        rows.extend(attributes.flat_map(lines));
         let own: Vec<&Description> =
             described.iter().filter(|own| own.names().0 == group.trim_start_matches('/')).collect();
         own.iter().for_each(|dataset| rows.extend(of_dataset(reader, dataset, &own)));

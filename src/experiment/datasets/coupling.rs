@@ -61,6 +61,13 @@ fn of_history(history: History) -> Vec<Dataset> {
             "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN with the contact kernel or with bridges",
             |own| &own.energy_lost,
         ),
+        mean(
+            history,
+            "crowding_mean",
+            "1",
+            "largest (a_i + a_j)/r_ij of a replica{}, contact radii over distance, mean over replicas",
+            |own| &own.crowding,
+        ),
     ]);
     all.push(count(history, "unsettled_count", "replicas without a stable state{}", |own| &own.unsettled));
     let overlapping = "replicas in which circles of contact overlap{}";

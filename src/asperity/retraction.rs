@@ -15,19 +15,22 @@ const KINK_PARTS: usize = 64;
 const STEP: f64 = 1e-6;
 
 impl Loop {
-    /// The ω_max, m, of the asperities that come into a regime before contact from above at a distance, m; of radii of their
-    /// own; ω_c where all that have flowed have.
-    fn let_go_from(&self, distance: f64, regime: usize) -> f64 {
-        self.passing(distance, |largest| self.left_at(regime, largest))
+    /// The ω_max, m, between limits on one regime of flow, of the asperities that come into a regime before contact from above
+    /// at a distance, m; of radii of their own; the lower limit where none of them have yet, the upper where all have.
+    fn let_go_from(&self, distance: f64, regime: usize, limits: (f64, f64)) -> f64 {
+        self.passing(distance, limits, |largest| self.left_at(regime, largest))
     }
 
-    /// The ω_max, m, above ω_c at which a distance that rises with ω_max, about as the recovery does, is `wanted`, m; ω_c
-    /// where it is more for all that have flowed.
-    fn passing(&self, wanted: f64, distance: impl Fn(f64) -> f64) -> f64 {
-        let low = self.onset.next_up();
+    /// The ω_max, m, between limits on one regime of flow, at which a distance that rises with ω_max, about as the recovery
+    /// does, is `wanted`, m; the lower limit where it is more for all of them, the upper where it is less.
+    fn passing(&self, wanted: f64, (begin, end): (f64, f64), distance: impl Fn(f64) -> f64) -> f64 {
+        let low = begin.next_up();
         let beyond = |largest: f64| wanted - distance(largest);
-        if !(beyond(low) > 0.0) {
-            return self.onset;
+        if !(low < end && beyond(low) > 0.0) {
+            return begin;
+        }
+        if end.is_finite() && beyond(end) > 0.0 {
+            return end;
         }
         let slope: Box<dyn Fn(f64) -> f64 + '_> = match &self.springback {
             Springback::Powers(plastic) => Box::new(|largest| plastic.slope(largest)),
@@ -37,10 +40,10 @@ impl Loop {
             }),
         };
         let mut reach = low.abs();
-        while beyond(low + reach) > 0.0 && reach.is_finite() {
+        while low + reach < end && beyond(low + reach) > 0.0 {
             reach = 2.0 * reach + low.abs();
         }
-        let high = low + reach;
+        let high = end.min(low + reach);
         let sample = |largest: f64| Sample { value: beyond(largest), slope: -slope(largest) };
         let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
         safe_newton(sample, low, high, high, close).x
@@ -49,7 +52,7 @@ impl Loop {
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
     #[doc(hidden)]
     pub fn at(&self, distance: f64) -> Retraction<'_> {
-        Retraction::with(self, distance, |regime| self.let_go_from(distance, regime))
+        Retraction::with(self, distance, |regime, limits| self.let_go_from(distance, regime, limits))
     }
 
     /// Distances, m, at which two ends of the law at a distance meet, as many of every radius and in the same order; NaN where
@@ -62,8 +65,8 @@ impl Loop {
         let further: Vec<f64> = ends.chain([attraction]).map(|end| self.release() - end).collect();
         let mut meetings: Vec<f64> =
             further.iter().map(|further| self.capture - self.release() + further).collect();
-        let boundaries = self.approach.boundaries()[self.first_plastic - 1..].iter();
-        for largest in boundaries.map(|end| end.interference).chain([self.onset]) {
+        let boundaries = &self.approach.boundaries()[self.first_plastic - 1..];
+        for largest in boundaries.iter().map(|end| end.interference).chain([self.onset]) {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
             if self.flows() {
@@ -77,6 +80,10 @@ impl Loop {
                 meetings.push(self.recovery(above));
             }
         }
+        // Tops of radii of their own let go at other distances below a joint than above it.
+        for joint in boundaries.iter().skip(1).filter(|_| self.own_radii) {
+            meetings.extend((0..self.first_contact).map(|regime| self.left_at(regime, joint.interference)));
+        }
         meetings
     }
 
@@ -84,10 +91,11 @@ impl Loop {
     /// the distances, m, at which their film or bridge breaks and contact is lost, say what they are in.
     #[doc(hidden)]
     pub fn at_for(&self, distance: f64, flowed: &[(f64, [f64; 2])]) -> Retraction<'_> {
-        Retraction::with(self, distance, |regime| {
+        Retraction::with(self, distance, |regime, (begin, end)| {
             let ends = usize::from(regime + 1 == self.first_contact);
-            let lost = flowed.iter().take_while(|(_, passed)| distance >= passed[ends]).count();
-            flowed.get(lost).map_or(f64::INFINITY, |(largest, _)| *largest)
+            let mut within = flowed.iter().filter(|(largest, _)| *largest > begin && *largest <= end);
+            let held = within.find(|(_, passed)| distance < passed[ends]);
+            held.map_or(end, |(largest, _)| *largest)
         })
     }
 }
@@ -124,22 +132,19 @@ pub struct Retraction<'a> {
     regimes: Vec<Regime>,
     base: Vec<usize>,
     boundaries: Vec<Boundary>,
-    /// ω_max, m, of the asperities that have flowed from which contact lasts; ω_c where it does for all of them.
-    lost: f64,
 }
 
 impl<'a> Retraction<'a> {
-    /// The law at a distance, m. `let_go` says up to which ω_max, m, tops of radii of their own are in a regime before contact
-    /// or below it.
-    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize) -> f64) -> Self {
+    /// The law at a distance, m. `let_go` says up to which ω_max, m, between limits, tops of radii of their own are in a regime
+    /// before contact or below it.
+    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize, (f64, f64)) -> f64) -> Self {
         let mut law = Self {
             cycle,
             distance,
-            conditions: Vec::with_capacity(12),
-            regimes: Vec::with_capacity(12),
-            base: Vec::with_capacity(12),
-            boundaries: Vec::with_capacity(12),
-            lost: cycle.onset,
+            conditions: Vec::with_capacity(16),
+            regimes: Vec::with_capacity(16),
+            base: Vec::with_capacity(16),
+            boundaries: Vec::with_capacity(16),
         };
         let Loop { approach, retraction, capture, first_contact, first_plastic, onset, .. } = cycle;
         let elastic = cycle.elastic_regimes().0;
@@ -171,25 +176,36 @@ impl<'a> Retraction<'a> {
         law
     }
 
-    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to.
-    fn push_flowed(&mut self, onset: Boundary, let_go: impl Fn(usize) -> f64) {
+    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
+    /// regime to the next, tops of radii of their own can let go sooner above the jump than below it.
+    fn push_flowed(&mut self, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
         let Self { cycle, distance, .. } = *self;
-        let mut end = onset;
-        for regime in 0..cycle.first_contact {
-            let Boundary { interference, belongs_below } = cycle.retraction.boundaries()[regime];
-            let interference = match &cycle.springback {
-                Springback::Powers(plastic) if !cycle.own_radii => {
-                    plastic.recovered_from(interference + distance)
-                }
-                _ => let_go(regime),
-            };
-            end = higher(Boundary { interference, belongs_below }, onset);
-            self.push(Condition::Lowered(regime), Some(end));
-        }
-        self.lost = end.interference;
-        for regime in cycle.elastic_regimes().1..cycle.approach.regimes().len() {
-            let upper = cycle.approach.boundaries().get(regime);
-            self.push(Condition::Unloading(regime), upper.map(|upper| higher(*upper, end)));
+        let boundaries = cycle.approach.boundaries();
+        let flowing: Vec<usize> = (cycle.elastic_regimes().1..cycle.approach.regimes().len()).collect();
+        let mut begin = onset;
+        for regimes in flowing.chunks(if cycle.own_radii { 1 } else { flowing.len() }) {
+            let top = regimes.last().and_then(|last| boundaries.get(*last)).map(|top| higher(*top, begin));
+            let mut end = begin;
+            for regime in 0..cycle.first_contact {
+                let Boundary { interference, belongs_below } = cycle.retraction.boundaries()[regime];
+                let interference = match &cycle.springback {
+                    Springback::Powers(plastic) if !cycle.own_radii => {
+                        plastic.recovered_from(interference + distance)
+                    }
+                    _ => let_go(
+                        regime,
+                        (begin.interference, top.map_or(f64::INFINITY, |top| top.interference)),
+                    ),
+                };
+                end = higher(Boundary { interference, belongs_below }, begin);
+                end = top.map_or(end, |top| lower(end, top));
+                self.push(Condition::Lowered(regime), Some(end));
+            }
+            for &regime in regimes {
+                let upper = boundaries.get(regime).map(|upper| higher(*upper, end));
+                self.push(Condition::Unloading(regime), upper);
+            }
+            begin = top.unwrap_or(end);
         }
     }
 
@@ -248,7 +264,11 @@ impl<'a> Retraction<'a> {
             1 => Smoothness::Smooth,
             _ => Smoothness::Root { end: End::Lower, place, order },
         };
-        let lost = root(self.lost, cycle.springback.order(cycle.retraction()));
+        // From where contact lasts.
+        let lowered = |condition: &Condition| matches!(condition, Condition::Lowered(_));
+        let lost = self.conditions[..index].iter().rposition(lowered);
+        let lost = lost.map_or(limits.0, |lost| self.boundaries[lost].interference);
+        let lost = root(lost, cycle.springback.order(cycle.retraction()));
         let (kink, before, after) = match &cycle.springback {
             Springback::Powers(plastic) => {
                 let unloaded = plastic.recovered_from(distance);
@@ -257,7 +277,7 @@ impl<'a> Retraction<'a> {
             Springback::Elastic(_) | Springback::Flattened(_) => (limits.0, None, lost),
             Springback::Punch(_) => {
                 let opening = |largest: f64| cycle.opening(largest);
-                (cycle.passing(distance, opening), Some(lost), Smoothness::Smooth)
+                (cycle.passing(distance, limits, opening), Some(lost), Smoothness::Smooth)
             }
         };
         let below = self.moved(index, (limits.0, limits.1.min(kink)), |place| place);

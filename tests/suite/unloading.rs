@@ -5,7 +5,9 @@ use crate::common::{case, dry_laws, respond};
 use std::f64::consts::PI;
 use stiction::asperity::models::{Plasticity, model};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
-use stiction::asperity::{Law, LawError, LawParameters, Loop, Path, Regime, UnloadedRadius, Unloading};
+use stiction::asperity::{
+    Law, LawError, LawParameters, Loop, Path, PlasticContact, Regime, UnloadedRadius, Unloading,
+};
 use stiction::math::quadrature::{NODES, Rule};
 
 fn cycle(name: &str, asperity: &Asperity) -> Loop {
@@ -667,6 +669,60 @@ fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
         "{} {expected}",
         integral.value[0]
     );
+}
+
+/// Where the loading of Kogut and Etsion jumps, at 6ω_c and 110ω_c, tops that were pressed more deeply let go sooner or later
+/// than their neighbours: at every distance each is in contact up to its own detachment, and no longer.
+#[test]
+fn each_lets_go_at_its_own_distance_on_both_sides_of_a_jump() {
+    let asperity = Asperity {
+        radius: 80e-9,
+        reduced_modulus: 48.6e9,
+        work_of_adhesion: 0.05,
+        equilibrium_spacing: 0.2e-9,
+        hardness: 1.2e9,
+        poisson_ratio: 0.42,
+        lubricant_thickness: 0.0,
+    };
+    let critical = asperity.critical_interference();
+    let md_plastic = model("md_plastic").unwrap().with_contact(PlasticContact::KogutEtsion);
+    let hybrid = model("hybrid").unwrap();
+    let settings = [
+        (&md_plastic, Unloading::FlattenedTop),
+        (&hybrid, Unloading::Secant),
+        (&hybrid, Unloading::ThorntonNing),
+        (&hybrid, Unloading::MesarovicJohnson),
+    ];
+    for (model, unloading) in settings {
+        let reach = (-20e-9, 200.0 * critical);
+        let parameters = LawParameters::new(&asperity, Path::Approach, reach).unwrap();
+        let cycle = Loop::new(model, &parameters, unloading).unwrap();
+        let joints = cycle.approach().boundaries().iter().map(|end| end.interference);
+        let mut falls = 0;
+        for joint in joints.filter(|joint| *joint > 2.0 * critical) {
+            let beside = [joint * (1.0 - 1e-6), joint * (1.0 + 1e-6)];
+            let [below, above] = beside.map(|largest| cycle.detachment(largest).unwrap());
+            falls += usize::from(above < below);
+            for share in [-0.5, 0.1, 0.5, 0.9, 1.5] {
+                let distance = above + share * (below - above);
+                let law = cycle.at(distance);
+                for i in -200..=200 {
+                    let largest = joint * (1.0 + 1e-3 * (f64::from(i) + 0.5));
+                    let lasts = distance < cycle.detachment(largest).unwrap();
+                    let (regime, [_, contact, area]) = respond(&law, largest).unwrap();
+                    assert_eq!(
+                        regime.is_contact(),
+                        lasts,
+                        "{} {unloading:?} {}",
+                        model.name,
+                        largest / joint
+                    );
+                    assert_eq!(contact != 0.0 && area > 0.0, lasts, "{} {unloading:?} {largest}", model.name);
+                }
+            }
+        }
+        assert!(falls > 0, "{} {unloading:?}: nothing lets go sooner above a jump", model.name);
+    }
 }
 
 /// Regimes, boundaries and pieces fit together at any distance: pieces cover the line in order, lie in their

@@ -476,7 +476,11 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
             },
         )
     };
-    (flows && psi > LARGEST_ELASTIC_PSI).then(|| if is_fresh { fresh() } else { flowed() })
+    match flows && psi > LARGEST_ELASTIC_PSI {
+        true if is_fresh => Some(fresh()),
+        true if scene.cycle => Some(flowed()),
+        _ => None,
+    }
 }
 
 /// Whether the curves have what is read off them.

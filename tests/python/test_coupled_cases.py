@@ -13,7 +13,7 @@ import pytest
 from program import PROGRAM, ROOT
 
 SCRIPT = ROOT / "scripts" / "plot_coupling.py"
-SCENES = ["case_i", "case_ii", "case_iii", "patches"]
+SCENES = ["case_i", "case_ii", "case_iii", "case_iii_loop", "patches"]
 SMALL = {
     r'nominal_area = "1?000? um\^2"': 'nominal_area = "20 um^2"',
     r"surface.nominal_area = .*": 'surface.nominal_area = ["5 um^2", "10 um^2"]',

@@ -12,7 +12,7 @@ use crate::asperity::models::{
 use crate::asperity::scale::Asperity;
 use crate::asperity::{Law, Path, Regime, Unloading};
 use crate::background::VanDerWaals;
-use crate::format::{pure, si, signed_percent};
+use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
 use crate::substrate::Coupling;
 use crate::surface::{HeightLaw, Radii};
@@ -496,7 +496,9 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let finer = (LARGEST_MISSED / share).sqrt() * (last - first) / (scene.separations.len() - 1) as f64;
     let resolving = finer.min(RESOLVING * scene.surface.heights.std) / scene.surface.surface_height_std;
     let why = "curves, scores and control variates are known at the separations only";
-    let steps = format!("[separation] with steps of {} in h* has what the integral expects", pure(resolving));
+    let digits = (1.0 - libm::log10(resolving).floor()).max(0.0) as usize;
+    let steps =
+        format!("[separation] with steps of {resolving:.digits$} in h* has what the integral expects");
     Some(Warning::new(format!("the separations are too coarse: the curves miss {missed}"), why, steps))
 }
 

@@ -94,9 +94,8 @@ pub(super) fn troubles(results: &Results) -> String {
         let crowded = (0..results.scene.states()).filter(|k| coupled.crowding.mean()[*k] > limit);
         let separations = &results.scene.separations;
         let furthest = crowded.map(|k| separations[k % separations.len()]).reduce(f64::max);
-        let places = furthest.map_or(String::new(), |h| {
-            format!(" up to h* = {:.3}", h / results.scene.surface.surface_height_std)
-        });
+        let places =
+            furthest.map_or(String::new(), |h| format!(" up to {}", list(results, std::iter::once(h))));
         text += &labelled(
             "warning",
             &format!(

@@ -158,7 +158,8 @@ fn results(rows: &[SweepPoint]) -> Vec<Column> {
             true => si(row.preload, "N"),
             false => si(row.integral, "N"),
         };
-        let cells = [si_with_error(mean, error, "N"), second, to_first, p, verdict, stuck];
+        let pull_off = if mean.is_nan() { "-".to_owned() } else { si_with_error(mean, error, "N") };
+        let cells = [pull_off, second, to_first, p, verdict, stuck];
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
     let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());

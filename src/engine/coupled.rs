@@ -331,9 +331,7 @@ impl CoupledSurface<'_> {
             coupled.energy_classes[energy_class(lost / unit)] += 1;
         }
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
-        let crowding = self.solver.crowding(self.side);
-        coupled.overlapping[state] = f64::from(u8::from(crowding > 1.0));
-        coupled.crowding[state] = crowding;
+        coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
     /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the

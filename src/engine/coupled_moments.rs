@@ -77,7 +77,7 @@ impl CoupledMoments {
         self.energy_lost.push(&coupled.energy_lost);
         self.crowding.push(&coupled.crowding);
         self.unsettled.push(&coupled.unsettled);
-        self.overlapping.push(&coupled.overlapping);
+        self.overlapping.push(&coupled.overlapping());
         self.groups.push(job, replica, curves, coupled);
     }
 

@@ -32,8 +32,6 @@ pub struct CoupledCurves {
     pub largest_avalanche: Vec<f64>,
     /// 1 where no stable state was found, else 0.
     pub unsettled: Vec<f64>,
-    /// 1 where circles of contact overlap, else 0.
-    pub overlapping: Vec<f64>,
     /// Largest (a_i + a_j)/r_ij of all pairs.
     pub crowding: Vec<f64>,
     /// Energy that avalanches lost on the step to each state, J.
@@ -48,19 +46,23 @@ impl CoupledCurves {
     /// Curves of which only the ones of the same asperities without coupling are known yet.
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
-        let [avalanche_count, largest_avalanche, unsettled, overlapping, crowding, energy_lost] =
+        let [avalanche_count, largest_avalanche, unsettled, crowding, energy_lost] =
             std::array::from_fn(|_| vec![0.0; states]);
         Self {
             independent: independent.total.clone(),
             avalanche_count,
             largest_avalanche,
             unsettled,
-            overlapping,
             crowding,
             energy_lost,
             avalanche_sizes: [0; CLASSES],
             energy_classes: [0; ENERGY_CLASSES],
         }
+    }
+
+    /// 1 where circles of contact overlap, else 0.
+    pub(super) fn overlapping(&self) -> Vec<f64> {
+        self.crowding.iter().map(|crowding| f64::from(u8::from(*crowding > 1.0))).collect()
     }
 }
 

@@ -92,7 +92,7 @@ impl CoupledReplica {
             unsettled: total(&coupled.unsettled),
             largest_avalanche: largest(&coupled.largest_avalanche) as u64,
             largest_crowding: largest(&coupled.crowding),
-            overlapping: total(&coupled.overlapping),
+            overlapping: total(&coupled.overlapping()),
             avalanche_sizes: coupled.avalanche_sizes,
             energy_lost: coupled.energy_lost.iter().sum(),
             energy_classes: coupled.energy_classes,

@@ -120,7 +120,7 @@ impl<'a> Readings<'a> {
                 surface: &surface,
                 liquid: law.meniscus().map_or(0.0, Meniscus::range),
                 preload: instability.largest_preload(),
-                law: law.law(&of_law).ok(),
+                law: (instability.largest_preload() > 0.0).then(|| law.law(&of_law).ok()).flatten(),
             }
             .separations(),
         };

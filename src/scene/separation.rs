@@ -48,7 +48,7 @@ pub(super) struct Tips<'a> {
     pub liquid: f64,
     /// The largest preload, N; 0 without any.
     pub preload: f64,
-    /// Their law, if it is one for them.
+    /// Their law, where there is a preload to reach.
     pub law: Option<Box<dyn Law>>,
 }
 

@@ -34,7 +34,7 @@ const LARGEST_HELD: f64 = 0.01;
 /// Largest share of the adhesion at pull-off that asperities which do not touch may have.
 const LARGEST_UNTOUCHED: f64 = 0.5;
 /// Largest relative error of an integral that is one.
-const LARGEST_ERROR: f64 = 1e-4;
+const LARGEST_ERROR: f64 = 1e-6;
 /// Largest shift, in σ, by which a patch gives way that is called none.
 const LARGEST_SHIFT: f64 = 0.05;
 /// Fewest of given heights that are near enough to pull at pull-off.
@@ -569,7 +569,7 @@ mod tests {
     /// An integral that has lost something, or is not a number, is warned of.
     #[test]
     fn an_integral_that_is_none_is_told() {
-        assert!(inaccurate(1e-5).is_none());
+        assert!(inaccurate(1e-6).is_none());
         let finding = |error: f64| inaccurate(error).unwrap().finding;
         assert!(finding(0.19).contains("may be 1.9e-1, more") && finding(f64::NAN).contains("NaN"));
     }

@@ -185,6 +185,50 @@ fn missed_preloads_are_warned_of() {
     assert!(labelled(&printed, "dissipated")[0].starts_with("over all separations, per cycle"), "{printed}");
 }
 
+/// A point of a sweep whose preload no replica reaches has no pull-off and no probability, whatever its whole loop holds.
+#[test]
+fn points_that_miss_their_preload_have_no_pull_off() {
+    let scene = small()
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("\"hybrid\"", "\"md_plastic\"");
+    let folder = Folder::new(&format!(
+        "{scene}\n[instability]\npreload = \"1 N\"\n[device]\nrestoring_force = \"1 nN\"\n\
+         [sweep]\n\"material.work_of_adhesion\" = [\"0.05 J/m^2\", \"0.09 J/m^2\"]\n"
+    ));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    let printed = text(&run.stdout);
+    let rows: Vec<Vec<&str>> = printed.lines().map(|line| line.split_whitespace().collect()).collect();
+    for energy in ["50", "90"] {
+        let row = rows.iter().find(|row| row.starts_with(&[energy, "mJ/m^2"])).unwrap();
+        assert_eq!(row[2], "-", "{printed}");
+    }
+    assert!(!printed.contains("P(stuck)") && !printed.contains("NaN"), "{printed}");
+}
+
+/// The default separations reach a preload under each model of flow: flat and sticky tops push less than Hertz's contacts.
+#[test]
+fn default_separations_reach_preloads_under_every_model_of_flow() {
+    for contact in ["jg", "ke", "zmc", "tn"] {
+        let folder = Folder::new(&format!(
+            "material.youngs_modulus = \"80 GPa\"\nmaterial.poisson_ratio = 0.42\nmaterial.hardness = \"1.2 GPa\"\n\
+             material.work_of_adhesion = \"50 mJ/m^2\"\nsurface.asperity_radius = \"80 nm\"\n\
+             surface.asperity_density = \"150 /um^2\"\nsurface.surface_height_std = \"4.24 nm\"\n\
+             surface.nominal_area = \"10 um^2\"\nmodel.history = \"loop\"\nmodel.plastic_contact = \"{contact}\"\n\
+             instability.preload = \"20 uN\"\nensemble.replicas = 16\n"
+        ));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        let reached = File::open(folder.path("scene.h5")).unwrap();
+        let reached = reached.dataset("/instability/preload_reached_count").unwrap().read_raw::<u64>();
+        assert_eq!(reached.unwrap(), [16], "{contact}");
+        // The mean after the preload has its interval.
+        let printed = text(&run.stdout);
+        let row = labelled(&printed, "20.00 µN").join(" ");
+        assert!(row.contains(", 95 % ") && row.contains(" below "), "{printed}");
+    }
+}
+
 /// `check` says where both standard deviations of heights come from; a summary, where the surface's follows.
 #[test]
 fn sources_of_roughness_are_said() {

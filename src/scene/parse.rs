@@ -120,7 +120,10 @@ impl<'a> Readings<'a> {
                 surface: &surface,
                 liquid: law.meniscus().map_or(0.0, Meniscus::range),
                 preload: instability.largest_preload(),
-                law: (instability.largest_preload() > 0.0).then(|| law.law(&of_law).ok()).flatten(),
+                flow: law.contact().filter(|_| instability.largest_preload() > 0.0).and_then(|contact| {
+                    let own = crate::asperity::model(contact.name())?;
+                    own.law(&LawParameters { table_range: None, ..of_law }).ok()
+                }),
             }
             .separations(),
         };

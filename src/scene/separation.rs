@@ -7,7 +7,8 @@ use super::reader::{Entry, Section};
 use super::units::Dimension::Length;
 use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
 use crate::asperity::scale::Asperity;
-use crate::asperity::{Law, SolvedAsperity};
+use crate::asperity::{Facing, Law, Scratch, SolverStats};
+use crate::math::interpolation::linear;
 use crate::surface::{Heights, LENGTHS, Surface};
 use std::f64::consts::PI;
 use toml::de::DeValue;
@@ -48,9 +49,13 @@ pub(super) struct Tips<'a> {
     pub liquid: f64,
     /// The largest preload, N; 0 without any.
     pub preload: f64,
-    /// Their law, where there is a preload to reach.
-    pub law: Option<Box<dyn Law>>,
+    /// The plastic contact of `md_plastic`, where there is a preload to reach.
+    pub flow: Option<Box<dyn Law>>,
 }
+
+/// Halvings of the deepest contact that a law is solved at, and steps of each, for loads between them.
+const HALVINGS: i32 = 20;
+const STEPS_OF_HALVING: i32 = 4;
 
 /// A sum over the tips of a patch, and the standard deviations, of tips at random, that the mean is above it.
 struct Wanted {
@@ -82,8 +87,9 @@ impl Tips<'_> {
         let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
+                let of_law = self.loads(heights[heights.len() - 1] - heights[0] + surface.asperity_radius);
                 let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
-                end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth))).floor()
+                end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth, &of_law))).floor()
             }
             false => end(touching).floor().max(end(small).ceil()),
         };
@@ -109,13 +115,34 @@ impl Tips<'_> {
     }
 
     /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion, or that of
-    /// its law, by which softer and flatter tops pull more.
-    fn load(&self, depth: f64) -> f64 {
+    /// a plastic contact, of which flatter tops pull more.
+    fn load(&self, depth: f64, [depths, loads]: &[Vec<f64>; 2]) -> f64 {
         let Asperity { reduced_modulus, hardness, radius, work_of_adhesion, .. } = *self.asperity;
         let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth * depth.sqrt();
         let least = elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion;
-        let of_law = self.law.as_ref().map(|law| SolvedAsperity::new(&**law, depth).external_force());
-        of_law.map_or(least, |load| least.min(load))
+        if depths.is_empty() { least } else { least.min(linear(depths, loads, depth)) }
+    }
+
+    /// Depths, m, rising to the deepest contact, and the loads, N, of the plastic contact there less 2πR₁Δγ of its top, of
+    /// the radius of curvature R₁ = 4E*a³/(3P).
+    fn loads(&self, deepest: f64) -> [Vec<f64>; 2] {
+        let Some(law) = &self.flow else { return Default::default() };
+        let steps = (0..=HALVINGS * STEPS_OF_HALVING).rev();
+        let depths: Vec<f64> =
+            steps.map(|k| deepest * libm::exp2(-f64::from(k) / f64::from(STEPS_OF_HALVING))).collect();
+        let mut loads = vec![0.0; depths.len()];
+        let facing = Facing { law: &**law, heights: &depths, separation: 0.0 };
+        let Asperity { reduced_modulus, work_of_adhesion, .. } = *self.asperity;
+        facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, responses| {
+            for (load, (pressed, area)) in
+                loads[block].iter_mut().zip(responses.contact.iter().zip(responses.area))
+            {
+                let own = (area / PI).sqrt();
+                let radius = 4.0 * reduced_modulus * own * own * own / (3.0 * pressed);
+                *load = pressed - 2.0 * PI * radius * work_of_adhesion;
+            }
+        });
+        [depths, loads]
     }
 }
 

@@ -121,7 +121,8 @@ fn pull_off(results: &Results) -> String {
         h_star(results, separation)
     ));
     if std > 0.0 {
-        let below = below(replicas.iter().map(|replica| replica.pull_off_force).collect());
+        let below = quantiles(replicas.iter().map(|replica| replica.pull_off_force).collect());
+        let below = below.as_deref().unwrap_or(FEW_FOR_QUANTILES);
         text += &labelled("patches", &format!("{below}; scatter {}", percent(std / mean.abs())));
     }
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
@@ -134,21 +135,22 @@ fn pull_off(results: &Results) -> String {
 }
 
 /// Quantiles of pull-off forces, N, that their number allows.
-pub(super) fn below(pull_offs: Vec<f64>) -> String {
+fn quantiles(pull_offs: Vec<f64>) -> Option<String> {
     let known =
         of_pull_off(pull_offs).into_iter().zip(PULL_OFF_QUANTILES).filter(|(own, _)| !own.value.is_nan());
     let (quantiles, probabilities): (Vec<f64>, Vec<String>) =
         known.map(|(own, probability)| (own.value, (100.0 * probability).to_string())).unzip();
-    match probabilities.is_empty() {
-        true => "too few replicas for quantiles".to_owned(),
-        false => format!("{} % below {}", probabilities.join(", "), si_all(&quantiles, ", ", "N")),
-    }
+    (!probabilities.is_empty())
+        .then(|| format!("{} % below {}", probabilities.join(", "), si_all(&quantiles, ", ", "N")))
 }
+
+const FEW_FOR_QUANTILES: &str = "too few replicas for quantiles";
 
 /// The pull-off after each preload.
 fn preloads(results: &Results) -> String {
     let snaps = Snaps::of(results);
     let mut text = labelled("pull-off", "after a preload, on average of the patches that reach it");
+    let (mut is_reached, mut has_quantiles) = (false, false);
     for (preload, turn) in snaps.loading.preload.iter().zip(snaps.places_of_turns()) {
         let moments = snaps.pull_off(turn);
         let (count, of) = (moments.count(), results.scene.replicas);
@@ -164,7 +166,12 @@ fn preloads(results: &Results) -> String {
         };
         let value = si_with_error(mean, error, "N") + &range;
         let part = if count < of { format!("; {count} of {of} patches reach it") } else { String::new() };
-        text += &labelled(&si(*preload, "N"), &format!("{value}; {}{part}", below(snaps.pull_offs(turn))));
+        let quantiles = quantiles(snaps.pull_offs(turn)).map_or(String::new(), |below| format!("; {below}"));
+        (is_reached, has_quantiles) = (true, has_quantiles || !quantiles.is_empty());
+        text += &labelled(&si(*preload, "N"), &format!("{value}{quantiles}{part}"));
+    }
+    if is_reached && !has_quantiles {
+        text += &labelled("", FEW_FOR_QUANTILES);
     }
     text
 }

@@ -34,9 +34,14 @@ class Bar:
         What is done, and what it is counted in.
     progress : bool, optional
         Whether it is shown as a bar; None: on terminals and in notebooks, and in logs of commands as lines.
+    is_all : bool
+        Whether it is all of the work: else nothing is said of the time that is left.
     """
 
-    def __init__(self, total: int, words: str, unit: str, *, done: int = 0, progress: bool | None = None) -> None:
+    def __init__(
+        self, total: int, words: str, unit: str, *, done: int = 0, progress: bool | None = None, is_all: bool = True
+    ) -> None:
+        self._is_all = is_all
         self.total, self.done, self._words = total, done, f"{words}: " if words else ""
         self._unit, self._first, self._begun = unit, done, time.monotonic()
         self._next = self._begun + _APART
@@ -57,9 +62,9 @@ class Bar:
         if self._is_log and now >= self._next and done > self._first:
             self._next = now + _APART
             past = now - self._begun
-            left = past * (self.total - done) / (done - self._first)
+            left = f", about {_lasting(past * (self.total - done) / (done - self._first))} left" if self._is_all else ""
             print(
-                f"{_command}: {self._words}{done} of {self.total} {self._unit}, {_lasting(past)} so far, about {_lasting(left)} left",
+                f"{_command}: {self._words}{done} of {self.total} {self._unit}, {_lasting(past)} so far{left}",
                 file=sys.stderr, flush=True,
             )  # fmt: skip
 
@@ -69,9 +74,9 @@ class Bar:
             self._bar.close()
 
 
-def steps(of: Sequence[T], words: str, unit: str, progress: bool | None = None) -> Iterator[T]:
+def steps(of: Sequence[T], words: str, unit: str, progress: bool | None = None, *, is_all: bool = True) -> Iterator[T]:
     """The elements of a sequence, with their progress."""
-    bar = Bar(len(of), words, unit, progress=progress)
+    bar = Bar(len(of), words, unit, progress=progress, is_all=is_all)
     try:
         for done, one in enumerate(of):
             yield one

@@ -306,31 +306,25 @@ class _Curves(Result):
         """Pull-off after the largest preload that replicas reach, of a sweep at each point; None without preloads.
 
         `mean_over_patches`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
-        replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval.
+        replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval. All are NaN
+        where no replica reaches a preload.
         """
         if "instability/preload" not in self or not self.has_replicas:
             return None
-        from scipy import stats
-
         group = self.group("instability")
-        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
-        if not reached.any():
+        if group["preload"].isnull().all():
             return None
+        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
         largest = group["preload"].where(reached, -np.inf).argmax("preload")
 
         def of(array: xarray.DataArray) -> xarray.DataArray:
             return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
 
-        mean, std = (of(group[f"pull_off_after_preload_{name}"]) for name in ("mean", "std"))
-        count = of(group["preload_reached_count"])
-        error = std / np.sqrt(count)
-        level = float(self.group("ensemble").attrs["interval_level"])
-        half = error * stats.t.ppf(0.5 + 0.5 * level, np.maximum(count - 1, 1))
-        places = self.group("replicas")["pull_off_after_preload_separation"].mean("replica")
-        found = {
-            "mean_over_patches": mean, "standard_error": error, "std": std, "count": count, "separation": of(places),
-            "interval": xarray.concat([mean - half, mean + half], "range_end"), "preload": of(group["preload"].reset_coords(drop=True)),
-        }  # fmt: skip
+        names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval", "std": "std"}
+        found = {name: of(group[f"pull_off_after_preload_{own}"]) for name, own in names.items()}
+        found["count"] = of(group["preload_reached_count"])
+        found["separation"] = of(self.group("replicas")["pull_off_after_preload_separation"].mean("replica"))
+        found["preload"] = of(group["preload"].reset_coords(drop=True))
         if "device" in self:
             device = self.group("device")
             for name in ("stuck_probability", "stuck_probability_low", "stuck_probability_high"):
@@ -363,7 +357,7 @@ class Run(_Curves):
                 interval_level=float(ensemble.attrs["interval_level"]), std=number["std"],
                 scatter=number["std"] / number["mean_over_patches"] if number["mean_over_patches"] > 0.0 else float("nan"),
                 separation=number["separation"], of_mean_curve=of_loop[0], of_integral=of_loop[1],
-                replicas=int(number["count"]), preload=number["preload"],
+                replicas=int(np.nan_to_num(number["count"])), preload=number["preload"],
             )  # fmt: skip
         force = ensemble.sel(scalar="pull_off_force")
         values = replicas["pull_off_force"].values

@@ -3,6 +3,7 @@
 use super::describe::{beyond, facts, heading, regimes, skipped, title};
 use super::failure::Failure;
 use super::independence::independence;
+use super::progress::{Display, Progress};
 use super::resources;
 use super::rows::{labelled, paragraph, row};
 use super::source::SceneArguments;
@@ -10,9 +11,9 @@ use super::sweep::described;
 use super::terminal::print;
 use crate::asperity::{Laws, Loop};
 use crate::estimate::{Estimate, Plan};
-use crate::experiment::Error;
 use crate::experiment::integral::Integral;
 use crate::experiment::prepared::{SceneLaws, thread_pool};
+use crate::experiment::{Error, Observer};
 use crate::format::bytes;
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
@@ -20,7 +21,11 @@ use std::path::Path;
 
 pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
     let (document, threads) = (arguments.document()?, thread_pool(0)?);
-    print(&threads.install(|| checked(document, arguments.path()))?)
+    let mut progress = Progress::new(Display::Text);
+    progress.phase("integral");
+    let text = threads.install(|| checked(document, arguments.path()));
+    progress.end();
+    print(&text?)
 }
 
 /// Says what a scene or a sweep would compute.

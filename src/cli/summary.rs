@@ -10,12 +10,12 @@ use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
 use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::results::{Results, Stopped};
-use crate::experiment::snaps::{Counts, Snaps, stuck};
+use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
 use crate::format::{duration, percent, si, si_all, si_with_error, signed_percent};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
-use crate::math::interval::{FEWEST, LEVEL, interval};
+use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::scene::{FROM_ASPERITIES, Warning, sources_of_heights};
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
@@ -152,19 +152,17 @@ fn preloads(results: &Results) -> String {
     let mut text = labelled("pull-off", "after a preload, on average of the patches that reach it");
     let (mut is_reached, mut has_quantiles) = (false, false);
     for (preload, turn) in snaps.loading.preload.iter().zip(snaps.places_of_turns()) {
-        let moments = snaps.pull_off(turn);
-        let (count, of) = (moments.count(), results.scene.replicas);
+        let PulledOff { count, mean, standard_error, interval, .. } = snaps.pull_off(turn);
+        let of = results.scene.replicas;
         if count == 0 {
             text += &labelled(&si(*preload, "N"), "no patch reaches it");
             continue;
         }
-        let (mean, error) = (moments.mean()[0], moments.std()[0] / (count as f64).sqrt());
-        let ends = interval(mean, error, 0.0, count, count as f64 - 1.0);
-        let range = match ends[1] > ends[0] {
-            true => format!(", {:.0} % {}", 100.0 * LEVEL, si_all(&ends, " to ", "N")),
+        let range = match interval[1] > interval[0] {
+            true => format!(", {:.0} % {}", 100.0 * LEVEL, si_all(&interval, " to ", "N")),
             false => String::new(),
         };
-        let value = si_with_error(mean, error, "N") + &range;
+        let value = si_with_error(mean, standard_error, "N") + &range;
         let part = if count < of { format!("; {count} of {of} patches reach it") } else { String::new() };
         let quantiles = quantiles(snaps.pull_offs(turn)).map_or(String::new(), |below| format!("; {below}"));
         (is_reached, has_quantiles) = (true, has_quantiles || !quantiles.is_empty());
@@ -182,9 +180,8 @@ fn stuck_patches(results: &Results) -> String {
     let snaps = Snaps::of(results);
     let label = format!("above {}", si(force, "N"));
     let preloads = &results.scene.instability.preload;
-    if preloads.is_empty() {
-        return stuck(results)
-            .map_or(String::new(), |counts| labelled(&label, &probability(counts)) + &rare(counts));
+    if let Some(counts) = stuck(results) {
+        return labelled(&label, &probability(counts)) + &rare(counts);
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
         let counts = snaps.stuck(turn, force);

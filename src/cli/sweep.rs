@@ -32,7 +32,7 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
 pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
     let (sweep, output) = (points.sweep, points.lock.output());
     let scene = points.scene(0)?;
-    let table = table(sweep, rows, scene.replicas > 0);
+    let table = table(sweep, rows, &scene);
     let warnings = Reader::open(output, &[&SWEEP])?.optional_text("/", "warnings")?.unwrap_or_default();
     Ok(title(&scene) + &described(sweep) + "\n" + &table + &warned(&warnings) + &written_to(output))
 }
@@ -91,13 +91,15 @@ const OF_INTEGRAL: [usize; 2] = [1, 4];
 /// The points, a line each, and the verdict on all of them where they have replicas. Where a terminal is too narrow for
 /// every column, the integral is left out, and then the difference to the first; where that does not do, points have
 /// numbers and not values.
-fn table(sweep: &Sweep, rows: &[SweepPoint], has_replicas: bool) -> String {
-    let mut results = results(rows);
+fn table(sweep: &Sweep, rows: &[SweepPoint], scene: &Scene) -> String {
+    // The integral and the differences to the first are of whole loops.
+    let (has_replicas, is_pressed) = (scene.replicas > 0, !scene.instability.preload.is_empty());
+    let mut results = results(rows, is_pressed);
     if !has_replicas {
         results = OF_INTEGRAL.map(|column| results[column].clone()).into();
     }
     let narrowed = |left: &[Column]| {
-        let most_left_out = if has_replicas && !is_pressed(rows) { 2 } else { 0 };
+        let most_left_out = if has_replicas && !is_pressed { 2 } else { 0 };
         let mut texts = (0..=most_left_out).map(|left_out| {
             let right: Vec<Column> = [&results[..1], &results[1 + left_out..]].concat();
             aligned(left, &right)
@@ -136,9 +138,8 @@ fn numbers(points: usize) -> Column {
 
 /// Pull-off by the ensemble and by the integral, its difference to the first point, the cross-check, and
 /// whether asperities are independent.
-fn results(rows: &[SweepPoint]) -> Vec<Column> {
+fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
-    let is_pressed = is_pressed(rows);
     let second = if is_pressed { "preload" } else { "integral" };
     let heads = ["pull-off", second, "to the first", "p-value", "independence", "P(stuck)"];
     let mut columns = heads.map(|head| vec![head.to_owned()]);
@@ -165,11 +166,6 @@ fn results(rows: &[SweepPoint]) -> Vec<Column> {
     let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());
     let shown = [true, true, !is_pressed, true, true, has_device];
     columns.into_iter().zip(shown).filter_map(|(column, is_shown)| is_shown.then_some(column)).collect()
-}
-
-/// Whether pull-offs follow preloads; the integral and the differences to the first are of whole loops.
-fn is_pressed(rows: &[SweepPoint]) -> bool {
-    rows.iter().any(|row| !row.preload.is_nan())
 }
 
 /// Columns side by side.

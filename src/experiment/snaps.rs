@@ -5,6 +5,7 @@ use super::sampling::loading;
 use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
 use crate::format::si;
+use crate::math::interval::interval;
 use crate::math::moments::Moments;
 use crate::math::proportion::exact_interval;
 use crate::scene::Warning;
@@ -53,6 +54,28 @@ impl Counts {
     }
 }
 
+/// Pull-off forces after a turn, N, of the replicas that turn: their number, mean, standard deviation, and the standard error
+/// and 95 % interval of the mean; not a number where replicas are too few.
+pub(crate) struct PulledOff {
+    pub count: u64,
+    pub mean: f64,
+    pub std: f64,
+    pub standard_error: f64,
+    pub interval: [f64; 2],
+}
+
+impl PulledOff {
+    fn of(forces: Vec<f64>) -> Self {
+        let moments = Moments::of(forces.into_iter());
+        let count = moments.count();
+        let (mean, std) =
+            if count == 0 { (f64::NAN, f64::NAN) } else { (moments.mean()[0], moments.std()[0]) };
+        let standard_error = std / (count as f64).sqrt();
+        let interval = interval(mean, standard_error, 0.0, count, count as f64 - 1.0);
+        Self { count, mean, std, standard_error, interval }
+    }
+}
+
 /// Counts pull-off forces, N, that are larger than a force.
 fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
     let mut counts = Counts { known: 0, snap: 0, unstopped: 0 };
@@ -63,9 +86,10 @@ fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
     counts
 }
 
-/// The replicas of a run that hold harder than the restoring force of the device, if there is one.
+/// The replicas of a run that hold harder than the restoring force of the device, if there is one; with preloads
+/// [`Snaps::stuck`] has them.
 pub(crate) fn stuck(results: &Results) -> Option<Counts> {
-    let force = results.scene.restoring_force?;
+    let force = results.scene.restoring_force.filter(|_| results.scene.instability.preload.is_empty())?;
     Some(holding(results.ensemble.replicas.iter().map(|replica| replica.pull_off_force), force))
 }
 
@@ -73,7 +97,7 @@ pub(crate) fn stuck(results: &Results) -> Option<Counts> {
 pub(crate) fn missed_preloads(results: &Results) -> Option<Warning> {
     let (snaps, replicas) = (Snaps::of(results), results.scene.replicas);
     let missed = snaps.loading.preload.iter().zip(snaps.places_of_turns()).filter_map(|(preload, turn)| {
-        let missing = replicas - snaps.pull_off(turn).count();
+        let missing = replicas - snaps.pull_off(turn).count;
         let is_noticeable = missing as f64 > LARGEST_MISSED * replicas as f64;
         is_noticeable.then(|| format!("{missing} do not reach {}", si(*preload, "N")))
     });
@@ -151,9 +175,9 @@ impl<'a> Snaps<'a> {
         self.column(turn + 1).values().filter(|force| !force.is_nan()).collect()
     }
 
-    /// Moments of the pull-off after a turn, over the replicas that turn.
-    pub fn pull_off(&self, turn: usize) -> Moments {
-        Moments::of(self.pull_offs(turn).into_iter())
+    /// The pull-off after a turn.
+    pub fn pull_off(&self, turn: usize) -> PulledOff {
+        PulledOff::of(self.pull_offs(turn))
     }
 
     /// The replicas that hold harder than a force, N, after a turn.

@@ -117,8 +117,7 @@ fn preloads_need_no_spring() {
     assert!(printed.contains("after a preload") && printed.contains("above 1.000 µN"), "{printed}");
 }
 
-/// What follows each preload is a column of the points of a sweep; differences and the device's own columns are of whole
-/// loops. A warning that all points give is in the summary.
+/// What follows each preload is a column of the points of a sweep; differences are of whole loops. A warning that all points give is in the summary.
 #[test]
 fn each_preload_has_columns_in_the_table_of_a_sweep() {
     let scene = small()
@@ -156,7 +155,12 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
         let after = format!("{name}_after_preload");
         assert_eq!(column(&format!("{after}[2e-5 N] [1]")), of(&format!("/device/{after}")));
-        column(&format!("device/{name} of the whole loop [1]"));
+        assert!(rows[0].iter().all(|own| !own.starts_with(&format!("device/{name}"))), "{:?}", rows[0]);
+    }
+    let ends = values(&folder, "scene.h5", "/instability/pull_off_after_preload_interval");
+    for (i, name) in ["from", "to"].iter().enumerate() {
+        let ends: Vec<f64> = ends.iter().skip(i).step_by(4).copied().collect();
+        assert_eq!(column(&format!("pull_off_after_preload_{name}[2e-5 N] [N]")), ends);
     }
     column("differences/pull_off_force_mean of the whole loop [N]");
 }
@@ -203,7 +207,9 @@ fn points_that_miss_their_preload_have_no_pull_off() {
         let row = rows.iter().find(|row| row.starts_with(&[energy, "mJ/m^2"])).unwrap();
         assert_eq!(row[2], "-", "{printed}");
     }
-    assert!(!printed.contains("P(stuck)") && !printed.contains("NaN"), "{printed}");
+    for of_loop in ["P(stuck)", "NaN", "integral  ", "to the first"] {
+        assert!(!printed.contains(of_loop), "{of_loop}: {printed}");
+    }
 }
 
 /// The default separations reach a preload under each model of flow: flat and sticky tops push less than Hertz's contacts.

@@ -1,6 +1,6 @@
 //! `stiction compare` and every law of the registry as a user drives them.
 
-use crate::common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text, told};
+use crate::common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text, told, unbroken};
 use crate::common::{dry_laws, unlocked};
 
 /// One law of a dataset of a comparison.
@@ -17,20 +17,14 @@ fn a_comparison_without_output_is_a_table() {
     assert_eq!(folder.files(), ["scene.toml"]);
     assert_eq!(told(&compare), "");
     let table = text(&compare.stdout);
-    for part in [
-        "pull-off",
-        "at h*",
-        "deviation",
-        "peak stiffness",
-        "first",
-        "gw                  none",
-        "f_snc",
-        "f_sel",
-    ] {
+    for part in
+        ["pull-off", "at h*", "deviation", "stiffest", "first", "gw                  none", "f_snc", "f_sel"]
+    {
         assert!(table.contains(part), "{part}: {table}");
     }
+    let table = unbroken(&table);
     for part in [
-        "isbl        lambda = 0.899 is above 0.1",
+        "isbl lambda = 0.899 is above 0.1",
         "Johnson and Greenwood 1997",
         "knows no lubricant",
         "psi of sigma_s = 0.793",
@@ -81,7 +75,7 @@ fn a_law_of_a_comparison_is_its_run() {
     let table = text(&compare.stdout);
     assert!(
         table.contains("the same asperities for every law")
-            && table.contains("agree at the 0.1 % level, p ="),
+            && table.contains("ensemble and integral agree at all points: smallest p ="),
         "{table}"
     );
     for (i, law) in laws.into_iter().enumerate() {
@@ -178,6 +172,51 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     assert_eq!(std::fs::read_to_string(folder.path("there.h5")).unwrap(), "precious");
 }
 
+/// With preloads the ensemble has the pull-off after the largest that a law reaches; all tables fit a terminal.
+#[test]
+fn laws_are_compared_after_a_preload() {
+    let scene = small().replace("history = \"approach\"", "history = \"loop\"");
+    let pressed = |preload: &str| {
+        let folder = Folder::new(&format!("{scene}\n[instability]\npreload = {preload}\n"));
+        let laws = ["--laws", "md_plastic,hybrid,tn", "--ensemble", "-o", "laws.h5"];
+        let compare = folder.stiction(&[&["compare", "scene.toml"][..], &laws].concat());
+        assert_exit(&compare, 0);
+        let table = text(&compare.stdout);
+        assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+        let (_, table) = table.split_once("  ensemble").unwrap();
+        (folder, table.split_once("replicas with seed").unwrap().0.to_owned())
+    };
+    let (folder, table) = pressed("[\"5 uN\", \"20 uN\", \"1 N\"]");
+    let [means, stds] =
+        ["mean", "std"].map(|name| format!("/instability/pull_off_after_preload_{name}")).map(|name| {
+            let of = |law: usize| row(&folder, "laws.h5", &name, law, 3)[1];
+            [0, 1, 2].map(of)
+        });
+    for (law, name) in ["md_plastic", "hybrid", "tn"].iter().enumerate() {
+        let line = table.lines().find(|line| line.starts_with(&format!("  {name} "))).unwrap();
+        let off = 100.0 * (means[law] / means[0] - 1.0);
+        let off = if law == 0 { "first".to_owned() } else { format!("{off:+.2} %") };
+        let scatter = format!("{:.2} %", 100.0 * stds[law] / means[law]);
+        for part in [off.as_str(), scatter.as_str(), "20.00 µN"] {
+            assert!(line.contains(part), "{part}: {table}");
+        }
+        assert!(line.contains(&format!("{:.0}", 1e6 * means[law])), "{table}");
+    }
+    let (_, table) = pressed("\"1 N\"");
+    assert_eq!(table.matches("reaches no preload").count(), 3, "{table}");
+}
+
+/// Tables of comparisons fit a terminal.
+#[test]
+fn comparisons_fit_a_terminal() {
+    let folder = Folder::new(&small());
+    let compare =
+        folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl,gw,emd,fit:paper", "--ensemble"]);
+    assert_exit(&compare, 0);
+    let table = text(&compare.stdout);
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+}
+
 /// Where the first law has no pull-off, or one replica no scatter, there is nothing to compare with: a dash.
 #[test]
 fn what_is_not_known_is_a_dash() {
@@ -210,7 +249,7 @@ fn a_run_without_adhesion_says_so() {
 fn what_is_left_out_is_said() {
     let folder = Folder::new(&small());
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd,fit:paper"]);
-    let table = text(&compare.stdout);
+    let table = unbroken(&text(&compare.stdout));
     for part in
         ["asperities per replica are beyond its last regime", "f_snc is off by up to 33.74 % of its largest"]
     {

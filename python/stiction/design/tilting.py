@@ -154,7 +154,7 @@ class Mixture:
         places = (np.arange(patches) + rng.random()) / patches
         laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
-        parts = [self._part(laws[first : first + step], rng) for first in steps(range(0, laws.size, step), "", f"parts of {laws.size} patches")]
+        parts = [self._part(laws[first : first + step], rng) for first in steps(range(0, laws.size, step), "", f"parts of {laws.size} patches", is_all=False)]
         forces, likelihoods = (np.concatenate(of) for of in zip(*parts, strict=True))
         return Drawn(forces, likelihoods)
 

@@ -355,6 +355,8 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     of_replicas, quoted = values(run, "replicas/pull_off_force"), run.pull_off
     way = "retraction"
     if quoted.preload is not None:
+        if np.isnan(quoted.preload):
+            return empty(ax, "no patch reaches a preload")
         pressed = run["replicas/pull_off_after_preload"].sel(preload=quoted.preload).values
         of_replicas, way = pressed[np.isfinite(pressed)], f"after {quantities.si(quoted.preload, 'N')}"
     if not of_replicas.max() > 0.0:

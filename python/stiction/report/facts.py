@@ -304,7 +304,8 @@ def _run(run: Run) -> Facts:
                        "the statistical integral over asperity heights", quoted.of_integral),
             ]  # fmt: skip
     else:
-        numbers = [Number("pull-off force", "none", "no patch pulls", 0.0)]
+        why = "no patch pulls" if quoted.mean_over_patches <= 0.0 else "no patch reaches a preload"
+        numbers = [Number("pull-off force", "none", why, 0.0)]
     if loop:
         numbers.append(_mean("pull-off on approach", run["replicas/approach_pull_off_force"].values, "N"))
         for label, name in (("energy dissipated in a cycle", "replicas/dissipated_energy"),

@@ -5,20 +5,21 @@ use crate::asperity::{FitReport, Laws};
 use crate::cli::describe::{numbers, title};
 use crate::cli::failure::Failure;
 use crate::cli::independence::ratio;
-use crate::cli::rows::{labelled, row};
+use crate::cli::rows::{COLUMNS, broken, labelled, row};
 use crate::cli::summary::at_most;
+use crate::cli::sweep::together;
 use crate::estimate::beyond;
 use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::SceneLaws;
 use crate::experiment::stacked::{DRY, SweepPoint};
-use crate::format::{percent, si, signed_percent};
+use crate::format::{percent, si, si_with_error, signed_percent};
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::scene::Scene;
 use crate::surface::SamplingScheme;
-use crate::validation::SIGNIFICANCE;
+use crate::validation::disagreeing;
 use std::path::Path;
 
 /// A curve fit is off where its residual is more than this share of its largest force: the publication says
@@ -52,16 +53,24 @@ impl<'a> Row<'a> {
         let pair = |name: &str, place: &str| -> Result<[f64; 2], OutputError> {
             Ok([number(name)?, number(place)?])
         };
-        let forces = match scene.replicas {
-            0 => Vec::new(),
-            _ => reader.at_point::<f64>("/replicas/pull_off_force", &[at])?,
+        let std = match scene.replicas {
+            0 => f64::NAN,
+            _ if has_preloads(&scene) => {
+                let largest = scene.instability.preload.iter().position(|preload| *preload == point.preload);
+                let stds = reader.at_point::<f64>("/instability/pull_off_after_preload_std", &[at])?;
+                largest.map_or(f64::NAN, |largest| stds[largest])
+            }
+            _ => {
+                let forces = reader.at_point::<f64>("/replicas/pull_off_force", &[at])?;
+                Moments::of(forces.into_iter().filter(|force| !force.is_nan())).std()[0]
+            }
         };
         Ok(Self {
             name: scene.model.name,
             point,
             pull_off: pair("pull_off_force", "pull_off_separation")?,
             stiffness: pair("peak_stiffness", "peak_stiffness_separation")?,
-            std: Moments::of(forces.into_iter().filter(|force| !force.is_nan())).std()[0],
+            std,
             fit: law.fit().cloned(),
             limits: limits(&scene, law).into_iter().chain(dry).collect(),
         })
@@ -83,6 +92,7 @@ pub(super) fn table(
         text += &("\n".to_owned() + &ensemble(&scene, &rows));
     }
     text += &(fits(&rows) + &validity(&rows));
+    text = text.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
     let warnings = reader.optional_text("/", "warnings")?.unwrap_or_default();
     // Limits of the laws stand above.
     let finding = |line: &str| line.split(" (at ").next().unwrap_or_default().to_owned();
@@ -99,6 +109,11 @@ pub(super) fn table(
     Ok(text)
 }
 
+/// Whether pull-offs of the ensemble follow preloads; the integral has the whole loop.
+fn has_preloads(scene: &Scene) -> bool {
+    !scene.instability.preload.is_empty()
+}
+
 /// A value over that of the first law, less 1; NaN where one of them has none, which is 0 or negative.
 fn deviation(value: f64, first: f64) -> f64 {
     if value > 0.0 && first > 0.0 { value / first - 1.0 } else { f64::NAN }
@@ -107,8 +122,8 @@ fn deviation(value: f64, first: f64) -> f64 {
 /// Pull-off and stiffest point of the integral of each law.
 fn integral(scene: &Scene, rows: &[Row<'_>]) -> String {
     let mut text = format!(
-        "  {:<12}{:>12} {:>9}{:>11}   {:>14} {:>9}{:>11}\n",
-        "integral", "pull-off", "at h*", "deviation", "peak stiffness", "at h*", "deviation"
+        "  {:<12}{:>12}{:>8}{:>11}{:>13}{:>8}{:>11}\n",
+        "integral", "pull-off", "at h*", "deviation", "stiffest", "at h*", "deviation"
     );
     let ends = [scene.separations[0], scene.separations[scene.separations.len() - 1]];
     let mut edges = false;
@@ -126,9 +141,12 @@ fn integral(scene: &Scene, rows: &[Row<'_>]) -> String {
         let [force, at, off] = cells(own.pull_off, rows[0].pull_off[0], "N");
         let [stiffness, stiffest, stiffer] = cells(own.stiffness, rows[0].stiffness[0], "N/m");
         text += &format!(
-            "  {:<12}{force:>12} {at:>9}{off:>11}   {stiffness:>14} {stiffest:>9}{stiffer:>11}\n",
+            "  {:<12}{force:>12}{at:>8}{off:>11}{stiffness:>13}{stiffest:>8}{stiffer:>11}\n",
             own.name
         );
+    }
+    if has_preloads(scene) {
+        text += "  of the whole loop; only an ensemble has preloads: --ensemble\n";
     }
     if edges {
         text += "  * at the edge of the separations: it may lie beyond\n";
@@ -139,8 +157,8 @@ fn integral(scene: &Scene, rows: &[Row<'_>]) -> String {
 /// Whether asperities may be taken as independent under each law.
 fn independence(rows: &[Row<'_>]) -> String {
     let mut text = format!(
-        "  {:<13}{:>10} {:>13} {:>17} {:>15} {:>11} {:>13}\n",
-        "independence", "verdict", "shift", "attraction", "fluctuation", "in contact", "when closest"
+        "  {:<13}{:>8}{:>10}{:>12}{:>13}{:>12}{:>10}\n",
+        "independence", "verdict", "shift", "attraction", "fluctuation", "in contact", "closest"
     );
     for row in rows {
         let Some(own) = &row.point.independence else { continue };
@@ -149,7 +167,7 @@ fn independence(rows: &[Row<'_>]) -> String {
                 .map(|value| format!("{} σ", ratio(value)));
         let attraction = format!("{} k_s", ratio(own.relative_attractive_stiffness()));
         text += &format!(
-            "  {:<13}{:>10} {shift:>13} {attraction:>17} {fluctuation:>15} {:>11} {closest:>13}\n",
+            "  {:<13}{:>8}{shift:>10}{attraction:>12}{fluctuation:>13}{:>12}{closest:>10}\n",
             row.name,
             own.verdict().name(),
             percent(own.contact_share)
@@ -160,34 +178,41 @@ fn independence(rows: &[Row<'_>]) -> String {
 
 /// Pull-off of the replicas of each law.
 fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
+    let is_pressed = has_preloads(scene);
+    let last = if is_pressed { "after" } else { "± error" };
     let mut text = format!(
-        "  {:<12}{:>12}{:>15}{:>10}{:>12}{:>15}   cross-check\n",
-        "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
+        "  {:<12}{:>20}{:>9}{:>11}{last:>12}{:>9}\n",
+        "ensemble", "pull-off", "scatter", "deviation", "p-value"
     );
+    let p_values: Vec<f64> = rows.iter().map(|row| row.point.p_value).collect();
+    let disagree = disagreeing(&p_values);
     let mut agree = f64::NAN;
     let first = rows[0].point.pull_off[0];
     for (i, row) in rows.iter().enumerate() {
         let ([mean, error], difference) = (row.point.pull_off, &row.point.differences[0]);
-        let mut values = format!("{:>12}{:>52}", "none", "");
+        let mut cells = ["none", "", "", ""].map(str::to_owned);
         if mean > 0.0 {
-            let of_difference = if i > 0 { difference.most_differing } else { f64::NAN };
-            agree = agree.max(row.point.most_differing).max(of_difference);
-            let error = if error.is_finite() { si(error, "N") } else { "-".to_owned() };
-            let off = deviation(first + difference.mean, first);
-            let paired = match i {
-                0 => ["first".to_owned(), String::new()],
-                _ if off.is_nan() => [signed_percent(off), "-".to_owned()],
-                _ => [signed_percent(off), share(difference.standard_error / first)],
+            // Differences are of whole loops.
+            let (of, of_error) = match is_pressed {
+                true => (mean, si(row.point.preload, "N")),
+                false => (first + difference.mean, share(difference.standard_error / first)),
             };
-            values = format!(
-                "{:>12}{error:>15}{:>10}{:>12}{:>15}",
-                si(mean, "N"),
-                share(row.std / mean),
-                paired[0],
-                paired[1]
-            );
+            let of_difference = if i > 0 && !is_pressed { difference.most_differing } else { f64::NAN };
+            agree = agree.max(row.point.most_differing).max(of_difference);
+            let off = deviation(of, first);
+            let [off, of_error] = match i {
+                0 => ["first".to_owned(), if is_pressed { of_error } else { String::new() }],
+                _ if off.is_nan() && !is_pressed => [signed_percent(off), "-".to_owned()],
+                _ => [signed_percent(off), of_error],
+            };
+            cells = [si_with_error(mean, error, "N"), share(row.std / mean), off, of_error];
+        } else if is_pressed && row.point.preload.is_nan() {
+            cells[0] = "reaches no preload".to_owned();
         }
-        text += &format!("  {:<12}{values}   {}\n", row.name, verdict(row.point.p_value));
+        let [pull_off, scatter, off, last] = cells;
+        let p = if p_values[i].is_nan() { "-".to_owned() } else { format!("{:.3}", p_values[i]) };
+        let mark = if disagree[i] { " *" } else { "" };
+        text += &format!("  {:<12}{pull_off:>20}{scatter:>9}{off:>11}{last:>12}{p:>9}{mark}\n", row.name);
     }
     let replicas =
         if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };
@@ -196,23 +221,15 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
         scheme => format!(", {}", scheme.name()),
     };
     if agree.is_finite() {
-        text += &format!("  where there is no error all replicas agree: {}\n", at_most(agree));
+        text += &labelled("no ±", &format!("all replicas agree: {}", at_most(agree)));
     }
     text + &format!("  {replicas} with seed {}{sampling}, the same asperities for every law\n", scene.seed)
+        + &together(&p_values)
 }
 
 /// A share in per cent, a dash where it is not known.
 fn share(share: f64) -> String {
     if share.is_finite() { percent(share) } else { "-".to_owned() }
-}
-
-fn verdict(p_value: f64) -> String {
-    let level = 100.0 * SIGNIFICANCE;
-    match p_value {
-        p if p.is_nan() => "not tested".to_owned(),
-        p if p < SIGNIFICANCE => format!("disagree at the {level} % level, p = {p:.3}"),
-        p => format!("agree at the {level} % level, p = {p:.3}"),
-    }
 }
 
 /// Residuals of the curve fits, per force.
@@ -222,13 +239,8 @@ fn fits(rows: &[Row<'_>]) -> String {
         let Some(report) = &row.fit else { continue };
         if text.is_empty() {
             text = format!(
-                "\n  {:<12}{:>7}{:>24}{:>14}{:>18}{:>14}\n",
-                "curve fits",
-                "force",
-                "range of interference",
-                "largest error",
-                "of largest force",
-                "rms error"
+                "\n  {:<12}{:>6}{:>21}{:>15}{:>10}{:>12}\n",
+                "curve fits", "force", "interference", "largest error", "relative", "rms error"
             );
         }
         for (i, force) in FORCES.into_iter().enumerate() {
@@ -239,7 +251,7 @@ fn fits(rows: &[Row<'_>]) -> String {
             let [largest, rms] =
                 [report.largest_residual[i], report.rms_residual[i]].map(|error| si(error, "N"));
             text += &format!(
-                "  {name:<12}{force:>7}{:>24}{largest:>14}{share:>18}{rms:>14}\n",
+                "  {name:<12}{force:>6}{:>21}{largest:>15}{share:>10}{rms:>12}\n",
                 format!("{low} .. {high} nm")
             );
         }
@@ -277,7 +289,10 @@ fn validity(rows: &[Row<'_>]) -> String {
             if text.is_empty() {
                 text = "\n  not valid here\n".to_owned();
             }
-            text += &format!("  {:<12}{limit}\n", if i == 0 { row.name } else { "" });
+            let name = if i == 0 { row.name } else { "" };
+            for (line, part) in broken(limit, COLUMNS - 14).into_iter().enumerate() {
+                text += &format!("  {:<12}{part}\n", if line == 0 { name } else { "" });
+            }
         }
     }
     text

@@ -10,8 +10,8 @@ use crate::scene::echo::shortened;
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
     [(&RUN, Dimension::Separation), (&ASPERITIES, Dimension::Asperity)];
 
-/// Groups whose columns are of the whole loop, also where there are preloads.
-const OF_WHOLE_LOOP: [&str; 2] = ["device", "differences"];
+/// The group with columns of the whole loop, also where there are preloads.
+const OF_WHOLE_LOOP: &str = "differences";
 
 /// A column: its name, and the texts in its rows.
 type Column = (String, Vec<String>);
@@ -58,9 +58,7 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
         let name = match group {
             _ if own.is_coordinate => named(name, own),
             "" => named(name, own),
-            group if is_pressed && OF_WHOLE_LOOP.contains(&group) && name != "restoring_force" => {
-                named(&format!("{group}/{name} of the whole loop"), own)
-            }
+            OF_WHOLE_LOOP if is_pressed => named(&format!("{group}/{name} of the whole loop"), own),
             group => named(&format!("{group}/{name}"), own),
         };
         if columns.iter().any(|(known, _)| *known == name) {
@@ -107,13 +105,15 @@ fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Colu
     };
     let after = |name: &str| of(&format!("/instability/pull_off_after_preload_{name}"));
     let stuck = |name: &str| of(&format!("/device/stuck_{name}_after_preload"));
-    let (std, reached) = (after("std")?, of("/instability/preload_reached_count")?);
-    let error = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
+    let interval = after("interval")?;
+    let end = |place: usize| interval.iter().skip(place).step_by(2).copied().collect();
     let all = [
         ("pull_off_after_preload_mean", "N", after("mean")?),
-        ("pull_off_after_preload_standard_error", "N", error),
-        ("pull_off_after_preload_std", "N", std),
-        ("preload_reached_count", "1", reached),
+        ("pull_off_after_preload_standard_error", "N", after("standard_error")?),
+        ("pull_off_after_preload_from", "N", end(0)),
+        ("pull_off_after_preload_to", "N", end(1)),
+        ("pull_off_after_preload_std", "N", after("std")?),
+        ("preload_reached_count", "1", of("/instability/preload_reached_count")?),
         ("stuck_probability_after_preload", "1", stuck("probability")?),
         ("stuck_probability_low_after_preload", "1", stuck("probability_low")?),
         ("stuck_probability_high_after_preload", "1", stuck("probability_high")?),

@@ -20,7 +20,7 @@ pub(super) fn datasets() -> Vec<Dataset> {
     all.extend(stuck_replicas("_after_preload", &[Preload], after, |results| {
         let force = results.scene.restoring_force?;
         let own = Snaps::of(results);
-        let turns = (own.loading.retractions() > 0).then(|| own.places_of_turns())?;
+        let turns = (!own.loading.preload.is_empty()).then(|| own.places_of_turns())?;
         Some(turns.iter().map(|turn| own.stuck(*turn, force)).collect())
     }));
     all

@@ -3,7 +3,7 @@
 use super::ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 use super::replicas::GROUP as REPLICAS;
 use super::{Dataset, Results, Texts, path, proportions};
-use crate::experiment::snaps::{Counts, Snaps};
+use crate::experiment::snaps::{Counts, PulledOff, Snaps};
 use crate::math::quantile::Quantile;
 use crate::output::OutputError;
 use crate::output::schema::Dimension::{self, Preload, PullOffQuantile, RangeEnd, Replica, Stiffness};
@@ -48,34 +48,17 @@ pub(super) fn datasets() -> Vec<Dataset> {
             P,
             "1",
             "replicas that reach the preload",
-            |results| {
-                let own = Snaps::of(results);
-                Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn).count()).collect::<Vec<u64>>())
-            },
+            |results| Some(pull_offs(results)?.iter().map(|own| own.count).collect::<Vec<u64>>()),
         ),
+        after_preload("mean", "mean over the replicas that reach it", |own| own.mean),
+        after_preload("std", "standard deviation of one replica", |own| own.std),
+        after_preload("standard_error", "standard error of the mean", |own| own.standard_error),
         Dataset::new(
-            path(GROUP, "pull_off_after_preload_mean"),
-            P,
+            path(GROUP, "pull_off_after_preload_interval"),
+            &[Preload, RangeEnd],
             "N",
-            "pull-off force after the preload, mean over the replicas that reach it",
-            |results| {
-                let own = Snaps::of(results);
-                let mean = |turn: &usize| match own.pull_off(*turn) {
-                    moments if moments.count() == 0 => f64::NAN,
-                    moments => moments.mean()[0],
-                };
-                Some(turns(&own)?.iter().map(mean).collect::<Vec<f64>>())
-            },
-        ),
-        Dataset::new(
-            path(GROUP, "pull_off_after_preload_std"),
-            P,
-            "N",
-            "pull-off force after the preload, standard deviation of one replica",
-            |results| {
-                let own = Snaps::of(results);
-                Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn).std()[0]).collect::<Vec<f64>>())
-            },
+            "95 % interval of the mean pull-off force after the preload, by Student's t",
+            |results| Some(pull_offs(results)?.iter().flat_map(|own| own.interval).collect::<Vec<f64>>()),
         ),
         Dataset::new(
             path(GROUP, "pull_off_after_preload_quantile"),
@@ -95,6 +78,20 @@ pub(super) fn datasets() -> Vec<Dataset> {
         ),
     ]);
     all
+}
+
+/// The pull-off after each turn.
+fn pull_offs(results: &Results) -> Option<Vec<PulledOff>> {
+    let own = Snaps::of(results);
+    Some(turns(&own)?.iter().map(|turn| own.pull_off(*turn)).collect())
+}
+
+/// A number of the pull-off force after each preload.
+fn after_preload(name: &str, meaning: &str, of: fn(&PulledOff) -> f64) -> Dataset {
+    let meaning = format!("pull-off force after the preload, {meaning}");
+    Dataset::new(path(GROUP, &format!("pull_off_after_preload_{name}")), P, "N", &meaning, move |results| {
+        Some(pull_offs(results)?.iter().map(of).collect::<Vec<f64>>())
+    })
 }
 
 /// Quantiles of the pull-off after each turn.

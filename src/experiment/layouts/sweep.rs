@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 7],
+    version: [4, 8],
     groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),

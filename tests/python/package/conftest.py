@@ -43,6 +43,7 @@ MADE = {
         CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,
         **{"model.history": "loop", "instability.preload": ["1 mN", "30 mN", "10 N"], "device.restoring_force": "0.1 mN"},
     ),
+    "missed_preload": of_scene("preload", 4, **{"instability.preload": "10 N", "device.restoring_force": "0.1 mN"}),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
     "coupled": of_scene("coupled", 4),
     "background": of_scene("slider", 20),

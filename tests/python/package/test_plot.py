@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "pressed_sweep", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
+    "run", "retraction", "loop", "cycles", "instability", "preload", "device", "pressed_sweep", "missed_preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
     "choice", "comparison", "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 
@@ -49,7 +49,10 @@ def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
     # A sweep over laws or the nominal area has the figures of any sweep only if they are asked for.
     assert len(drawn) == {"comparison": 2, "finite_size": 3}.get(name, len(plot.panels(opened))) >= (1 if name == "alone" else 2)
     for ax in drawn:
-        assert ax.lines or ax.collections or ax.patches or ax.images or ax.texts
+        if not (ax.lines or ax.collections or ax.patches or ax.images):
+            # A panel without data says why.
+            assert name in ("missed_preload", "partial") and ax.texts, ax.get_title()
+            continue
         # Words, not names of datasets.
         for label in (ax.get_xlabel(), ax.get_ylabel()):
             assert "_" not in label.replace("$", "") and label, ax.get_title()

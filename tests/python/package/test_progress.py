@@ -14,6 +14,9 @@ def test_commands_without_a_terminal_have_lines(monkeypatch, capsys):
     assert list(progress.steps("abc", "words", "letters")) == ["a", "b", "c"]
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 3 and re.fullmatch(r"stiction spell: words: 2 of 3 letters, \d+ s so far, about \d+ s left", lines[1])
+    list(progress.steps("abc", "", "letters", is_all=False))
+    part = capsys.readouterr().err.splitlines()
+    assert re.fullmatch(r"stiction spell: 2 of 3 letters, \d+ s so far", part[1])
     list(progress.steps("abc", "words", "letters", progress=False))
     assert capsys.readouterr().err == ""
 

@@ -25,7 +25,7 @@ from stiction.report.facts import facts
 from stiction.report.page import _data
 
 KINDS = [
-    "run", "retraction", "loop", "instability", "preload", "device", "pressed_sweep", "stopping", "coupled", "background", "sweep", "grid_of_three", "choice", "comparison",
+    "run", "retraction", "loop", "instability", "preload", "device", "pressed_sweep", "missed_preload", "stopping", "coupled", "background", "sweep", "grid_of_three", "choice", "comparison",
     "finite_size", "alone", "alone_sweep", "asperities", "partial",
 ]  # fmt: skip
 

@@ -9,6 +9,7 @@ import pytest
 import xarray
 
 import stiction
+import stiction.report
 from stiction import FileError, plot
 from stiction.backend import StictionBackend
 
@@ -167,3 +168,12 @@ def test_a_sweep_with_preloads_quotes_the_largest_that_is_reached(result):
     stuck = sweep.after_largest_preload["stuck_probability"]
     np.testing.assert_allclose(stuck, (of > 1e-4).mean(axis=1), rtol=1e-15)
     assert "pull_off_excess" not in plot.panels(sweep) and "stuck_probability" in plot.panels(sweep)
+
+
+def test_a_preload_that_no_patch_reaches_has_no_pull_off(result):
+    run = result("missed_preload")
+    quoted = run.pull_off
+    assert np.isnan([quoted.mean_over_patches, *quoted.interval, quoted.preload]).all() and quoted.replicas == 0
+    assert np.isnan(run.after_largest_preload["stuck_probability"])
+    assert "no patch reaches a preload" in stiction.report.page([run])
+    assert "device/stuck_probability" not in run and quoted.of_integral > 0.0

@@ -1,7 +1,7 @@
 //! Scenes and plans of runs on the terminal, for every command that shows them.
 
 use super::instability::held;
-use super::rows::{COLUMNS, broken, labelled, row};
+use super::rows::{COLUMNS, broken, labelled, paragraph, row};
 use crate::asperity::scale::Scale;
 use crate::background::NamedForce;
 use crate::engine::{Limit, SCALARS, Stopping, Target};
@@ -11,7 +11,7 @@ use crate::liquid::{Film, Meniscus};
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
 use crate::scene::{Scene, sources_of_heights};
-use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
+use crate::surface::{CountLaw, HeightLaw, Heights, Radii, SamplingScheme, Surface};
 
 /// The title, the model, and what characterises the scene.
 pub(super) fn heading(scene: &Scene) -> String {
@@ -98,12 +98,22 @@ pub(super) fn numbers(scene: &Scene) -> String {
         let length = si(critical_approach, "m");
         text += &labelled("delta_A", &format!("{length}: critical approach, as the scene sets it"));
     }
-    let (mean, std) = surface.heights.moments();
+    let mean = surface.heights.moments().0;
+    let std = of_plane(&surface.heights).moments().1;
     let varies = match surface.count_law {
         CountLaw::Fixed => "",
         CountLaw::Poisson => " on average (Poisson)",
     };
     text += &labelled("N", &format!("{} asperities per replica{varies}", surface.asperity_count));
+    if let Some(depths) = surface.heights.depths() {
+        text += &labelled("shape", &depths.shape.about());
+        text += &paragraph(&format!(
+            "tips on {} um^2, up to {} behind its nearest point: further ones do not pull; the radius of their contacts is {}",
+            pure(1e12 * depths.area),
+            si(depths.deepest(), "m"),
+            si(surface.asperity_radius, "m")
+        ));
+    }
     let [of_surface, of_asperities] = sources_of_heights(scene);
     text += &height_std(scene, of_surface);
     text += &labelled("sigma_s", &format!("{}: rms height of the asperities, {of_asperities}", si(std, "m")));
@@ -167,13 +177,22 @@ fn films(scene: &Scene, film: Film) -> String {
     labelled("film", &text)
 }
 
+/// The heights, without the depths of their places under a body.
+fn of_plane(heights: &Heights) -> &Heights {
+    match &heights.law {
+        HeightLaw::Lowered(lowered) => &lowered.base,
+        _ => heights,
+    }
+}
+
 /// Laws of heights and radii, where heights are not Gaussian or radii not equal.
 fn laws(surface: &Surface, mean_height: f64) -> String {
     let mut text = String::new();
-    if surface.heights.law != HeightLaw::Gaussian {
-        let about = surface.heights.law.about();
+    let of_plane = of_plane(&surface.heights);
+    if of_plane.law != HeightLaw::Gaussian {
+        let about = of_plane.law.about();
         // What is cut off an end moves the mean.
-        let mean = if mean_height.abs() > 1e-9 * surface.heights.std {
+        let mean = if surface.heights.depths().is_none() && mean_height.abs() > 1e-9 * surface.heights.std {
             format!(", mean {}", si(mean_height, "m"))
         } else {
             String::new()

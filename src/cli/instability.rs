@@ -75,7 +75,7 @@ fn held_by(scene: &Scene, stiffness: usize, counts: Counts, way: &Way) -> String
 
 /// A stiffness, or load control.
 fn spring(scene: &Scene, stiffness: f64) -> String {
-    let of_patch = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.nominal_area);
+    let of_patch = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.loaded_area());
     match si(stiffness, "N/m") {
         _ if stiffness == 0.0 => "a constant load".to_owned(),
         text if stiffness == of_patch => format!("{text} (what a patch stands on)"),

@@ -123,7 +123,10 @@ impl CoupledJob<'_> {
         let Self { job, substrate, ends } = self;
         let replica = independent.by_lines(job);
         let Independent { index, curves: of_independent, .. } = independent;
-        let side = substrate.places.side(job.surface.nominal_area);
+        let side = match job.surface.heights.depths() {
+            Some(depths) => depths.side(),
+            None => substrate.places.side(job.surface.nominal_area),
+        };
         let mut placed = self.placed(index, side);
         let recorded =
             (index == 0 && !substrate.loads_at.is_empty()).then(|| self.recorded(&mut placed, side));
@@ -167,9 +170,14 @@ impl CoupledJob<'_> {
     fn placed(self, index: u64, side: f64) -> Placed {
         let Self { job, substrate, .. } = self;
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
-        job.draw(index).of(job.surface, &mut heights, &mut radii);
-        let random = &mut stream(job.seed, Purpose::Places, index);
-        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
+        let under_body = job.draw(index).placed(job.surface, &mut heights, &mut radii);
+        let places = match under_body {
+            Some(places) => places.into_iter().map(|place| place.map(|x| 0.5 + x / side)).collect(),
+            None => {
+                let random = &mut stream(job.seed, Purpose::Places, index);
+                substrate.places.draw(random, (heights.len(), side), substrate.coupling)
+            }
+        };
         let mut order: Vec<u32> = (0..heights.len() as u32).collect();
         order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
         let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);

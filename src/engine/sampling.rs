@@ -1,7 +1,7 @@
 //! The asperities of a replica under a sampling scheme.
 
 use super::stream::{Purpose, stream};
-use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, HeightLaw, Radii, STRATA, SamplingScheme, Surface};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
@@ -26,6 +26,22 @@ impl Draw {
     /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so
     /// that a surface on which one of them follows another law still has the others.
     pub fn of(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+        self.placed(surface, heights, radii);
+    }
+
+    /// Draws them, and gives the places, m, from the middle, of those under a body.
+    pub fn placed(
+        self,
+        surface: &Surface,
+        heights: &mut Vec<f64>,
+        radii: &mut Vec<f64>,
+    ) -> Option<Vec<[f64; 2]>> {
+        self.of_plane(surface, heights, radii);
+        let HeightLaw::Lowered(lowered) = &surface.heights.law else { return None };
+        Some(lowered.lower(&mut stream(self.seed, Purpose::Places, self.index), heights))
+    }
+
+    fn of_plane(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
         let Self { seed, scheme, index } = self;
         let count = count(surface, seed, index);
         heights.resize(count, 0.0);

@@ -21,6 +21,8 @@ pub(crate) fn mean_fields(
     let (surface, separations) = (&scene.surface, &scene.separations);
     match &scene.substrate {
         None => return Vec::new(),
+        // A body is no spring of one area.
+        Some(_) if surface.heights.depths().is_some() => return Vec::new(),
         Some(substrate) if substrate.coupling == Coupling::Periodic => {
             let own = |force: &Vec<f64>| MeanField {
                 separations: separations.clone(),

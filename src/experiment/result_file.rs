@@ -154,6 +154,9 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     writer.text("/", "radii", &scene.surface.radii.about())?;
     writer.text("/", "count", scene.surface.count_law.name())?;
     writer.number("/", "nominal_area", scene.surface.nominal_area)?;
+    if let Some(depths) = scene.surface.heights.depths() {
+        writer.text("/", "shape", &depths.shape.about())?;
+    }
     writer.scale(Dimension::Separation, &scene.separations);
     let of_separation =
         |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();

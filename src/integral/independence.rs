@@ -159,7 +159,7 @@ impl Independence {
         force_at: impl Fn(f64) -> f64,
     ) -> Self {
         let IntegralCurve { force, at_pull_off, largest_slope, .. } = *curve;
-        let area = surface.nominal_area;
+        let area = surface.loaded_area();
         let stiffness = substrate_stiffness(reduced_modulus, area);
         let expected = |quantity: Quantity| at_pull_off.expected[quantity.index()][0];
         let count = surface.asperity_count as f64;

@@ -29,6 +29,7 @@ mod reader;
 mod separation;
 #[doc(hidden)]
 pub mod settings;
+mod shape;
 mod spreading;
 mod stopping;
 mod substrate;

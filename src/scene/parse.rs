@@ -14,6 +14,7 @@ use super::measured::measured;
 use super::population::{Population, population};
 use super::reader::Section;
 use super::separation::Tips;
+use super::shape::{reached as tips_reached, shape};
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::{separation, stopping};
@@ -22,7 +23,7 @@ use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
 use crate::engine::Stopping;
 use crate::liquid::Meniscus;
-use crate::surface::{CountLaw, SamplingScheme, Surface};
+use crate::surface::{CountLaw, SamplingScheme, Shape, Surface};
 use std::sync::Arc;
 
 /// Reads a scene that is no sweep, and the values of files that it names.
@@ -47,6 +48,7 @@ struct Readings<'a> {
     forces: ForceSections<'a>,
     liquid: Option<CapillaryTable>,
     restoring_force: Option<f64>,
+    shape: Option<Arc<dyn Shape>>,
 }
 
 impl<'a> Readings<'a> {
@@ -54,10 +56,13 @@ impl<'a> Readings<'a> {
     fn read(root: &Section<'a>, files: &dyn Files) -> Result<Self, SceneError> {
         let section = |name: &'static str| required(root, name);
         let substrate = SubstrateTable::read(root);
-        let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
+        let around = Around {
+            is_coupled: substrate.as_ref().is_ok_and(Option::is_some),
+            has_body: root.get("shape").is_some(),
+        };
         let material = section("material").and_then(|material| Material::read(&material));
         let population = section("surface")
-            .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, is_coupled));
+            .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, &around));
         let is_wet = root.get("capillary").is_some();
         let model = root.section_or_empty("model").and_then(|model| ModelTable::read(&model, is_wet));
         // What a separation is depends on the surface, whether it is one does not.
@@ -76,9 +81,10 @@ impl<'a> Readings<'a> {
         let readings =
             (root.known(), heading(root), material, population, model, separation, instability, ensemble);
         let (solver, output, forces) = (sums(root), curves(root), ForceSections::read(root));
-        let device = restoring_force(root);
+        let device = (restoring_force(root), shape(root)).together();
         let readings = (readings.together(), solver, output, substrate, forces, capillary(root), device);
-        let (readings, sums, curves, substrate, forces, liquid, restoring_force) = readings.together()?;
+        let (readings, sums, curves, substrate, forces, liquid, device) = readings.together()?;
+        let (restoring_force, shape) = device;
         let ((), title, material, population, model, separation, instability, (ensemble, draws)) = readings;
         let (population, lubricant_thickness) = population;
         Ok(Self {
@@ -97,6 +103,7 @@ impl<'a> Readings<'a> {
             forces,
             liquid,
             restoring_force,
+            shape,
         })
     }
 
@@ -105,7 +112,11 @@ impl<'a> Readings<'a> {
     fn scene(self, text: &str, root: &Section<'a>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
         let Self { title, material, population, model, separation, instability, .. } = self;
         let Population { surface, places, mut inputs } = population;
-        let asperity = material.asperity(surface.asperity_radius, self.lubricant_thickness)?;
+        let radius = self
+            .shape
+            .as_ref()
+            .map_or(surface.asperity_radius, |shape| shape.touching(surface.asperity_radius));
+        let asperity = material.asperity(radius, self.lubricant_thickness)?;
         let ModelTable { law, history, cycle, unloading, critical_approach } = model;
         let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
         let law = wet(root, law, meniscus)?;
@@ -113,19 +124,28 @@ impl<'a> Readings<'a> {
         law.admits(&of_law).map_err(|error| {
             SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
         })?;
-        let separations = match separation::given(&separation, surface.surface_height_std)? {
-            Some(given) => given,
-            None => Tips {
-                asperity: &asperity,
-                surface: &surface,
-                liquid: law.meniscus().map_or(0.0, Meniscus::range),
-                preload: instability.largest_preload(),
-                flow: law.contact().filter(|_| instability.largest_preload() > 0.0).and_then(|contact| {
-                    let own = crate::asperity::model(contact.name())?;
-                    own.law(&LawParameters { table_range: None, ..of_law }).ok()
-                }),
+        let given = separation::given(&separation, surface.surface_height_std)?;
+        let (liquid, preload) = (law.meniscus().map_or(0.0, Meniscus::range), instability.largest_preload());
+        let flow = law.contact().filter(|_| given.is_none() && preload > 0.0).and_then(|contact| {
+            let own = crate::asperity::model(contact.name())?;
+            own.law(&LawParameters { table_range: None, ..of_law }).ok()
+        });
+        let separations = |surface: &Surface| {
+            let tips = Tips { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
+            given.clone().unwrap_or_else(|| tips.separations())
+        };
+        let (surface, separations) = match &self.shape {
+            Some(shape) => {
+                let distance = match &self.substrate {
+                    Some(table) => table.distance(&surface)?,
+                    None => 0.0,
+                };
+                tips_reached(&surface, shape, &asperity, distance, separations)?
             }
-            .separations(),
+            None => {
+                let separations = separations(&surface);
+                (surface, separations)
+            }
         };
         let range = (separations[0], separations[separations.len() - 1]);
         let forces =
@@ -142,7 +162,7 @@ impl<'a> Readings<'a> {
         let scene = Scene {
             text: text.to_owned(),
             title,
-            instability: instability.of(asperity.reduced_modulus, surface.nominal_area),
+            instability: instability.of(asperity.reduced_modulus, surface.loaded_area()),
             asperity,
             surface,
             model: law,
@@ -180,12 +200,18 @@ impl<'a> Readings<'a> {
     }
 }
 
+/// The surroundings of a surface.
+struct Around {
+    is_coupled: bool,
+    has_body: bool,
+}
+
 /// The table `[surface]`: its asperities, and the thickness of the lubricant, m.
 fn read_surface(
     surface: &Section<'_>,
     material: Option<&Material>,
     files: &dyn Files,
-    is_coupled: bool,
+    around: &Around,
 ) -> Result<(Population, f64), SceneError> {
     let lubricant = surface.value("lubricant_thickness").measured();
     // A radius that is given is judged before the surface that follows from it.
@@ -195,8 +221,9 @@ fn read_surface(
         material.asperity(radius, 0.0)?;
     }
     let population = match surface.get("asperities") {
-        Some(entry) => measured(surface, &entry, files, is_coupled),
-        None => population(surface, files),
+        Some(entry) if around.has_body => Err(entry.wrong("[shape] is for asperities by laws; leave it out")),
+        Some(entry) => measured(surface, &entry, files, around.is_coupled),
+        None => population(surface, files, around.has_body),
     };
     (population, lubricant).together()
 }

@@ -26,13 +26,19 @@ pub(super) struct Population {
 }
 
 /// The surface of `[surface]`, whose asperities are described by laws and lists.
-pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Population, SceneError> {
+pub(super) fn population(
+    section: &Section<'_>,
+    files: &dyn Files,
+    has_body: bool,
+) -> Result<Population, SceneError> {
     let mut inputs = Vec::new();
     let heights = heights(section, files, &mut inputs);
     let radii = radii(section, files, &mut inputs);
     let radius = given_radius(section, &radii);
-    let readings = (spectrum(section), heights, radii, radius, lengths(section), count(section));
-    let (spectrum, (heights, given_std), radii, radius, lengths, count_law) = readings.together()?;
+    let lengths = lengths(section, has_body);
+    let of_plane = if has_body { of_body(section) } else { Ok(()) };
+    let readings = (spectrum(section), heights, radii, radius, lengths, count(section), of_plane);
+    let (spectrum, (heights, given_std), radii, radius, lengths, count_law, ()) = readings.together()?;
     let radius = match (&radii, &spectrum, radius) {
         (_, Some(spectrum), _) => spectrum.radius(),
         (Radii::Sample(given), ..) => given.iter().sum::<f64>() / given.len() as f64,
@@ -48,6 +54,22 @@ pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Pop
     Ok(Population { surface, places: None, inputs })
 }
 
+/// Refuses keys that do not go with a body.
+fn of_body(section: &Section<'_>) -> Result<(), SceneError> {
+    let refused = [
+        ("nominal_area", "follows from [shape], which has asperities as far as they pull; leave it out"),
+        ("count", "is \"poisson\" under [shape], for as many as each spot has; leave it out"),
+        ("radii", "[shape] is for asperities of one radius; leave it out"),
+        ("summits", "[shape] is for asperities of one radius; leave it out"),
+        (
+            "spectrum",
+            "[shape] is for asperities of one radius: give asperity_radius, asperity_density and surface_height_std",
+        ),
+    ];
+    let given = refused.into_iter().filter_map(|(key, problem)| Some((section.get(key)?, problem)));
+    all(given.map(|(entry, problem)| Err::<(), _>(entry.wrong(problem)))).map(drop)
+}
+
 /// `count`: whether every replica has as many asperities.
 pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
     section.value("count").choice("count", &CountLaw::ALL)
@@ -57,13 +79,14 @@ pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
 struct Lengths {
     /// None where a spectrum has it.
     density: Option<f64>,
-    area: f64,
+    /// None where a body has it.
+    area: Option<f64>,
     surface_std: Option<f64>,
     asperity_std: Option<f64>,
     offset: Option<f64>,
 }
 
-fn lengths(section: &Section<'_>) -> Result<Lengths, SceneError> {
+fn lengths(section: &Section<'_>, has_body: bool) -> Result<Lengths, SceneError> {
     let optional = |key: &str| section.optional(key, |entry| entry.measured());
     let density = match section.get("spectrum") {
         Some(_) => Ok(None),
@@ -71,7 +94,7 @@ fn lengths(section: &Section<'_>) -> Result<Lengths, SceneError> {
     };
     let readings = (
         density,
-        section.measured("nominal_area"),
+        if has_body { Ok(None) } else { section.measured("nominal_area").map(Some) },
         section.optional("surface_height_std", |entry| {
             let faces = entry.one_or_two(Entry::measured)?;
             Ok(faces.into_iter().fold(0.0, f64::hypot))
@@ -106,7 +129,7 @@ fn rough_surface(
         Some(spectrum) => Roughness {
             asperity_radius,
             asperity_density: spectrum.density(),
-            nominal_area: area,
+            nominal_area: area.unwrap_or(1.0 / spectrum.density()),
             surface_height_std: Some(spectrum.m0.sqrt()),
             asperity_height_std: Some(spectrum.height_std()),
             mean_plane_offset: Some(offset.unwrap_or_else(|| spectrum.mean_height())),
@@ -114,7 +137,7 @@ fn rough_surface(
         None => Roughness {
             asperity_radius,
             asperity_density: density.expect("one that is not read is that of the spectrum"),
-            nominal_area: area,
+            nominal_area: area.unwrap_or_else(|| 1.0 / density.unwrap_or(1.0)),
             surface_height_std: surface_std,
             asperity_height_std,
             mean_plane_offset: offset,

@@ -6,7 +6,7 @@ use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use super::units::Dimension::Length;
 use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
-use crate::asperity::scale::Asperity;
+use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Facing, Law, Scratch, SolverStats};
 use crate::math::interpolation::linear;
 use crate::surface::{Heights, LENGTHS, Surface};
@@ -20,6 +20,8 @@ const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 const DEFAULT_COUNT: u32 = 161;
 /// Equilibrium spacings from a tip where it pulls with 1 % of its largest pull: (Z₀/(Z₀ + gap))² there.
 const REACH: f64 = 9.0;
+/// Units of approach and equilibrium spacings past which the pull-off of a tip under a body is.
+const PAST: f64 = 4.0;
 /// The probability that a replica has a tip that touches at the furthest of them.
 const TOUCHING: f64 = 1e-3;
 /// Ends of the range are whole multiples of 1 over this in h*, so that a few digits give their bits.
@@ -50,7 +52,7 @@ pub(super) struct Tips<'a> {
     /// The largest preload, N; 0 without any.
     pub preload: f64,
     /// The plastic contact of `md_plastic`, where there is a preload to reach.
-    pub flow: Option<Box<dyn Law>>,
+    pub flow: Option<&'a dyn Law>,
 }
 
 /// Halvings of the deepest contact that a law is solved at, and steps of each, for loads between them.
@@ -69,15 +71,13 @@ impl Tips<'_> {
     pub fn separations(&self) -> Vec<f64> {
         let (surface, sigma) = (self.surface, self.surface.surface_height_std);
         let normal = Heights::gaussian(1.0);
-        let scores =
-            (0..HEIGHTS).map(|i| normal.gaussian_quantile((f64::from(i) + 0.5) / f64::from(HEIGHTS)));
-        let heights: Vec<f64> = scores.map(|score| surface.heights.of_normal(score)).collect();
+        let heights = surface.heights.strata(HEIGHTS);
         let tallest = -normal.gaussian_quantile(TOUCHING / surface.asperity_count as f64);
         let furthest = surface.heights.of_normal(tallest)
             + self.asperity.lubricant_thickness
             + self.liquid
             + REACH * self.asperity.equilibrium_spacing;
-        let touching = Wanted { sum: LARGEST_SHARE * surface.nominal_area, scatter: 0.0 };
+        let touching = Wanted { sum: LARGEST_SHARE * surface.loaded_area(), scatter: 0.0 };
         let touching =
             self.closest(&heights, furthest, touching, &|depth| PI * surface.asperity_radius * depth);
         // The highest tips keep contacts that are small against their radius, also in a patch without tall ones.
@@ -87,14 +87,24 @@ impl Tips<'_> {
         let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
-                let of_law = self.loads(heights[heights.len() - 1] - heights[0] + surface.asperity_radius);
+                let (lowest, highest) =
+                    heights.iter().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(*z), high.max(*z)));
+                let of_law = self.loads(highest - lowest + surface.asperity_radius);
                 let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
                 end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth, &of_law))).floor()
             }
+            // Spots without tall tips come nearer than the mean.
+            false if surface.heights.depths().is_some() => end(highest - self.pulled()).floor(),
             false => end(touching).floor().max(end(small).ceil()),
         };
         let [from, to] = [from, end(furthest).ceil()].map(|steps| steps / STEPS_OF_ENDS * sigma);
         spaced(from, to, DEFAULT_COUNT)
+    }
+
+    /// The interference, m, at which the pull-off of a tip is past.
+    fn pulled(&self) -> f64 {
+        let length = Scale::new(self.asperity).map_or(0.0, |scale| scale.length);
+        PAST * (length + self.asperity.equilibrium_spacing)
     }
 
     /// The separation d, m, at which tips of `heights`, m, that overlap by a depth have enough of what a depth gives.
@@ -106,7 +116,8 @@ impl Tips<'_> {
             share * sum - wanted.scatter * (share * squares).sqrt() < wanted.sum
         };
         // A depth of all the radius is beyond every law.
-        let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);
+        let lowest = heights.iter().copied().fold(f64::MAX, f64::min);
+        let (mut near, mut far) = (lowest - self.surface.asperity_radius, furthest);
         while far - near > 1e-3 * self.surface.heights.std && near < 0.5 * (near + far) {
             let middle = 0.5 * (near + far);
             if lacks(middle) { far = middle } else { near = middle }
@@ -126,12 +137,12 @@ impl Tips<'_> {
     /// Depths, m, rising to the deepest contact, and the loads, N, of the plastic contact there less 2πR₁Δγ of its top, of
     /// the radius of curvature R₁ = 4E*a³/(3P).
     fn loads(&self, deepest: f64) -> [Vec<f64>; 2] {
-        let Some(law) = &self.flow else { return Default::default() };
+        let Some(law) = self.flow else { return Default::default() };
         let steps = (0..=HALVINGS * STEPS_OF_HALVING).rev();
         let depths: Vec<f64> =
             steps.map(|k| deepest * libm::exp2(-f64::from(k) / f64::from(STEPS_OF_HALVING))).collect();
         let mut loads = vec![0.0; depths.len()];
-        let facing = Facing { law: &**law, heights: &depths, separation: 0.0 };
+        let facing = Facing { law, heights: &depths, separation: 0.0 };
         let Asperity { reduced_modulus, work_of_adhesion, .. } = *self.asperity;
         facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, responses| {
             for (load, (pressed, area)) in

@@ -12,6 +12,8 @@ use toml::de::DeValue;
 const LEAST_DISTANCE: f64 = 0.5;
 /// Most asperities that are coupled.
 const MOST_COUPLED: usize = 1 << 20;
+/// Asperities of a surface that is large against their distances.
+const MANY: usize = 1_000_000;
 /// Most states whose asperities are recorded one by one.
 const MOST_STATES: usize = 1000;
 /// Share by which the sides of a map that is repeated as a square may differ.
@@ -76,6 +78,25 @@ impl<'a> SubstrateTable<'a> {
         Ok(coupling.map(|coupling| Self { section, coupling, kernel, places, minimum_distance, tolerance }))
     }
 
+    /// The least distance, m, of places under a body on a surface; 0 without any.
+    pub fn distance(&self, surface: &Surface) -> Result<f64, SceneError> {
+        let entry = || {
+            let named = ["minimum_distance", "positions"].into_iter().find_map(|key| self.section.get(key));
+            named.map_or_else(|| self.section.require("coupling"), Ok)
+        };
+        let spacing = 1.0 / surface.asperity_density.sqrt();
+        let distance = match self.places {
+            Places::HardCore(_) => self.minimum_distance.unwrap_or(LEAST_DISTANCE * spacing),
+            Places::Uniform => return Ok(0.0),
+            _ => return Err(entry()?.wrong("places under [shape] are random: \"hard_core\" or \"uniform\"")),
+        };
+        let checked = Places::HardCore(distance).check(MANY, (MANY as f64).sqrt() * spacing);
+        match checked {
+            Ok(()) => Ok(distance),
+            Err(problem) => Err(entry()?.wrong(&problem.to_string())),
+        }
+    }
+
     /// The half-space under a surface, whose asperities may have measured places, at separations, m.
     pub fn under(
         self,
@@ -90,6 +111,11 @@ impl<'a> SubstrateTable<'a> {
                 ["minimum_distance", "positions", "coupling"].into_iter().find_map(|key| section.get(key));
             named.expect("coupling has to be there")
         };
+        if surface.heights.depths().is_some() && coupling == Coupling::Periodic {
+            return Err(section
+                .require("coupling")?
+                .wrong("a body under [shape] is not repeated; \"patch\" would do"));
+        }
         if surface.asperity_count > MOST_COUPLED {
             return Err(entry().wrong(&format!(
                 "a surface has {} asperities; at most {MOST_COUPLED} are coupled",
@@ -105,6 +131,8 @@ impl<'a> SubstrateTable<'a> {
         }
         let spacing = (surface.nominal_area / surface.asperity_count as f64).sqrt();
         let places = match places {
+            // They were found under the body.
+            _ if surface.heights.depths().is_some() => Places::Uniform,
             Places::HardCore(_) => Places::HardCore(minimum_distance.unwrap_or(LEAST_DISTANCE * spacing)),
             other => other,
         };

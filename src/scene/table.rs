@@ -9,6 +9,7 @@ use super::choices::{
     SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
+use super::shape::SHAPES;
 use super::units::Dimension as Of;
 use crate::asperity::models::MODELS;
 use crate::asperity::{PlasticContact, UnloadedRadius, Unloading};
@@ -292,6 +293,50 @@ static FIRST: &[Key] = &[
              which comes closer to the force of an ellipsoid.",
         )
         .defaults_to("\"mean_curvature\""),
+    key("shape", "{ body = \"sphere\", radius = \"10 um\" }", Table)
+        .what("the body over the rough surface, such as a probe")
+        .about(
+            "Asperities are drawn at random places under it, each lower by the depth s of its place behind the nearest point; h is \
+             the separation there. Places from which nothing pulls at the smallest h are left out; `nominal_area` follows from that. A \
+             replica is a spot, with a Poisson number of asperities.",
+        )
+        .follows("none; a flat patch"),
+    key("shape.body", "\"sphere\"", Choice(|| names(SHAPES)))
+        .what("shape of the body")
+        .about(
+            "`sphere`: of `radius`. `paraboloid`: of the principal `radii`, crossed cylinders for one. `cylinder`: of `radius` and \
+             `length`, lying. `punch`: a flat end of `flat_radius` with an edge of `edge_radius`. `tilted`: a flat square of \
+             `side`, at an `angle`.",
+        ),
+    key("shape.radius", "\"10 um\"", Quantity(Of::Length, Positive))
+        .what("radius of a sphere or a cylinder")
+        .about("R_m: s = r²/2(R_m + R), and tips touch by 1/(1/R + 1/R_m).")
+        .follows("none; of `sphere` and `cylinder`, which need it")
+        .swept(),
+    key("shape.radii", "[\"10 um\", \"20 um\"]", OneOrMore(Of::Length, Positive, &[]))
+        .what("principal radii of a paraboloid")
+        .about("Radii of crossed cylinders.")
+        .follows("none; of `paraboloid`, which needs them"),
+    key("shape.length", "\"50 um\"", Quantity(Of::Length, Positive))
+        .what("length of a cylinder")
+        .follows("none; of `cylinder`, which needs it")
+        .swept(),
+    key("shape.flat_radius", "\"1 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the flat end of a punch")
+        .follows("none; of `punch`, which needs it")
+        .swept(),
+    key("shape.edge_radius", "\"0.2 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the edge of a punch")
+        .follows("none; of `punch`, which needs it")
+        .swept(),
+    key("shape.side", "\"10 um\"", Quantity(Of::Length, Positive))
+        .what("side of a tilted square")
+        .follows("none; of `tilted`, which needs it")
+        .swept(),
+    key("shape.angle", "\"0.1 deg\"", Quantity(Of::Angle, Positive))
+        .what("angle of a tilted square")
+        .follows("none; of `tilted`, which needs it")
+        .swept(),
     key("model", "{ law = \"md_plastic\" }", Table)
         .what("the law of one asperity, and the history")
         .follows("the defaults of its keys"),

@@ -419,7 +419,7 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     // The pull-off of a loop is on the way back.
     (is_of_tails && !scene.cycle).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
-        let flat = surface.nominal_area * planes.at(h).pressure;
+        let flat = surface.force_of(|h| planes.at(h).pressure, h);
         let h_star = h / surface.surface_height_std;
         Warning::new(
             format!(
@@ -505,7 +505,7 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
 /// Whether the half-space both couples the asperities and is a spring that holds the surface.
 fn twice(scene: &Scene) -> Option<Warning> {
     let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
-    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.nominal_area);
+    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.loaded_area());
     (is_patch && scene.instability.stiffness.contains(&stiffness)).then(|| {
         Warning::new(
             "the half-space of the patch gives way twice: under the asperities, and as the spring that holds them".to_owned(),
@@ -534,7 +534,7 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
         ));
     }
     let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
-    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.nominal_area);
+    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.loaded_area());
     let shift = surface.background_force(scene.separations[0]) / (stiffness * surface.surface_height_std);
     if is_patch && shift.abs() > LARGEST_SHIFT {
         warnings.push(Warning::new(

@@ -11,11 +11,14 @@
 //! | lognormal | (L − E\[L\])/√Var L, L = exp(ςz) for the shape ς and a standard normal deviate z |
 //! | truncated | a standard normal deviate of those between `lower` and `upper` |
 //! | sample | one of given values, each as likely |
+//! | lowered | of another law, less the depth of a place under a body ([`super::shape`]) |
 //!
-//! All but the last two have mean 0 and standard deviation 1. A truncated law keeps the scale of the normal
+//! All but the last three have mean 0 and standard deviation 1. A truncated law keeps the scale of the normal
 //! law that it was cut from, as a surface does whose tops are worn off. Values of a sample are heights
 //! themselves: its scale is 1.
 
+use super::lowered::Lowered;
+use super::shape::Depths;
 use crate::background::CapHeights;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -71,6 +74,8 @@ pub enum HeightLaw {
     Truncated(Truncated),
     /// Given heights, m, rising.
     Sample(Arc<[f64]>),
+    /// Heights of a plane under a body, m.
+    Lowered(Arc<Lowered>),
 }
 
 /// The Weibull law, standardised.
@@ -124,6 +129,7 @@ impl HeightLaw {
                 format!("gaussian from {} to {} standard deviations", law.lower, law.upper)
             }
             Self::Sample(values) => format!("one of {} given values", values.len()),
+            Self::Lowered(law) => law.base.law.about(),
         }
     }
 }
@@ -264,6 +270,7 @@ impl Heights {
                 let (mean, std) = sample_moments(values);
                 (self.mean + mean, std)
             }
+            HeightLaw::Lowered(law) => law.moments(),
             _ => (self.mean, self.std),
         }
     }
@@ -279,6 +286,7 @@ impl Heights {
             HeightLaw::Sample(values) => {
                 return (self.mean + values[0], self.mean + values[values.len() - 1]);
             }
+            HeightLaw::Lowered(law) => return law.between(law.base.support()),
         };
         (self.mean + self.std * low, self.mean + self.std * high)
     }
@@ -293,6 +301,7 @@ impl Heights {
             HeightLaw::LogNormal(law) => (f64::NEG_INFINITY, law.of_normal(margin)),
             HeightLaw::Gaussian | HeightLaw::Truncated(_) => (-margin, margin),
             HeightLaw::Sample(_) => return support,
+            HeightLaw::Lowered(law) => return law.between(law.base.reach(margin)),
         };
         (support.0.max(self.mean + self.std * low), support.1.min(self.mean + self.std * high))
     }
@@ -309,6 +318,7 @@ impl Heights {
             HeightLaw::Truncated(law) if s < law.lower || s > law.upper => 0.0,
             HeightLaw::Truncated(law) => normal_density(s) / law.probability,
             HeightLaw::Sample(_) => f64::NAN,
+            HeightLaw::Lowered(law) => return law.density(u),
         };
         density / self.std
     }
@@ -332,6 +342,7 @@ impl Heights {
                 let below = |limit: f64| values.partition_point(|u| self.mean + u < limit);
                 (below(high) - below(low)) as f64 / values.len() as f64
             }
+            HeightLaw::Lowered(law) => law.probability(low, high),
         }
     }
 
@@ -348,8 +359,27 @@ impl Heights {
             HeightLaw::LogNormal(law) => law.of_normal(z),
             HeightLaw::Truncated(law) => law.of_normal(below(), above()),
             HeightLaw::Sample(values) => return self.mean + values[of_score(z, values.len())],
+            HeightLaw::Lowered(law) => return law.of_normal(z),
         };
         self.mean + self.std * s
+    }
+
+    /// Heights, m, that stand for the law, at even probabilities.
+    pub fn strata(&self, count: u32) -> Vec<f64> {
+        if let HeightLaw::Lowered(law) = &self.law {
+            return law.strata(count);
+        }
+        let normal = Self::gaussian(1.0);
+        let scores = (0..count).map(|i| normal.gaussian_quantile((f64::from(i) + 0.5) / f64::from(count)));
+        scores.map(|score| self.of_normal(score)).collect()
+    }
+
+    /// The depths of the places of the asperities under a body, if there is one.
+    pub fn depths(&self) -> Option<&Depths> {
+        match &self.law {
+            HeightLaw::Lowered(law) => Some(&law.depths),
+            _ => None,
+        }
     }
 
     /// The normal score of a height, m.
@@ -369,6 +399,9 @@ impl Heights {
     /// Rising heights, m, from `low` to `high` that divide the law between them into panels on which its
     /// density is smooth and varies little; nothing is where it is negligible.
     pub fn panels(&self, low: f64, high: f64) -> Vec<f64> {
+        if let HeightLaw::Lowered(law) = &self.law {
+            return law.panels(low, high);
+        }
         let [low, high] = [low, high].map(|u| (u - self.mean) / self.std);
         let panels = match &self.law {
             HeightLaw::Gaussian => normal_panels(low, high),
@@ -382,12 +415,13 @@ impl Heights {
                 let low = low.max(law.of_exponential(0.0));
                 even(low, high.min(law.of_exponential(law.exponential(low) + NEGLIGIBLE)))
             }
-            HeightLaw::Sample(_) => Vec::new(),
+            HeightLaw::Sample(_) | HeightLaw::Lowered(_) => Vec::new(),
         };
         panels.into_iter().map(|s| self.mean + self.std * s).collect()
     }
 
-    /// Draws heights, m; normal deviates by the ziggurat method.
+    /// Draws heights, m, under a body those of the plane, which [`Lowered::lower`] lowers; normal deviates by the
+    /// ziggurat method.
     pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
         let standard = |heights: &mut [f64], deviate: &mut dyn FnMut() -> f64| {
             heights.fill_with(|| self.mean + self.std * deviate());
@@ -411,6 +445,7 @@ impl Heights {
             HeightLaw::Sample(values) => {
                 heights.fill_with(|| self.mean + values[random.random_range(0..values.len())]);
             }
+            HeightLaw::Lowered(law) => law.base.draw(random, heights),
         }
     }
 }

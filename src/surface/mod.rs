@@ -1,13 +1,17 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
 mod heights;
+mod lowered;
 #[doc(hidden)]
 pub mod nayak;
 mod places;
 mod radii;
 mod scheme;
+mod shape;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
+#[doc(hidden)]
+pub use lowered::Lowered;
 pub use nayak::Spectrum;
 pub use places::{MeasuredPlaces, Places, PlacesError};
 pub use radii::Radii;
@@ -16,6 +20,8 @@ pub use radii::{RADIUS_RANGE, RadiusClass, RadiusPanels};
 #[doc(hidden)]
 pub use scheme::STRATA;
 pub use scheme::SamplingScheme;
+#[doc(hidden)]
+pub use shape::{Depths, Shape};
 
 use crate::background::Background;
 use crate::format::si;
@@ -330,6 +336,43 @@ impl Surface {
             return of_asperities;
         }
         of_asperities - self.background_force(separation) - self.spread_force(way, separation)
+    }
+
+    /// The surface under a body, on as large an area as holds all tips that are at most so deep, m, behind the nearest ones,
+    /// and a little more: a whole number of asperities on average, with a least distance, m, or 0.
+    pub fn under(self, shape: &Arc<dyn Shape>, depth: f64, distance: f64) -> Self {
+        let (tip, density) = (self.asperity_radius, self.asperity_density);
+        let count = (density * shape.area(depth, tip)).ceil().max(1.0);
+        let area = (count / density).min(shape.largest());
+        let depths = Depths { shape: Arc::clone(shape), tip, area, distance };
+        let base = self.heights.clone();
+        let law = HeightLaw::Lowered(Arc::new(Lowered::new(self.heights, depths)));
+        Self {
+            heights: Heights { law, ..base },
+            asperity_radius: shape.touching(tip),
+            asperity_count: (density * area).round().max(1.0) as usize,
+            nominal_area: area,
+            count_law: CountLaw::Poisson,
+            ..self
+        }
+    }
+
+    /// The force, N, of a pressure between the faces, Pa, that depends on their separation, at a separation h, m.
+    pub fn force_of(&self, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
+        let Some(depths) = self.heights.depths() else { return self.nominal_area * pressure(separation) };
+        let deepest = depths.deepest();
+        let doubled = std::iter::successors(Some(self.surface_height_std), |depth| Some(2.0 * depth));
+        let inner = doubled.take_while(|depth| *depth < deepest);
+        let breaks: Vec<f64> = std::iter::once(0.0).chain(inner).chain([deepest]).collect();
+        depths.area * depths.mean(&breaks, |depth| pressure(separation + depth))
+    }
+
+    /// The area, m², on which the force acts: the nominal one, of a body that of the places that are at most σ deep.
+    pub fn loaded_area(&self) -> f64 {
+        match self.heights.depths() {
+            Some(depths) => depths.share(self.surface_height_std) * depths.area,
+            None => self.nominal_area,
+        }
     }
 
     /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.

@@ -33,7 +33,7 @@ INFINITE = re.compile(r"variance_r|longest_stable_wavelength")
 SIGNED = re.compile(
     r"external|difference|separation|interval|quantile|/scalar_|target_mean|/z_|_z$|/probe_|/mean_field_|"
     r"pull_off|secant|peak|height|offset|energy|shift|kurtosis|bias|approach|highest|h_star|/background/|"
-    r"preload|independent_from|control$|spread_force|contour_force|interference|step_count|jump_|/fit/[cr]"
+    r"preload|independent_from|control$|spread_force|contour_force|interference|step_count|/step$|jump_|/fit/[cr]"
 )
 COUPLED = re.compile(r"^/coupling/|/independent_|/mean_field_|largest_crowding")
 RISING = "separation h_star asperity_separation step quantile replica avalanche_size energy_class".split()

@@ -731,6 +731,11 @@ const OF_SPECTRUM: &[&str] =
     &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
 
 const VARIANTS: &[Variant] = &[
+    (&["surface.nominal_area"], &["shape.body", "shape.radius"], &[]),
+    (&["surface.nominal_area"], &["shape.radii"], &[("shape.body", "\"paraboloid\"")]),
+    (&["surface.nominal_area"], &["shape.radius", "shape.length"], &[("shape.body", "\"cylinder\"")]),
+    (&["surface.nominal_area"], &["shape.flat_radius", "shape.edge_radius"], &[("shape.body", "\"punch\"")]),
+    (&["surface.nominal_area"], &["shape.side", "shape.angle"], &[("shape.body", "\"tilted\"")]),
     (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
     (&[], &["substrate.coupling", "substrate.positions", "substrate.tolerance", "substrate.loads_at"], &[]),
     (&[], &["model.plastic_contact"], &[("model.law", "\"md_plastic\"")]),

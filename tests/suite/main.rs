@@ -32,6 +32,7 @@ mod md_plastic;
 mod measured_surfaces;
 mod outputs;
 mod populations;
+mod probe;
 mod processors;
 mod programs;
 mod quantiles;

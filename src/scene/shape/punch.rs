@@ -1,0 +1,60 @@
+//! A punch with a flat round end and a rounded edge.
+
+use super::ShapeReader;
+use crate::format::si;
+use crate::scene::error::Together;
+use crate::surface::Shape;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+pub(super) const SHAPE: (&str, &ShapeReader) = (
+    "punch",
+    &ShapeReader {
+        keys: &["flat_radius", "edge_radius"],
+        read: |section| {
+            let (flat, edge) =
+                (section.measured("flat_radius"), section.measured("edge_radius")).together()?;
+            Ok(Arc::new(Punch { flat, edge }))
+        },
+    },
+);
+
+/// A punch: the radius of its flat end, and that of the section of its edge, m.
+#[derive(Debug)]
+struct Punch {
+    flat: f64,
+    edge: f64,
+}
+
+impl Shape for Punch {
+    fn name(&self) -> &'static str {
+        SHAPE.0
+    }
+
+    fn about(&self) -> String {
+        format!("punch of radius {}, its edge rounded by {}", si(self.flat, "m"), si(self.edge, "m"))
+    }
+
+    fn area(&self, depth: f64, tip: f64) -> f64 {
+        PI * (self.flat + (2.0 * (self.edge + tip) * depth).sqrt()).powi(2)
+    }
+
+    fn depth(&self, area: f64, tip: f64) -> f64 {
+        ((area / PI).sqrt() - self.flat).max(0.0).powi(2) / (2.0 * (self.edge + tip))
+    }
+
+    fn place(&self, area: f64, turn: f64, _: f64) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(2.0 * PI * turn);
+        let r = (area / PI).sqrt();
+        [r * cos, r * sin]
+    }
+
+    /// Most tips touch the flat end.
+    fn touching(&self, tip: f64) -> f64 {
+        tip
+    }
+
+    fn is_uniform(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,53 @@
+//! A sphere, or a body of one radius at its apex.
+
+use super::ShapeReader;
+use crate::format::si;
+use crate::surface::Shape;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+pub(super) const SHAPE: (&str, &ShapeReader) = (
+    "sphere",
+    &ShapeReader {
+        keys: &["radius"],
+        read: |section| Ok(Arc::new(Sphere { radius: section.measured("radius")? })),
+    },
+);
+
+/// A sphere of a radius, m.
+#[derive(Debug)]
+struct Sphere {
+    radius: f64,
+}
+
+impl Shape for Sphere {
+    fn name(&self) -> &'static str {
+        SHAPE.0
+    }
+
+    fn about(&self) -> String {
+        format!("sphere of radius {}", si(self.radius, "m"))
+    }
+
+    fn area(&self, depth: f64, tip: f64) -> f64 {
+        2.0 * PI * (self.radius + tip) * depth
+    }
+
+    fn depth(&self, area: f64, tip: f64) -> f64 {
+        area / (2.0 * PI * (self.radius + tip))
+    }
+
+    fn place(&self, area: f64, turn: f64, _: f64) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(2.0 * PI * turn);
+        let r = (area / PI).sqrt();
+        [r * cos, r * sin]
+    }
+
+    fn touching(&self, tip: f64) -> f64 {
+        1.0 / (1.0 / tip + 1.0 / self.radius)
+    }
+
+    fn is_uniform(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,174 @@
+//! Heights of asperities under a body whose face lies behind its nearest point.
+
+use super::heights::Heights;
+use super::shape::Depths;
+use crate::math::piecewise::Piecewise;
+use crate::math::roots::{Sample, safe_newton};
+use rand::Rng;
+use std::sync::OnceLock;
+
+/// Relative accuracy of a quantile's probability.
+const ACCURACY: f64 = 1e-14;
+/// Panels of a law of heights that are integrated over at once.
+const PANELS: usize = 2;
+/// Relative error of a tabulated density, and the standard deviations of the plane's heights up to which it is tabulated.
+const TABLE: (f64, f64) = (1e-12, 12.0);
+/// Panels as wide as the standard deviation next to the ends of heights.
+const EVEN: usize = 25;
+/// Roundings of a share.
+const ROUNDINGS: f64 = 32.0;
+/// A depth below this share of the standard deviation is none.
+const NO_DEPTH: f64 = 1e-9;
+
+/// Heights less the depths of their places: those of a plane, at random places under a body.
+#[derive(Clone, Debug)]
+pub struct Lowered {
+    /// The heights of the plane.
+    pub base: Heights,
+    /// The depths.
+    pub depths: Depths,
+    /// The density above the lowest height, made when it is asked for.
+    densities: OnceLock<Piecewise>,
+}
+
+impl PartialEq for Lowered {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.base, &self.depths) == (&other.base, &other.depths)
+    }
+}
+
+impl Lowered {
+    /// Heights of a plane at random places.
+    pub fn new(base: Heights, depths: Depths) -> Self {
+        Self { base, depths, densities: OnceLock::new() }
+    }
+
+    /// Mean and standard deviation, m.
+    pub fn moments(&self) -> (f64, f64) {
+        let ends = [0.0, self.depths.deepest()];
+        let mean = self.depths.mean(&ends, |depth| depth);
+        let variance = self.depths.mean(&ends, |depth| (depth - mean).powi(2));
+        let (of_plane, std) = self.base.moments();
+        (of_plane - mean, std.hypot(variance.sqrt()))
+    }
+
+    /// The ends of a range of heights of the plane, m, as lowered ones reach them.
+    pub fn between(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        (low - self.depths.deepest(), high)
+    }
+
+    /// Depths, m, at which heights from `u`, m, on meet panels of the plane's.
+    fn breaks(&self, u: f64) -> Vec<f64> {
+        let deepest = self.depths.deepest();
+        let panels = self.base.panels(u, u + deepest);
+        let last = panels.last().copied();
+        let depth_of = |z: f64| match (z - u).clamp(0.0, deepest) {
+            depth if depth < NO_DEPTH * self.base.std => 0.0,
+            depth => depth,
+        };
+        let mut depths: Vec<f64> = panels.into_iter().step_by(PANELS).chain(last).map(depth_of).collect();
+        depths.dedup();
+        depths
+    }
+
+    /// Probability density at a height, m: 1/m.
+    pub fn density(&self, u: f64) -> f64 {
+        if self.depths.shape.is_uniform() {
+            let deepest = self.depths.deepest();
+            return self.base.probability(u, u + deepest) / deepest;
+        }
+        let direct = |u: f64| self.depths.mean(&self.breaks(u), |depth| self.base.density(u + depth));
+        let (low, high) = self.between(self.base.reach(TABLE.1));
+        if !(u > low && u <= high) {
+            return direct(u);
+        }
+        // Shares of the area that differ by a standard deviation of heights are rounded by as much.
+        let error = TABLE.0.max(ROUNDINGS * f64::EPSILON * (high - low) / self.base.std);
+        let make = || Piecewise::new(|x| direct(low + x), |_, density| error * density, 0.0, high - low);
+        let mut density = [f64::NAN];
+        self.densities.get_or_init(make).values(&[u - low], &mut density);
+        if density[0].is_nan() { direct(u) } else { density[0] }
+    }
+
+    /// Probability of a height between two, m.
+    pub fn probability(&self, low: f64, high: f64) -> f64 {
+        let ends = [0.0, self.depths.deepest()];
+        let met = [low, high].into_iter().filter(|u| u.is_finite()).flat_map(|u| self.breaks(u));
+        let mut breaks: Vec<f64> = met.chain(ends).collect();
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        self.depths.mean(&breaks, |depth| self.base.probability(low + depth, high + depth))
+    }
+
+    /// The height, m, of a normal score.
+    pub fn of_normal(&self, z: f64) -> f64 {
+        let normal = Heights::gaussian(1.0);
+        let high = self.base.of_normal(z);
+        let low = high - self.depths.deepest();
+        let (below, above) = (normal.probability(f64::NEG_INFINITY, z), normal.probability(z, f64::INFINITY));
+        let of = |x: f64| {
+            let u = low + x;
+            let value = match z < 0.0 {
+                true => below - self.probability(f64::NEG_INFINITY, u),
+                false => self.probability(u, f64::INFINITY) - above,
+            };
+            Sample { value, slope: -self.density(u) }
+        };
+        let enough = ACCURACY * below.min(above);
+        let root = safe_newton(of, 0.0, high - low, f64::NAN, |_, sample| sample.value.abs() <= enough);
+        low + root.x
+    }
+
+    /// Rising heights, m, between two that divide the law into panels on which its density is smooth.
+    pub fn panels(&self, low: f64, high: f64) -> Vec<f64> {
+        let deepest = self.depths.deepest();
+        let (least, most) = self.between(self.base.reach(TABLE.1));
+        // Far out in a tail the nearest or the deepest places alone count, and less of them counts, too.
+        let nearest = self.base.panels(low, high).last().copied();
+        let furthest = self.base.panels(low + deepest, high + deepest).first().map(|u| u - deepest);
+        let first = low.max(furthest.map_or(least, |u| u.min(least)));
+        let last = high.min(nearest.map_or(most, |u| u.max(most)));
+        if !(first < last) {
+            return Vec::new();
+        }
+        let mut panels = outwards(first, last, self.base.std);
+        // Where the plane's heights end, on the nearest and on the deepest places.
+        let (least, most) = self.base.support();
+        let ends = [least, most].into_iter().flat_map(|end| [end, end - deepest]);
+        panels.extend(ends.filter(|end| *end > first && *end < last));
+        panels.sort_by(f64::total_cmp);
+        panels.dedup();
+        panels
+    }
+
+    /// Lowers heights of the plane, m, each by the depth of a random place, and gives the places, m, from the middle.
+    pub fn lower(&self, random: &mut impl Rng, heights: &mut [f64]) -> Vec<[f64; 2]> {
+        let places = self.depths.places(heights.len(), random);
+        heights.iter_mut().zip(&places).for_each(|(height, (depth, _))| *height -= depth);
+        places.into_iter().map(|(_, place)| place).collect()
+    }
+
+    /// Heights, m, that stand for the law: those of the plane at even probabilities, each at another depth.
+    pub fn strata(&self, count: u32) -> Vec<f64> {
+        // Multiples of the golden ratio are spread evenly.
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        let heights = self.base.strata(count).into_iter().enumerate();
+        heights.map(|(i, height)| height - self.depths.depth((i as f64 * golden).fract())).collect()
+    }
+}
+
+/// Rising ends of panels from one to another, as wide as `width` next to both and twice as wide each further in: there the
+/// density varies over the distance from the ends.
+fn outwards(first: f64, last: f64, width: f64) -> Vec<f64> {
+    let half = 0.5 * (last - first);
+    let (mut distances, mut width) = (vec![0.0], width);
+    while distances[distances.len() - 1] + width < half {
+        distances.push(distances[distances.len() - 1] + width);
+        if distances.len() > EVEN {
+            width *= 2.0;
+        }
+    }
+    let down = distances.iter().rev().map(|distance| last - distance);
+    let up = distances.iter().map(|distance| first + distance);
+    up.chain([first + half]).chain(down).collect()
+}

@@ -50,9 +50,9 @@ pub(super) fn datasets() -> Vec<Dataset> {
             "replicas that reach the preload",
             |results| Some(pull_offs(results)?.iter().map(|own| own.count).collect::<Vec<u64>>()),
         ),
-        after_preload("mean", "mean over the replicas that reach it", |own| own.mean),
-        after_preload("std", "standard deviation of one replica", |own| own.std),
-        after_preload("standard_error", "standard error of the mean", |own| own.standard_error),
+        pulled_off("mean", "mean over the replicas that reach it", |own| own.mean),
+        pulled_off("std", "standard deviation of one replica", |own| own.std),
+        pulled_off("standard_error", "standard error of the mean", |own| own.standard_error),
         Dataset::new(
             path(GROUP, "pull_off_after_preload_interval"),
             &[Preload, RangeEnd],
@@ -87,7 +87,7 @@ fn pull_offs(results: &Results) -> Option<Vec<PulledOff>> {
 }
 
 /// A number of the pull-off force after each preload.
-fn after_preload(name: &str, meaning: &str, of: fn(&PulledOff) -> f64) -> Dataset {
+fn pulled_off(name: &str, meaning: &str, of: fn(&PulledOff) -> f64) -> Dataset {
     let meaning = format!("pull-off force after the preload, {meaning}");
     Dataset::new(path(GROUP, &format!("pull_off_after_preload_{name}")), P, "N", &meaning, move |results| {
         Some(pull_offs(results)?.iter().map(of).collect::<Vec<f64>>())

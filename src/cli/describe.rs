@@ -98,8 +98,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
         let length = si(critical_approach, "m");
         text += &labelled("delta_A", &format!("{length}: critical approach, as the scene sets it"));
     }
-    let mean = surface.heights.moments().0;
-    let std = of_plane(&surface.heights).moments().1;
+    let (mean, std) = of_plane(&surface.heights).moments();
     let varies = match surface.count_law {
         CountLaw::Fixed => "",
         CountLaw::Poisson => " on average (Poisson)",
@@ -108,7 +107,8 @@ pub(super) fn numbers(scene: &Scene) -> String {
     if let Some(depths) = surface.heights.depths() {
         text += &labelled("shape", &depths.shape.about());
         text += &paragraph(&format!(
-            "tips on {} um^2, up to {} behind its nearest point: further ones do not pull; the radius of their contacts is {}",
+            "asperities on {} um^2, up to {} behind its nearest point; places further away do not pull; equivalent \
+             radius of contacts {}",
             pure(1e12 * depths.area),
             si(depths.deepest(), "m"),
             si(surface.asperity_radius, "m")
@@ -192,7 +192,7 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
     if of_plane.law != HeightLaw::Gaussian {
         let about = of_plane.law.about();
         // What is cut off an end moves the mean.
-        let mean = if surface.heights.depths().is_none() && mean_height.abs() > 1e-9 * surface.heights.std {
+        let mean = if mean_height.abs() > 1e-9 * surface.heights.std {
             format!(", mean {}", si(mean_height, "m"))
         } else {
             String::new()

@@ -149,8 +149,7 @@ fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
             0 => "-".to_owned(),
             _ => si_with_error(difference.mean, difference.standard_error, "N"),
         };
-        let mark = if disagree[point] { " *" } else { "" };
-        let p = if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) };
+        let p = p_value(row.p_value, disagree[point]);
         let verdict = row.independence.map_or("-", |own| own.verdict().name()).to_owned();
         let [mean, error] = row.pull_off;
         let stuck = percent(row.stuck_probability);
@@ -193,6 +192,12 @@ fn agreeing(rows: &[SweepPoint]) -> String {
         text += &labelled("no ±", &format!("all replicas agree, and there is no error: {}", at_most(most)));
     }
     text
+}
+
+/// The p-value of a point, marked where it disagrees; a dash where it is not tested.
+pub(super) fn p_value(p_value: f64, disagrees: bool) -> String {
+    let mark = if disagrees { " *" } else { "" };
+    if p_value.is_nan() { "-".to_owned() } else { format!("{p_value:.3}{mark}") }
 }
 
 /// The verdict of the cross-checks of all points.

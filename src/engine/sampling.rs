@@ -26,10 +26,11 @@ impl Draw {
     /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so
     /// that a surface on which one of them follows another law still has the others.
     pub fn of(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-        self.placed(surface, heights, radii);
+        self.of_plane(surface, heights, radii);
+        self.lower(surface, heights, None);
     }
 
-    /// Draws them, and gives the places, m, from the middle, of those under a body.
+    /// Draws the asperities as [`Draw::of`], and gives the places, m, from the middle, of asperities under a body.
     pub fn placed(
         self,
         surface: &Surface,
@@ -37,10 +38,18 @@ impl Draw {
         radii: &mut Vec<f64>,
     ) -> Option<Vec<[f64; 2]>> {
         self.of_plane(surface, heights, radii);
-        let HeightLaw::Lowered(lowered) = &surface.heights.law else { return None };
-        Some(lowered.lower(&mut stream(self.seed, Purpose::Places, self.index), heights))
+        let mut places = Vec::new();
+        self.lower(surface, heights, Some(&mut places)).then_some(places)
     }
 
+    /// Lowers asperities of a plane under a body, if there is one.
+    fn lower(self, surface: &Surface, heights: &mut [f64], places: Option<&mut Vec<[f64; 2]>>) -> bool {
+        let HeightLaw::Lowered(lowered) = &surface.heights.law else { return false };
+        lowered.lower(&mut stream(self.seed, Purpose::Places, self.index), heights, places);
+        true
+    }
+
+    /// Draws the asperities of a plane.
     fn of_plane(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
         let Self { seed, scheme, index } = self;
         let count = count(surface, seed, index);

@@ -54,8 +54,8 @@ impl Counts {
     }
 }
 
-/// Pull-off forces after a turn, N, of the replicas that turn: their number, mean, standard deviation, and the standard error
-/// and 95 % interval of the mean; not a number where replicas are too few.
+/// The pull-off force after a turn, N, over the replicas that turn: their number, the mean, the standard deviation, and the
+/// standard error and 95 % interval of the mean. What too few replicas have is not a number.
 pub(crate) struct PulledOff {
     pub count: u64,
     pub mean: f64,
@@ -97,7 +97,7 @@ pub(crate) fn stuck(results: &Results) -> Option<Counts> {
 pub(crate) fn missed_preloads(results: &Results) -> Option<Warning> {
     let (snaps, replicas) = (Snaps::of(results), results.scene.replicas);
     let missed = snaps.loading.preload.iter().zip(snaps.places_of_turns()).filter_map(|(preload, turn)| {
-        let missing = replicas - snaps.pull_off(turn).count;
+        let missing = replicas - snaps.pull_offs(turn).len() as u64;
         let is_noticeable = missing as f64 > LARGEST_MISSED * replicas as f64;
         is_noticeable.then(|| format!("{missing} do not reach {}", si(*preload, "N")))
     });

@@ -359,8 +359,7 @@ fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPo
     }
     let of = |name: &str| reader.values::<f64>(&format!("/instability/{name}"));
     let preloads = of("preload")?;
-    let [means, errors] =
-        ["mean", "standard_error"].map(|name| of(&format!("pull_off_after_preload_{name}")));
+    let (means, errors) = (of("pull_off_after_preload_mean")?, of("pull_off_after_preload_standard_error")?);
     let counts = reader.values::<u64>("/instability/preload_reached_count")?;
     let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
     let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
@@ -368,7 +367,7 @@ fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPo
         return Ok(SweepPoint { pull_off: [f64::NAN; 2], stuck_probability: f64::NAN, ..of_loop });
     };
     Ok(SweepPoint {
-        pull_off: [means?[i], errors?[i]],
+        pull_off: [means[i], errors[i]],
         preload: preloads[i],
         stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,
         ..of_loop

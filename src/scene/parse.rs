@@ -14,7 +14,7 @@ use super::measured::measured;
 use super::population::{Population, population};
 use super::reader::Section;
 use super::separation::Tips;
-use super::shape::{reached as tips_reached, shape};
+use super::shape::{shape, under_body};
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::{separation, stopping};
@@ -140,7 +140,7 @@ impl<'a> Readings<'a> {
                     Some(table) => table.distance(&surface)?,
                     None => 0.0,
                 };
-                tips_reached(&surface, shape, &asperity, distance, separations)?
+                under_body(&surface, shape, &asperity, distance, separations)?
             }
             None => {
                 let separations = separations(&surface);
@@ -254,6 +254,9 @@ fn with_patches(
     inputs: &mut Vec<Input>,
 ) -> Result<Surface, SceneError> {
     let Some(entry) = ensemble.get("heights") else { return Ok(surface) };
+    if surface.heights.depths().is_some() {
+        return Err(entry.wrong("is for flat patches; leave it out, or [shape]"));
+    }
     if surface.is_polydisperse() || surface.whole || surface.count_law == CountLaw::Poisson {
         return Err(entry.wrong("gives patches of a fixed number of asperities of one radius; leave out `radii`, `asperities` and `count`"));
     }

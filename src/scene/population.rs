@@ -32,7 +32,12 @@ pub(super) fn population(
     has_body: bool,
 ) -> Result<Population, SceneError> {
     let mut inputs = Vec::new();
-    let heights = heights(section, files, &mut inputs);
+    let heights = heights(section, files, &mut inputs).and_then(|(law, std)| match law {
+        HeightLaw::Sample(_) if has_body => {
+            Err(section.value("heights").wrong("[shape] is for heights by a formula, such as \"gaussian\""))
+        }
+        law => Ok((law, std)),
+    });
     let radii = radii(section, files, &mut inputs);
     let radius = given_radius(section, &radii);
     let lengths = lengths(section, has_body);
@@ -57,8 +62,8 @@ pub(super) fn population(
 /// Refuses keys that do not go with a body.
 fn of_body(section: &Section<'_>) -> Result<(), SceneError> {
     let refused = [
-        ("nominal_area", "follows from [shape], which has asperities as far as they pull; leave it out"),
-        ("count", "is \"poisson\" under [shape], for as many as each spot has; leave it out"),
+        ("nominal_area", "follows from [shape], which has the asperities that pull; leave it out"),
+        ("count", "is \"poisson\" under [shape], as the number differs from spot to spot; leave it out"),
         ("radii", "[shape] is for asperities of one radius; leave it out"),
         ("summits", "[shape] is for asperities of one radius; leave it out"),
         (
@@ -125,19 +130,25 @@ fn rough_surface(
         }
         (given, of_file) => given.or(of_file),
     };
+    let density = match spectrum {
+        Some(spectrum) => spectrum.density(),
+        None => density.expect("one that is not read is that of the spectrum"),
+    };
+    // A body takes an area of its own.
+    let area = area.unwrap_or(1.0 / density);
     let roughness = match spectrum {
         Some(spectrum) => Roughness {
             asperity_radius,
-            asperity_density: spectrum.density(),
-            nominal_area: area.unwrap_or(1.0 / spectrum.density()),
+            asperity_density: density,
+            nominal_area: area,
             surface_height_std: Some(spectrum.m0.sqrt()),
             asperity_height_std: Some(spectrum.height_std()),
             mean_plane_offset: Some(offset.unwrap_or_else(|| spectrum.mean_height())),
         },
         None => Roughness {
             asperity_radius,
-            asperity_density: density.expect("one that is not read is that of the spectrum"),
-            nominal_area: area.unwrap_or_else(|| 1.0 / density.unwrap_or(1.0)),
+            asperity_density: density,
+            nominal_area: area,
             surface_height_std: surface_std,
             asperity_height_std,
             mean_plane_offset: offset,

@@ -20,7 +20,7 @@ const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 const DEFAULT_COUNT: u32 = 161;
 /// Equilibrium spacings from a tip where it pulls with 1 % of its largest pull: (Z₀/(Z₀ + gap))² there.
 const REACH: f64 = 9.0;
-/// Units of approach and equilibrium spacings past which the pull-off of a tip under a body is.
+/// Interference, in units of approach and equilibrium spacings, that a tip passes after its pull-off.
 const PAST: f64 = 4.0;
 /// The probability that a replica has a tip that touches at the furthest of them.
 const TOUCHING: f64 = 1e-3;
@@ -87,9 +87,7 @@ impl Tips<'_> {
         let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
-                let (lowest, highest) =
-                    heights.iter().fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(*z), high.max(*z)));
-                let of_law = self.loads(highest - lowest + surface.asperity_radius);
+                let of_law = self.loads(heights[heights.len() - 1] - heights[0] + surface.asperity_radius);
                 let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
                 end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth, &of_law))).floor()
             }
@@ -101,7 +99,7 @@ impl Tips<'_> {
         spaced(from, to, DEFAULT_COUNT)
     }
 
-    /// The interference, m, at which the pull-off of a tip is past.
+    /// An interference, m, that a tip passes after its pull-off.
     fn pulled(&self) -> f64 {
         let length = Scale::new(self.asperity).map_or(0.0, |scale| scale.length);
         PAST * (length + self.asperity.equilibrium_spacing)
@@ -116,8 +114,7 @@ impl Tips<'_> {
             share * sum - wanted.scatter * (share * squares).sqrt() < wanted.sum
         };
         // A depth of all the radius is beyond every law.
-        let lowest = heights.iter().copied().fold(f64::MAX, f64::min);
-        let (mut near, mut far) = (lowest - self.surface.asperity_radius, furthest);
+        let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);
         while far - near > 1e-3 * self.surface.heights.std && near < 0.5 * (near + far) {
             let middle = 0.5 * (near + far);
             if lacks(middle) { far = middle } else { near = middle }

@@ -122,6 +122,11 @@ impl<'a> SubstrateTable<'a> {
                 surface.asperity_count
             )));
         }
+        if let Some(depths) = surface.heights.depths() {
+            let places =
+                if depths.distance > 0.0 { Places::HardCore(depths.distance) } else { Places::Uniform };
+            return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
+        }
         if let Some(measured) = measured {
             let places = Places::Measured(on_map(&section, coupling, measured)?);
             return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
@@ -131,8 +136,6 @@ impl<'a> SubstrateTable<'a> {
         }
         let spacing = (surface.nominal_area / surface.asperity_count as f64).sqrt();
         let places = match places {
-            // They were found under the body.
-            _ if surface.heights.depths().is_some() => Places::Uniform,
             Places::HardCore(_) => Places::HardCore(minimum_distance.unwrap_or(LEAST_DISTANCE * spacing)),
             other => other,
         };

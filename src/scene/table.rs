@@ -304,38 +304,38 @@ static FIRST: &[Key] = &[
     key("shape.body", "\"sphere\"", Choice(|| names(SHAPES)))
         .what("shape of the body")
         .about(
-            "`sphere`: of `radius`. `paraboloid`: of the principal `radii`, crossed cylinders for one. `cylinder`: of `radius` and \
-             `length`, lying. `punch`: a flat end of `flat_radius` with an edge of `edge_radius`. `tilted`: a flat square of \
-             `side`, at an `angle`.",
+            "`sphere` has a `radius`; `paraboloid` two principal `radii`, as crossed cylinders have; `cylinder`, which lies on the \
+             surface, `radius` and `length`; `punch` the `flat_radius` of its end and the `edge_radius` of its rounded edge; `tilted`, a flat \
+             square, `side` and `angle`.",
         ),
     key("shape.radius", "\"10 um\"", Quantity(Of::Length, Positive))
         .what("radius of a sphere or a cylinder")
-        .about("R_m: s = r²/2(R_m + R), and tips touch by 1/(1/R + 1/R_m).")
-        .follows("none; of `sphere` and `cylinder`, which need it")
+        .about("R_m. The depth is s = r²/2(R_m + R), and the equivalent radius of contacts 1/(1/R + 1/R_m).")
+        .follows("none; required for `sphere` and `cylinder`")
         .swept(),
     key("shape.radii", "[\"10 um\", \"20 um\"]", OneOrMore(Of::Length, Positive, &[]))
         .what("principal radii of a paraboloid")
-        .about("Radii of crossed cylinders.")
-        .follows("none; of `paraboloid`, which needs them"),
+        .about("Crossed cylinders have their radii.")
+        .follows("none; required for `paraboloid`"),
     key("shape.length", "\"50 um\"", Quantity(Of::Length, Positive))
         .what("length of a cylinder")
-        .follows("none; of `cylinder`, which needs it")
+        .follows("none; required for `cylinder`")
         .swept(),
     key("shape.flat_radius", "\"1 um\"", Quantity(Of::Length, Positive))
         .what("radius of the flat end of a punch")
-        .follows("none; of `punch`, which needs it")
+        .follows("none; required for `punch`")
         .swept(),
     key("shape.edge_radius", "\"0.2 um\"", Quantity(Of::Length, Positive))
         .what("radius of the edge of a punch")
-        .follows("none; of `punch`, which needs it")
+        .follows("none; required for `punch`")
         .swept(),
     key("shape.side", "\"10 um\"", Quantity(Of::Length, Positive))
         .what("side of a tilted square")
-        .follows("none; of `tilted`, which needs it")
+        .follows("none; required for `tilted`")
         .swept(),
     key("shape.angle", "\"0.1 deg\"", Quantity(Of::Angle, Positive))
         .what("angle of a tilted square")
-        .follows("none; of `tilted`, which needs it")
+        .follows("none; required for `tilted`")
         .swept(),
     key("model", "{ law = \"md_plastic\" }", Table)
         .what("the law of one asperity, and the history")

@@ -67,6 +67,7 @@ fn applies(key: &Key, scene: &Scene) -> bool {
     TABLES.contains(&table)
         && match key.name {
             "title" | "model.unloaded_radius" => false,
+            "surface.count" => scene.surface.heights.depths().is_none(),
             "model.plastic_contact" => scene.model.contact().is_some(),
             "ensemble.max_replicas" => scene.stopping.is_some(),
             _ => true,

@@ -11,7 +11,7 @@
 //! | lognormal | (L − E\[L\])/√Var L, L = exp(ςz) for the shape ς and a standard normal deviate z |
 //! | truncated | a standard normal deviate of those between `lower` and `upper` |
 //! | sample | one of given values, each as likely |
-//! | lowered | of another law, less the depth of a place under a body ([`super::shape`]) |
+//! | lowered | the height of another law, less the depth of a place under a body ([`super::shape`]) |
 //!
 //! All but the last three have mean 0 and standard deviation 1. A truncated law keeps the scale of the normal
 //! law that it was cut from, as a surface does whose tops are worn off. Values of a sample are heights
@@ -364,7 +364,7 @@ impl Heights {
         self.mean + self.std * s
     }
 
-    /// Heights, m, that stand for the law, at even probabilities.
+    /// Rising heights, m, that stand for the law, at even probabilities.
     pub fn strata(&self, count: u32) -> Vec<f64> {
         if let HeightLaw::Lowered(law) = &self.law {
             return law.strata(count);
@@ -374,7 +374,7 @@ impl Heights {
         scores.map(|score| self.of_normal(score)).collect()
     }
 
-    /// The depths of the places of the asperities under a body, if there is one.
+    /// The depths of places under a body, if there is one.
     pub fn depths(&self) -> Option<&Depths> {
         match &self.law {
             HeightLaw::Lowered(law) => Some(&law.depths),
@@ -420,8 +420,8 @@ impl Heights {
         panels.into_iter().map(|s| self.mean + self.std * s).collect()
     }
 
-    /// Draws heights, m, under a body those of the plane, which [`Lowered::lower`] lowers; normal deviates by the
-    /// ziggurat method.
+    /// Draws heights, m; normal deviates by the ziggurat method. Under a body they are heights of the plane, and
+    /// [`Lowered::lower`] lowers them.
     pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
         let standard = |heights: &mut [f64], deviate: &mut dyn FnMut() -> f64| {
             heights.fill_with(|| self.mean + self.std * deviate());

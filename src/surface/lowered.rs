@@ -20,7 +20,7 @@ const ROUNDINGS: f64 = 32.0;
 /// A depth below this share of the standard deviation is none.
 const NO_DEPTH: f64 = 1e-9;
 
-/// Heights less the depths of their places: those of a plane, at random places under a body.
+/// Heights of a plane at random places under a body, less the depths of the places.
 #[derive(Clone, Debug)]
 pub struct Lowered {
     /// The heights of the plane.
@@ -38,7 +38,7 @@ impl PartialEq for Lowered {
 }
 
 impl Lowered {
-    /// Heights of a plane at random places.
+    /// Heights of a plane, less depths.
     pub fn new(base: Heights, depths: Depths) -> Self {
         Self { base, depths, densities: OnceLock::new() }
     }
@@ -49,15 +49,15 @@ impl Lowered {
         let mean = self.depths.mean(&ends, |depth| depth);
         let variance = self.depths.mean(&ends, |depth| (depth - mean).powi(2));
         let (of_plane, std) = self.base.moments();
-        (of_plane - mean, std.hypot(variance.sqrt()))
+        (of_plane - mean, (std * std + variance).sqrt())
     }
 
-    /// The ends of a range of heights of the plane, m, as lowered ones reach them.
+    /// The range of lowered heights, m, of a range of heights of the plane, m.
     pub fn between(&self, (low, high): (f64, f64)) -> (f64, f64) {
         (low - self.depths.deepest(), high)
     }
 
-    /// Depths, m, at which heights from `u`, m, on meet panels of the plane's.
+    /// Depths, m, that lower the ends of the plane's panels to a height `u`, m.
     fn breaks(&self, u: f64) -> Vec<f64> {
         let deepest = self.depths.deepest();
         let panels = self.base.panels(u, u + deepest);
@@ -82,7 +82,7 @@ impl Lowered {
         if !(u > low && u <= high) {
             return direct(u);
         }
-        // Shares of the area that differ by a standard deviation of heights are rounded by as much.
+        // Rounding of the shares of the area is an error of the density, too.
         let error = TABLE.0.max(ROUNDINGS * f64::EPSILON * (high - low) / self.base.std);
         let make = || Piecewise::new(|x| direct(low + x), |_, density| error * density, 0.0, high - low);
         let mut density = [f64::NAN];
@@ -123,7 +123,7 @@ impl Lowered {
     pub fn panels(&self, low: f64, high: f64) -> Vec<f64> {
         let deepest = self.depths.deepest();
         let (least, most) = self.between(self.base.reach(TABLE.1));
-        // Far out in a tail the nearest or the deepest places alone count, and less of them counts, too.
+        // In a tail the nearest or the deepest places alone count, and heights beyond the table.
         let nearest = self.base.panels(low, high).last().copied();
         let furthest = self.base.panels(low + deepest, high + deepest).first().map(|u| u - deepest);
         let first = low.max(furthest.map_or(least, |u| u.min(least)));
@@ -141,24 +141,34 @@ impl Lowered {
         panels
     }
 
-    /// Lowers heights of the plane, m, each by the depth of a random place, and gives the places, m, from the middle.
-    pub fn lower(&self, random: &mut impl Rng, heights: &mut [f64]) -> Vec<[f64; 2]> {
-        let places = self.depths.places(heights.len(), random);
-        heights.iter_mut().zip(&places).for_each(|(height, (depth, _))| *height -= depth);
-        places.into_iter().map(|(_, place)| place).collect()
+    /// Lowers heights of the plane, m, each by the depth of a random place, and puts the places, m, from the middle, where they
+    /// are asked for.
+    pub fn lower(&self, random: &mut impl Rng, heights: &mut [f64], mut places: Option<&mut Vec<[f64; 2]>>) {
+        let mut lowered = heights.iter_mut();
+        self.depths.scatter(lowered.len(), random, |share, turn| {
+            if let Some(height) = lowered.next() {
+                *height -= self.depths.depth(share);
+            }
+            if let Some(places) = &mut places {
+                places.push(self.depths.place(share, turn));
+            }
+        });
     }
 
-    /// Heights, m, that stand for the law: those of the plane at even probabilities, each at another depth.
+    /// Rising heights, m, that stand for the law. Each height of the plane, at even probabilities, is at another depth.
     pub fn strata(&self, count: u32) -> Vec<f64> {
         // Multiples of the golden ratio are spread evenly.
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let heights = self.base.strata(count).into_iter().enumerate();
-        heights.map(|(i, height)| height - self.depths.depth((i as f64 * golden).fract())).collect()
+        let lowered = heights.map(|(i, height)| height - self.depths.depth((i as f64 * golden).fract()));
+        let mut lowered: Vec<f64> = lowered.collect();
+        lowered.sort_unstable_by(f64::total_cmp);
+        lowered
     }
 }
 
-/// Rising ends of panels from one to another, as wide as `width` next to both and twice as wide each further in: there the
-/// density varies over the distance from the ends.
+/// Rising ends of panels between two heights, m. They are as wide as `width`, m, next to both, and each twice as wide as the one
+/// before further in, where the density varies over the distance from the ends.
 fn outwards(first: f64, last: f64, width: f64) -> Vec<f64> {
     let half = 0.5 * (last - first);
     let (mut distances, mut width) = (vec![0.0], width);

@@ -306,13 +306,15 @@ impl Surface {
 
     /// The attraction between the mean planes, N, at a separation h of them, m.
     pub fn background_force(&self, separation: f64) -> f64 {
-        self.background.as_ref().map_or(0.0, |background| self.nominal_area * background.pressure(separation))
+        self.background
+            .as_ref()
+            .map_or(0.0, |background| self.force_of(|h| background.pressure(h), separation))
     }
 
     /// The excess pull of liquid over its bridges on the way there or back, N, at a separation h of the mean
     /// planes, m.
     fn spread_force(&self, way: Option<&Spread>, separation: f64) -> f64 {
-        way.map_or(0.0, |spread| self.nominal_area * spread.pressure(separation))
+        way.map_or(0.0, |spread| self.force_of(|h| spread.pressure(h), separation))
     }
 
     /// The external force, N, at a separation h of the mean planes, m: that of the asperities, N, less the
@@ -338,8 +340,8 @@ impl Surface {
         of_asperities - self.background_force(separation) - self.spread_force(way, separation)
     }
 
-    /// The surface under a body, on as large an area as holds all tips that are at most so deep, m, behind the nearest ones,
-    /// and a little more: a whole number of asperities on average, with a least distance, m, or 0.
+    /// The surface under a body, on the area of all places that are at most as deep as `depth`, m, and a little more, so that
+    /// the mean number of asperities is whole. Tips keep a least distance, m; 0 for none.
     pub fn under(self, shape: &Arc<dyn Shape>, depth: f64, distance: f64) -> Self {
         let (tip, density) = (self.asperity_radius, self.asperity_density);
         let count = (density * shape.area(depth, tip)).ceil().max(1.0);
@@ -357,7 +359,7 @@ impl Surface {
         }
     }
 
-    /// The force, N, of a pressure between the faces, Pa, that depends on their separation, at a separation h, m.
+    /// The force, N, at a separation h, m, of a pressure, Pa, that depends on the local separation of the faces, m.
     pub fn force_of(&self, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
         let Some(depths) = self.heights.depths() else { return self.nominal_area * pressure(separation) };
         let deepest = depths.deepest();
@@ -367,7 +369,7 @@ impl Surface {
         depths.area * depths.mean(&breaks, |depth| pressure(separation + depth))
     }
 
-    /// The area, m², on which the force acts: the nominal one, of a body that of the places that are at most σ deep.
+    /// The area, m², that is loaded: the nominal area, or under a body the area of the places that are at most σ deep.
     pub fn loaded_area(&self) -> f64 {
         match self.heights.depths() {
             Some(depths) => depths.share(self.surface_height_std) * depths.area,

@@ -13,44 +13,41 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// Trials after which a tip keeps no distance: a small spot may by chance have more of them than it has room for.
+/// Trials after which a tip keeps no distance: a small spot may by chance have more tips than room.
 const TRIALS: u32 = 10_000;
 
 /// The shape of a body over a rough plane.
 pub trait Shape: Debug + Send + Sync {
-    /// The name in scenes and files.
-    fn name(&self) -> &'static str;
-
     /// A description for people.
     fn about(&self) -> String;
 
-    /// The area, m², in which tips of a radius, m, lie at most so deep, m, at least 0, behind the nearest ones.
+    /// The area, m², of the places whose tips, of a radius, m, are at most as deep as `depth` ≥ 0, m.
     fn area(&self, depth: f64, tip: f64) -> f64;
 
-    /// The depth, m, that an area, m², reaches.
+    /// The depth, m, at the edge of an area, m²: the inverse of [`Shape::area`].
     fn depth(&self, area: f64, tip: f64) -> f64;
 
-    /// The place, m, from the middle, at the edge of an area, m², around which a turn of 0 to 1 goes evenly.
+    /// The place, m, from the middle, on the edge of an area, m². A turn from 0 to 1 goes once around it.
     fn place(&self, area: f64, turn: f64, tip: f64) -> [f64; 2];
 
-    /// The radius, m, by which a tip of a radius, m, touches the body.
+    /// The equivalent radius, m, of the contact of a tip of a radius, m, with the body.
     fn touching(&self, tip: f64) -> f64;
 
-    /// The area of all its places, m².
+    /// The area of the whole body, m².
     fn largest(&self) -> f64 {
         f64::INFINITY
     }
 
-    /// Whether all depths have as much area.
+    /// Whether equal ranges of depth have equal areas.
     fn is_uniform(&self) -> bool;
 }
 
-/// Depths of the tips on an area under a body.
+/// The depths of places on an area under a body, from its nearest point on.
 #[derive(Clone, Debug)]
 pub struct Depths {
     /// The body.
     pub shape: Arc<dyn Shape>,
-    /// Radius of the tips before they touch the body, m.
+    /// Radius of the tips, m.
     pub tip: f64,
     /// The area, m².
     pub area: f64,
@@ -61,12 +58,12 @@ pub struct Depths {
 impl PartialEq for Depths {
     fn eq(&self, other: &Self) -> bool {
         (self.tip, self.area, self.distance) == (other.tip, other.area, other.distance)
-            && self.shape.about() == other.shape.about()
+            && format!("{:?}", self.shape) == format!("{:?}", other.shape)
     }
 }
 
 impl Depths {
-    /// The depth, m, that a share of the area reaches.
+    /// The depth, m, at the edge of a share of the area.
     pub fn depth(&self, share: f64) -> f64 {
         self.shape.depth(share * self.area, self.tip)
     }
@@ -76,36 +73,44 @@ impl Depths {
         (self.shape.area(depth.max(0.0), self.tip) / self.area).min(1.0)
     }
 
-    /// The place, m, from the middle, of a share of the area and a turn.
+    /// The place, m, from the middle, at a turn around the edge of a share of the area.
     pub fn place(&self, share: f64, turn: f64) -> [f64; 2] {
         self.shape.place(share * self.area, turn, self.tip)
     }
 
-    /// Random places of so many tips, one after the other, each in the area that the others left free: the depth, m, of each
-    /// and the place, m, from the middle.
-    pub fn places(&self, count: usize, random: &mut impl Rng) -> Vec<(f64, [f64; 2])> {
-        let mut places: Vec<(f64, [f64; 2])> = Vec::with_capacity(count);
-        // Cells as wide as the distance, so that neighbours of a place are in the nine around it.
-        let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
-        let cell_of = |place: [f64; 2]| place.map(|x| (x / self.distance).floor() as i64);
-        let mut trials = 0;
-        while places.len() < count {
-            let [share, turn]: [f64; 2] = [random.sample(Open01), random.sample(Open01)];
-            let place = self.place(share, turn);
+    /// Puts tips at random places, one after the other, each in the area that the others left free: the share of the area and
+    /// the turn of each place.
+    pub fn scatter(&self, count: usize, random: &mut impl Rng, mut put: impl FnMut(f64, f64)) {
+        let mut draw = || -> [f64; 2] { [random.sample(Open01), random.sample(Open01)] };
+        // Cells as wide as the distance: neighbours of a place are in the nine around it.
+        let mut cells: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();
+        for _ in 0..count {
+            let [mut share, mut turn] = draw();
             if self.distance > 0.0 {
-                let [i, j] = cell_of(place);
-                let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| [i + a, j + b]));
-                let mut near = around.filter_map(|cell| cells.get(&cell)).flatten().map(|at| places[*at].1);
-                let is_near = near.any(|[x, y]| (x - place[0]).hypot(y - place[1]) < self.distance);
-                trials = if is_near { trials + 1 } else { 0 };
-                if is_near && trials < TRIALS {
-                    continue;
+                let mut trials = 1;
+                while self.is_taken(self.place(share, turn), &cells) && trials < TRIALS {
+                    [share, turn] = draw();
+                    trials += 1;
                 }
-                cells.entry([i, j]).or_default().push(places.len());
+                let place = self.place(share, turn);
+                cells.entry(self.cell(place)).or_default().push(place);
             }
-            places.push((self.depth(share), place));
+            put(share, turn);
         }
-        places
+    }
+
+    /// The cell of a place, m.
+    fn cell(&self, place: [f64; 2]) -> [i64; 2] {
+        place.map(|x| (x / self.distance).floor() as i64)
+    }
+
+    /// Whether a place, m, is nearer to another than the least distance.
+    fn is_taken(&self, place: [f64; 2], cells: &HashMap<[i64; 2], Vec<[f64; 2]>>) -> bool {
+        let [i, j] = self.cell(place);
+        let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| [i + a, j + b]));
+        let mut others = around.filter_map(|cell| cells.get(&cell)).flatten();
+        // The C library's hypot has other roundings on other machines.
+        others.any(|[x, y]| (x - place[0]).powi(2) + (y - place[1]).powi(2) < self.distance.powi(2))
     }
 
     /// The side, m, of a square around all places.
@@ -119,7 +124,8 @@ impl Depths {
         self.depth(1.0)
     }
 
-    /// The mean of a function of the depth, m, over the area, with depths at which panels end; 0 outside of them.
+    /// The mean of a function of the depth, m, over the area. `breaks` are rising depths, m, at which panels end; the function
+    /// counts as 0 outside of them.
     pub fn mean(&self, breaks: &[f64], f: impl Fn(f64) -> f64) -> f64 {
         let flat = self.share(0.0);
         let mut sum = 0.0;

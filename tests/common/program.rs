@@ -162,6 +162,11 @@ pub fn attribute(path: &Path, group: &str, name: &str) -> String {
     value.unwrap().to_string()
 }
 
+/// The numbers of a dataset of a file in a folder.
+pub fn values(folder: &Folder, file: &str, dataset: &str) -> Vec<f64> {
+    unlocked::open(folder.path(file)).dataset(dataset).unwrap().read_raw().unwrap()
+}
+
 /// An attribute that is a number.
 pub fn number(path: &Path, group: &str, name: &str) -> f64 {
     unlocked::open(path).group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()

@@ -1,11 +1,7 @@
 //! What people come for: scenes to begin with, pull-off after preloads, quantiles, and the probability to stay stuck.
 
-use crate::common::program::{Folder, assert_exit, labelled, small, text};
-use hdf5::File;
-
-fn values(folder: &Folder, file: &str, dataset: &str) -> Vec<f64> {
-    File::open(folder.path(file)).unwrap().dataset(dataset).unwrap().read_raw::<f64>().unwrap()
-}
+use crate::common::program::{Folder, assert_exit, labelled, small, text, values};
+use crate::common::unlocked;
 
 #[test]
 fn a_template_is_written_once_and_runs() {
@@ -48,7 +44,7 @@ fn patches_above_a_force_are_counted() {
         &format!("{between:e} N"),
     ]);
     assert_exit(&run, 0);
-    let count = File::open(folder.path("scene.h5")).unwrap().dataset("/device/stuck_count").unwrap();
+    let count = unlocked::open(folder.path("scene.h5")).dataset("/device/stuck_count").unwrap();
     let share = values(&folder, "scene.h5", "/device/stuck_probability")[0];
     assert_eq!((count.read_raw::<u64>().unwrap()[0], share), (23, 23.0 / 64.0));
     assert!(text(&run.stdout).contains("P = 35.94 %"), "{}", text(&run.stdout));
@@ -175,7 +171,7 @@ fn missed_preloads_are_warned_of() {
     let folder = Folder::new(&format!("{scene}\n[instability]\npreload = [\"1 uN\", \"1 mN\", \"1 N\"]\n"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
-    let reached = File::open(folder.path("scene.h5")).unwrap();
+    let reached = unlocked::open(folder.path("scene.h5"));
     let reached = reached.dataset("/instability/preload_reached_count").unwrap().read_raw::<u64>().unwrap();
     assert!((1..40).contains(&reached[1]), "{reached:?}");
     let printed = text(&run.stdout);
@@ -225,7 +221,7 @@ fn default_separations_reach_preloads_under_every_model_of_flow() {
         ));
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 0);
-        let reached = File::open(folder.path("scene.h5")).unwrap();
+        let reached = unlocked::open(folder.path("scene.h5"));
         let reached = reached.dataset("/instability/preload_reached_count").unwrap().read_raw::<u64>();
         assert_eq!(reached.unwrap(), [16], "{contact}");
         // The mean after the preload has its interval.

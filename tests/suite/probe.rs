@@ -1,7 +1,6 @@
 //! Bodies over rough planes: closed forms of smooth ones, Derjaguin's integral of the flat patch, ensembles, coupling.
 
-use crate::common::program::{Folder, assert_exit, text, unbroken};
-use crate::common::unlocked;
+use crate::common::program::{Folder, assert_exit, attribute, number, text, unbroken, values};
 use std::f64::consts::PI;
 
 const SPHERE: &str = "body = \"sphere\"\nradius = \"10 um\"";
@@ -20,15 +19,6 @@ fn scene(shape: &str, more: &str) -> String {
          work_of_adhesion = \"0.09 J/m^2\"\n[surface]\nasperity_radius = \"3.33 um\"\nasperity_density = \"7.39 /um^2\"\n\
          surface_height_std = \"1.619 nm\"\n[shape]\n{shape}\n{more}"
     )
-}
-
-fn values(folder: &Folder, file: &str, dataset: &str) -> Vec<f64> {
-    unlocked::open(folder.path(file)).dataset(dataset).unwrap().read_raw().unwrap()
-}
-
-fn number(folder: &Folder, file: &str, group: &str, name: &str) -> f64 {
-    let file = unlocked::open(folder.path(file));
-    file.group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
 }
 
 fn run(folder: &Folder, scene: &str, output: &str) -> String {
@@ -91,14 +81,14 @@ fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
     let law = "[model]\nlaw = \"hybrid\"\n[ensemble]\nreplicas = 0\n";
     let folder = Folder::new("");
     run(&folder, &scene(SPHERE, &format!("{law}[separation]\nh = [\"1 nm\", \"2 nm\"]\n")), "sphere.h5");
-    let deepest = number(&folder, "sphere.h5", "/", "nominal_area") / (2.0 * PI * (10e-6 + 3.33e-6));
+    let deepest = number(&folder.path("sphere.h5"), "/", "nominal_area") / (2.0 * PI * (10e-6 + 3.33e-6));
     let step = deepest / STEPS as f64;
     let h = |i: usize| 1e-9 + i as f64 * step;
     let of_sphere = format!("{law}[separation]\nh = [\"1 nm\", \"{:?} m\", \"{:?} m\"]\n", h(40), h(130));
     run(&folder, &scene(SPHERE, &of_sphere), "sphere.h5");
     let offset = 0.045944 / (7.39e12 * 3.33e-6);
     let tip = 1.0 / (1.0 / 3.33e-6 + 1.0 / 10e-6);
-    let sigma_s = number(&folder, "sphere.h5", "/", "asperity_height_std");
+    let sigma_s = number(&folder.path("sphere.h5"), "/", "asperity_height_std");
     let flat = format!(
         "[material]\nreduced_modulus = \"85.29 GPa\"\nhardness = \"2.5 GPa\"\npoisson_ratio = 0.27\n\
          work_of_adhesion = \"0.09 J/m^2\"\n[surface]\nasperity_radius = \"{tip:?} m\"\nasperity_density = \"7.39 /um^2\"\n\
@@ -163,6 +153,7 @@ fn a_coupled_sphere_is_hertzian() {
     let own = (0.75 * of_one / (1e9 * f64::sqrt(0.1e-6))).powf(2.0 / 3.0);
     let of_area = 2.0 * of_one * (PI * 2000e12).sqrt() / (PI * 1e9);
     assert!((short - 1.5 * (own - of_area) / 12e-9).abs() < 0.01, "{short} {own:e} {of_area:e}");
+    assert_eq!(attribute(&folder.path("scene.h5"), "/coupling", "positions"), "hard_core");
     // Places keep their distance, and heights are what is left of 0.02 nm after r²/2(R_m + R).
     let [x, y, heights] =
         ["x", "y", "height"].map(|name| values(&folder, "scene.h5", &format!("/asperities/{name}")));
@@ -172,7 +163,7 @@ fn a_coupled_sphere_is_hertzian() {
         let near = places[..i].iter().map(|[a, b]| (x - a).hypot(y - b)).fold(f64::INFINITY, f64::min);
         assert!(near > (1.0 - 1e-9) * least, "{near:e}");
     }
-    let centre = (number(&folder, "scene.h5", "/", "nominal_area") / PI).sqrt();
+    let centre = (number(&folder.path("scene.h5"), "/", "nominal_area") / PI).sqrt();
     for ([x, y], height) in places.iter().zip(&heights) {
         let depth = ((x - centre).powi(2) + (y - centre).powi(2)) / (2.0 * 10.1e-6);
         assert!((height + depth).abs() < 6.0 * 0.02e-9, "{height:e} {depth:e}");
@@ -193,14 +184,37 @@ fn bodies_refuse_what_they_do_not_go_with() {
         (scene(SPHERE, "[substrate]\ncoupling = \"periodic\"\n"), "is not repeated"),
         (scene(SPHERE, "[substrate]\ncoupling = \"patch\"\npositions = \"square\"\n"), "are random"),
         (scene(SPHERE, voltage), "is for flat patches"),
+        (
+            scene(SPHERE, "").replace(
+                "[shape]",
+                "heights = { law = \"file\", path = \"heights.csv\", column = \"height\", unit = \"nm\" }\n[shape]",
+            ),
+            "[shape] is for heights by a formula",
+        ),
+        (
+            scene(SPHERE, "[ensemble]\nheights = { path = \"heights.csv\" }\n"),
+            "is for flat patches; leave it out, or [shape]",
+        ),
     ] {
         let folder = Folder::new(&scene);
+        std::fs::write(folder.path("heights.csv"), "height\n1.5\n-0.5\n").unwrap();
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 2);
         let said = unbroken(&text(&run.stderr));
         assert!(said.contains(message), "{message}: {said}");
-        assert_eq!(folder.files(), ["scene.toml"]);
+        assert_eq!(folder.files(), ["heights.csv", "scene.toml"]);
     }
+}
+
+/// The number of asperities of a spot is no default that a scene could give.
+#[test]
+fn a_check_describes_the_body() {
+    let folder = Folder::new(&scene(SPHERE, ""));
+    let check = folder.stiction(&["check", "scene.toml"]);
+    assert_exit(&check, 0);
+    let said = text(&check.stdout);
+    assert!(!said.contains("surface.count"), "{said}");
+    assert!(unbroken(&said).contains("shape sphere of radius 10.00 µm asperities on "), "{said}");
 }
 
 /// The radius can be swept: forces of the integral are those of the points by themselves.

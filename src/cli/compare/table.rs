@@ -7,7 +7,7 @@ use crate::cli::failure::Failure;
 use crate::cli::independence::ratio;
 use crate::cli::rows::{COLUMNS, broken, labelled, row};
 use crate::cli::summary::at_most;
-use crate::cli::sweep::together;
+use crate::cli::sweep::{p_value, together};
 use crate::estimate::beyond;
 use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
@@ -193,26 +193,23 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
         let mut cells = ["none", "", "", ""].map(str::to_owned);
         if mean > 0.0 {
             // Differences are of whole loops.
-            let (of, of_error) = match is_pressed {
-                true => (mean, si(row.point.preload, "N")),
-                false => (first + difference.mean, share(difference.standard_error / first)),
-            };
             let of_difference = if i > 0 && !is_pressed { difference.most_differing } else { f64::NAN };
             agree = agree.max(row.point.most_differing).max(of_difference);
-            let off = deviation(of, first);
-            let [off, of_error] = match i {
-                0 => ["first".to_owned(), if is_pressed { of_error } else { String::new() }],
-                _ if off.is_nan() && !is_pressed => [signed_percent(off), "-".to_owned()],
-                _ => [signed_percent(off), of_error],
+            let off = deviation(if is_pressed { mean } else { first + difference.mean }, first);
+            let last = match (is_pressed, i) {
+                (true, _) => si(row.point.preload, "N"),
+                (false, 0) => String::new(),
+                (false, _) if off.is_nan() => share(off),
+                (false, _) => share(difference.standard_error / first),
             };
-            cells = [si_with_error(mean, error, "N"), share(row.std / mean), off, of_error];
+            let off = if i == 0 { "first".to_owned() } else { signed_percent(off) };
+            cells = [si_with_error(mean, error, "N"), share(row.std / mean), off, last];
         } else if is_pressed && row.point.preload.is_nan() {
             cells[0] = "reaches no preload".to_owned();
         }
         let [pull_off, scatter, off, last] = cells;
-        let p = if p_values[i].is_nan() { "-".to_owned() } else { format!("{:.3}", p_values[i]) };
-        let mark = if disagree[i] { " *" } else { "" };
-        text += &format!("  {:<12}{pull_off:>20}{scatter:>9}{off:>11}{last:>12}{p:>9}{mark}\n", row.name);
+        let p = p_value(p_values[i], disagree[i]);
+        text += &format!("  {:<12}{pull_off:>20}{scatter:>9}{off:>11}{last:>12}{p:>9}\n", row.name);
     }
     let replicas =
         if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };

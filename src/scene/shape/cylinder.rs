@@ -25,10 +25,6 @@ struct Cylinder {
 }
 
 impl Shape for Cylinder {
-    fn name(&self) -> &'static str {
-        SHAPE.0
-    }
-
     fn about(&self) -> String {
         format!("cylinder of radius {} and length {}", si(self.radius, "m"), si(self.length, "m"))
     }

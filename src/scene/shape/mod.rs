@@ -32,14 +32,18 @@ pub(super) static SHAPES: &[(&str, &ShapeReader)] = &[
 /// Equilibrium spacings from a tip beyond which its attraction is left out. Of a sphere the rest falls as 1 over the depth: for
 /// `configs/probe.toml` 0.05 % of the pull-off of a spot.
 const REACH: f64 = 300.0;
+/// Standard deviations of the highest tips.
+const HIGHEST: f64 = 6.0;
+/// Times that the reach is corrected by the separations.
+const PASSES: usize = 2;
 
 /// Reads the table `[shape]`, if it is there.
 pub(super) fn shape(root: &Section<'_>) -> Result<Option<Arc<dyn Shape>>, SceneError> {
     let Some(section) = root.section("shape", false)? else { return Ok(None) };
-    let others = FORCES.iter().map(|table| table.name).chain(["capillary"]);
-    let without = all(others
-        .filter_map(|name| root.get(name))
-        .map(|entry| Err::<(), _>(entry.wrong("is for flat patches; leave it out, or [shape]"))));
+    let flat = FORCES.iter().map(|table| table.name).chain(["capillary"]);
+    let given = flat.filter_map(|name| root.get(name));
+    let without =
+        all(given.map(|entry| Err::<(), _>(entry.wrong("is for flat patches; leave it out, or [shape]"))));
     let reader = section.require("body")?.choice("body", SHAPES)?;
     let others = section.entries().filter(|(key, _)| *key != "body" && !reader.keys.contains(key));
     let others = all(others.map(|(_, entry)| {
@@ -48,8 +52,9 @@ pub(super) fn shape(root: &Section<'_>) -> Result<Option<Arc<dyn Shape>>, SceneE
     (without, others, (reader.read)(&section)).together().map(|(.., shape)| Some(shape))
 }
 
-/// The tips of a surface, at a least distance, m, that a body reaches at separations, and these, m.
-pub(super) fn reached(
+/// The surface under a body, as far as anything pulls at its separations, and these separations, m. Tips keep a least
+/// distance, m; 0 for none.
+pub(super) fn under_body(
     surface: &Surface,
     shape: &Arc<dyn Shape>,
     asperity: &Asperity,
@@ -58,18 +63,19 @@ pub(super) fn reached(
 ) -> Result<(Surface, Vec<f64>), SceneError> {
     let range = asperity.lubricant_thickness + REACH * asperity.equilibrium_spacing;
     let (_, highest) = surface.heights.reach(HIGHEST);
-    // The nearest separation follows from tips within reach, and hardly from how far that is.
-    let mut depth = range + highest;
-    fits(surface, shape, depth)?;
-    for _ in 0..PASSES {
-        let under = surface.clone().under(shape, depth, distance);
-        let nearest = under.asperity_separation(separations(&under)[0]);
-        depth = range + (highest - nearest).max(0.0);
+    let reached = |depth: f64| {
         fits(surface, shape, depth)?;
+        let under = surface.clone().under(shape, depth, distance);
+        let separations = separations(&under);
+        Ok((under, separations))
+    };
+    // The nearest separation hardly depends on how many tips are within reach.
+    let (mut under, mut from) = reached(range + highest)?;
+    for _ in 0..PASSES {
+        let nearest = under.asperity_separation(from[0]);
+        (under, from) = reached(range + (highest - nearest).max(0.0))?;
     }
-    let under = surface.clone().under(shape, depth, distance);
-    let separations = separations(&under);
-    Ok((under, separations))
+    Ok((under, from))
 }
 
 /// Refuses a body that has more tips within reach than a patch may have.
@@ -85,8 +91,3 @@ fn fits(surface: &Surface, shape: &Arc<dyn Shape>, depth: f64) -> Result<(), Sce
         MOST_ASPERITIES as f64
     )))
 }
-
-/// Standard deviations of the highest tips.
-const HIGHEST: f64 = 6.0;
-/// Passes in which reach and separations find each other.
-const PASSES: usize = 2;

@@ -32,10 +32,6 @@ impl Paraboloid {
 }
 
 impl Shape for Paraboloid {
-    fn name(&self) -> &'static str {
-        SHAPE.0
-    }
-
     fn about(&self) -> String {
         format!("body of principal radii {}", si_all(&self.radii, " and ", "m"))
     }

@@ -27,10 +27,6 @@ struct Punch {
 }
 
 impl Shape for Punch {
-    fn name(&self) -> &'static str {
-        SHAPE.0
-    }
-
     fn about(&self) -> String {
         format!("punch of radius {}, its edge rounded by {}", si(self.flat, "m"), si(self.edge, "m"))
     }

@@ -21,10 +21,6 @@ struct Sphere {
 }
 
 impl Shape for Sphere {
-    fn name(&self) -> &'static str {
-        SHAPE.0
-    }
-
     fn about(&self) -> String {
         format!("sphere of radius {}", si(self.radius, "m"))
     }

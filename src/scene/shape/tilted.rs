@@ -34,10 +34,6 @@ struct Tilted {
 }
 
 impl Shape for Tilted {
-    fn name(&self) -> &'static str {
-        SHAPE.0
-    }
-
     fn about(&self) -> String {
         format!("square of side {}, tilted by {:.3e} rad", si(self.side, "m"), self.angle)
     }

@@ -286,6 +286,16 @@ mod tests {
             _ => "relative_humidity = 0.5",
         };
         let liquid = format!("[capillary]\n{equilibrium}\ncontact_angles = [0, 0]\n{liquid}");
+        if let Some(own) = key.name.strip_prefix("shape.") {
+            let keys = match own {
+                "flat_radius" | "edge_radius" => {
+                    "body = \"punch\"\nflat_radius = \"1 um\"\nedge_radius = \"1 um\""
+                }
+                "side" | "angle" => "body = \"tilted\"\nside = \"1 um\"\nangle = \"1 deg\"",
+                _ => "body = \"cylinder\"\nradius = \"1 um\"\nlength = \"1 um\"",
+            };
+            return format!("{}\n[shape]\n{keys}\n", scene.replace("nominal_area =", "# nominal_area ="));
+        }
         // Fits are of one dry law, and of loops whose tops keep their radius.
         let (law, history, liquid) = match key.name {
             "model.law" | "model.unloading" => ("hybrid", "loop", ""),
@@ -312,6 +322,8 @@ mod tests {
             None if key.name == "electrostatic.relative_permittivity" => 7.0,
             None => 0.3,
             Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
+            Some(Dimension::Length) if key.name.starts_with("shape") => 7e-6,
+            Some(Dimension::Angle) if key.name.starts_with("shape") => 0.02,
             Some(Dimension::Length) => 0.7e-9,
             Some(Dimension::Area) => 1.25e-10,
             Some(Dimension::ArealDensity) => 1.25e13,

@@ -140,7 +140,7 @@ impl<'a> Readings<'a> {
                     Some(table) => table.distance(&surface)?,
                     None => 0.0,
                 };
-                under_body(&surface, shape, &asperity, distance, separations)?
+                under_body(&surface, shape, &asperity, (distance, liquid), separations)?
             }
             None => {
                 let separations = separations(&surface);

@@ -76,7 +76,7 @@ impl Scene {
     /// The liquid that fills gaps between the faces of the scene, if its law has one.
     pub fn filling(&self) -> Option<Filling> {
         let meniscus = self.model.meniscus()?;
-        let surface = &self.surface;
+        let surface = self.surface.plane();
         let density = surface.asperity_count as f64 / surface.nominal_area;
         let (std, radius) = (surface.surface_height_std, surface.asperity_radius);
         let spectrum = match surface.radii {
@@ -125,26 +125,39 @@ impl Scene {
     /// The liquid that spreads on the ways of the scene; nothing where it does on none.
     fn spreads(&self, filling: &Filling, meniscus: &Meniscus) -> Result<Vec<Spread>, LawError> {
         let separations = self.spread_separations(meniscus);
-        let alone = Self { surface: Surface { background: None, ..self.surface.clone() }, ..self.clone() };
+        let surface = self.surface.plane();
+        let flat = Surface { background: None, spread: Spreads::default(), ..surface.into_owned() };
+        let alone = Self { surface: flat, ..self.clone() };
         let wet = alone.expectations_on_ways(self.model, &separations)?;
         let immersed = alone.expectations_on_ways(self.model.immersed(), &separations)?;
         let law = self.law()?;
         let regimes: Vec<&str> = law.view().regimes().iter().map(|regime| regime.name()).collect();
         let (area, force) = (Quantity::ContactArea.index(), Quantity::ExternalForce.index());
+        let covered = |wet: &Expectations, k: usize| {
+            let of = |regime: usize| (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k]);
+            Wet::new(&regimes, wet.expected[area][k], of).covered(meniscus, &alone.surface)
+        };
+        // On the way back there is liquid where a body was near enough.
+        let is_wet = |k: &usize| weight(covered(&wet[0], *k)) > 0.0;
+        let reached =
+            (0..separations.len()).rev().find(is_wet).map_or(0.0, |k| separations[k] - separations[0]);
         let spread = wet.iter().zip(&immersed).enumerate().map(|(way, (wet, immersed))| {
             let is_held =
                 way > 0 || self.history == Path::Retraction || meniscus.bridges == Bridges::Reversible;
+            let deepest = if way > 0 { reached } else { f64::INFINITY };
             let pressure = |(k, h): (usize, &f64)| {
-                let state = Wet::new(&regimes, wet.expected[area][k], |regime| {
-                    (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k])
-                });
                 let of_bridges = immersed.expected[force][k] - wet.expected[force][k];
                 let filled = if is_held { filling.share(*h) } else { 0.0 };
-                weight(state.covered(meniscus, &self.surface).max(filled))
+                weight(covered(wet, k).max(filled))
                     * (filling.tension(*h).max(0.0) - of_bridges / self.surface.nominal_area)
             };
             let pressures = separations.iter().enumerate().map(pressure).collect();
-            Spread { separations: separations.clone(), pressures }
+            let flat = Spread { separations: separations.clone(), pressures };
+            if self.surface.heights.depths().is_none() {
+                return flat;
+            }
+            let over = |h: &f64| self.surface.over_body(deepest, |h| flat.pressure(h), *h);
+            Spread { pressures: separations.iter().map(over).collect(), ..flat.clone() }
         });
         let spread: Vec<Spread> = spread.collect();
         let is_none = spread.iter().all(|way| way.pressures.iter().all(|pressure| *pressure == 0.0));
@@ -154,11 +167,12 @@ impl Scene {
     /// Separations h, m, from the first of the scene to its last or to where no asperity is wet: by [`STEP`] standard
     /// deviations of the heights where asperities begin to touch or bridges to break, and further apart away from there.
     fn spread_separations(&self, meniscus: &Meniscus) -> Vec<f64> {
-        let (mean, std) = self.surface.heights.moments();
+        let (mean, std) = self.surface.plane().heights.moments();
         let touch = self.surface.mean_plane_offset + mean;
         let (width, wet) = (REACH * std, touch + meniscus.range());
-        let (first, last) =
-            (self.separations[0], self.separations[self.separations.len() - 1].min(wet + width));
+        let last = self.separations[self.separations.len() - 1];
+        let furthest = if self.surface.heights.depths().is_some() { f64::INFINITY } else { last };
+        let (first, last) = (self.separations[0], furthest.min(wet + width));
         let (mut all, mut next) = (vec![first], first);
         loop {
             let away = ((next - touch).abs().min((next - wet).abs()) - width).max(0.0);

@@ -419,7 +419,7 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     // The pull-off of a loop is on the way back.
     (is_of_tails && !scene.cycle).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
-        let flat = surface.force_of(|h| planes.at(h).pressure, h);
+        let flat = surface.nominal_area * surface.over_body(f64::INFINITY, |h| planes.at(h).pressure, h);
         let h_star = h / surface.surface_height_std;
         Warning::new(
             format!(
@@ -524,10 +524,10 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
     if surface.background.is_none() {
         return warnings;
     }
-    let is_normal = surface.heights.law == HeightLaw::Gaussian || matches!(surface.radii, Radii::Nayak(_));
-    if !is_normal {
+    let law = &surface.plane().heights.law;
+    if *law != HeightLaw::Gaussian && !matches!(surface.radii, Radii::Nayak(_)) {
         warnings.push(Warning::new(
-            format!("the gaps between the mean planes are taken as normal, not {}", surface.heights.law.about()),
+            format!("the gaps between the mean planes are taken as normal, not {}", law.about()),
             "forces between them know the standard deviation of all points of the surface, not their law; the heights \
              of the scene are heights of asperities",
             "surface.heights.law = \"gaussian\" has normal gaps",

@@ -15,8 +15,9 @@ const PANELS: usize = 2;
 const TABLE: (f64, f64) = (1e-12, 12.0);
 /// Panels as wide as the standard deviation next to the ends of heights.
 const EVEN: usize = 25;
-/// Roundings of a share.
+/// Roundings of a share, and the outermost share of the area, where a depth changes most with it.
 const ROUNDINGS: f64 = 32.0;
+const EDGE: f64 = 1e-3;
 /// A depth below this share of the standard deviation is none.
 const NO_DEPTH: f64 = 1e-9;
 
@@ -83,7 +84,8 @@ impl Lowered {
             return direct(u);
         }
         // Rounding of the shares of the area is an error of the density, too.
-        let error = TABLE.0.max(ROUNDINGS * f64::EPSILON * (high - low) / self.base.std);
+        let steepness = (self.depths.deepest() - self.depths.depth(1.0 - EDGE)) / EDGE;
+        let error = TABLE.0.max(ROUNDINGS * f64::EPSILON * steepness / self.base.std);
         let make = || Piecewise::new(|x| direct(low + x), |_, density| error * density, 0.0, high - low);
         let mut density = [f64::NAN];
         self.densities.get_or_init(make).values(&[u - low], &mut density);

@@ -1,5 +1,6 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
+mod curved;
 mod heights;
 mod lowered;
 #[doc(hidden)]
@@ -23,9 +24,11 @@ pub use scheme::SamplingScheme;
 #[doc(hidden)]
 pub use shape::{Depths, Shape};
 
-use crate::background::Background;
+use crate::background::{Background, MeanPlaneForce};
 use crate::format::si;
 use crate::liquid::{Spread, Spreads};
+use curved::Curved;
+use std::borrow::Cow;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -306,15 +309,13 @@ impl Surface {
 
     /// The attraction between the mean planes, N, at a separation h of them, m.
     pub fn background_force(&self, separation: f64) -> f64 {
-        self.background
-            .as_ref()
-            .map_or(0.0, |background| self.force_of(|h| background.pressure(h), separation))
+        self.nominal_area * self.background.as_ref().map_or(0.0, |background| background.pressure(separation))
     }
 
     /// The excess pull of liquid over its bridges on the way there or back, N, at a separation h of the mean
     /// planes, m.
     fn spread_force(&self, way: Option<&Spread>, separation: f64) -> f64 {
-        way.map_or(0.0, |spread| self.force_of(|h| spread.pressure(h), separation))
+        self.nominal_area * way.map_or(0.0, |spread| spread.pressure(separation))
     }
 
     /// The external force, N, at a separation h of the mean planes, m: that of the asperities, N, less the
@@ -344,8 +345,9 @@ impl Surface {
     /// the mean number of asperities is whole. Tips keep a least distance, m; 0 for none.
     pub fn under(self, shape: &Arc<dyn Shape>, depth: f64, distance: f64) -> Self {
         let (tip, density) = (self.asperity_radius, self.asperity_density);
-        let count = (density * shape.area(depth, tip)).ceil().max(1.0);
-        let area = (count / density).min(shape.largest());
+        let largest = shape.area(shape.end(), tip);
+        let count = (density * shape.area(depth, tip).min(largest)).ceil().max(1.0);
+        let area = (count / density).min(largest);
         let depths = Depths { shape: Arc::clone(shape), tip, area, distance };
         let base = self.heights.clone();
         let law = HeightLaw::Lowered(Arc::new(Lowered::new(self.heights, depths)));
@@ -359,14 +361,28 @@ impl Surface {
         }
     }
 
-    /// The force, N, at a separation h, m, of a pressure, Pa, that depends on the local separation of the faces, m.
-    pub fn force_of(&self, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
-        let Some(depths) = self.heights.depths() else { return self.nominal_area * pressure(separation) };
-        let deepest = depths.deepest();
-        let doubled = std::iter::successors(Some(self.surface_height_std), |depth| Some(2.0 * depth));
-        let inner = doubled.take_while(|depth| *depth < deepest);
-        let breaks: Vec<f64> = std::iter::once(0.0).chain(inner).chain([deepest]).collect();
-        depths.area * depths.mean(&breaks, |depth| pressure(separation + depth))
+    /// The flat surface that a body is over; itself without one.
+    pub fn plane(&self) -> Cow<'_, Self> {
+        let HeightLaw::Lowered(lowered) = &self.heights.law else { return Cow::Borrowed(self) };
+        let Lowered { base, depths, .. } = &**lowered;
+        Cow::Owned(Self { heights: base.clone(), asperity_radius: depths.tip, ..self.clone() })
+    }
+
+    /// The pressure, Pa, over the nominal area, of one, Pa, between flat faces at a separation h, m, at most `deepest`, m, behind the
+    /// nearest point of a body.
+    pub fn over_body(&self, deepest: f64, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
+        let Some(depths) = self.heights.depths() else { return pressure(separation) };
+        let at = |depth: f64| [pressure(separation + depth)];
+        depths.integral(self.surface_height_std, deepest, at)[0] / self.nominal_area
+    }
+
+    /// The force between the mean planes, per nominal area, of one that is between flat faces, at separations h, m, from the
+    /// nearest on.
+    pub fn force_over_body(&self, force: Arc<dyn MeanPlaneForce>, nearest: f64) -> Arc<dyn MeanPlaneForce> {
+        match self.heights.depths() {
+            Some(depths) => Arc::new(Curved::new(force, depths.clone(), self.nominal_area, nearest)),
+            None => force,
+        }
     }
 
     /// The area, m², that is loaded: the nominal area, or under a body the area of the places that are at most σ deep.

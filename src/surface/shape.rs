@@ -33,10 +33,8 @@ pub trait Shape: Debug + Send + Sync {
     /// The equivalent radius, m, of the contact of a tip of a radius, m, with the body.
     fn touching(&self, tip: f64) -> f64;
 
-    /// The area of the whole body, m².
-    fn largest(&self) -> f64 {
-        f64::INFINITY
-    }
+    /// The depth, m, at which the body ends.
+    fn end(&self) -> f64;
 
     /// Whether equal ranges of depth have equal areas.
     fn is_uniform(&self) -> bool;

@@ -137,6 +137,7 @@ fn filled(name: &str, meaning: &str, of: fn(&Filling, f64) -> f64) -> Dataset {
     Dataset::new(path(GROUP, name), &[Separation], "N", meaning, move |results| {
         results.scene.model.meniscus()?;
         let filling = results.scene.filling()?;
-        Some(forces(&results.scene, |h| of(&filling, h)))
+        let surface = &results.scene.surface;
+        Some(forces(&results.scene, |h| surface.over_body(f64::INFINITY, |h| of(&filling, h), h)))
     })
 }

@@ -102,7 +102,9 @@ impl<'a> ForceSections<'a> {
 impl Setting<'_> {
     /// The background that forces make; none of none.
     pub fn background(&self, forces: &GivenForces) -> Option<Arc<Background>> {
-        let made = forces.0.iter().map(|(name, given)| (*name, given.force(self))).collect();
+        let flat = Setting { surface: &self.surface.plane(), ..*self };
+        let over_body = |force| self.surface.force_over_body(force, self.range.0);
+        let made = forces.0.iter().map(|(name, given)| (*name, over_body(given.force(&flat)))).collect();
         let background = Background::new(made, self.surface.surface_height_std, self.range);
         (!forces.0.is_empty()).then(|| Arc::new(background))
     }

@@ -50,6 +50,10 @@ impl Shape for Cylinder {
         1.0 / (1.0 / tip * (1.0 / tip + 1.0 / self.radius)).sqrt()
     }
 
+    fn end(&self) -> f64 {
+        self.radius
+    }
+
     fn is_uniform(&self) -> bool {
         false
     }

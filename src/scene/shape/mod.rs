@@ -6,7 +6,6 @@ mod punch;
 mod sphere;
 mod tilted;
 
-use super::background::FORCES;
 use super::error::{SceneError, Together, all};
 use super::reader::Section;
 use crate::asperity::scale::Asperity;
@@ -40,28 +39,24 @@ const PASSES: usize = 2;
 /// Reads the table `[shape]`, if it is there.
 pub(super) fn shape(root: &Section<'_>) -> Result<Option<Arc<dyn Shape>>, SceneError> {
     let Some(section) = root.section("shape", false)? else { return Ok(None) };
-    let flat = FORCES.iter().map(|table| table.name).chain(["capillary"]);
-    let given = flat.filter_map(|name| root.get(name));
-    let without =
-        all(given.map(|entry| Err::<(), _>(entry.wrong("is for flat patches; leave it out, or [shape]"))));
     let reader = section.require("body")?.choice("body", SHAPES)?;
     let others = section.entries().filter(|(key, _)| *key != "body" && !reader.keys.contains(key));
     let others = all(others.map(|(_, entry)| {
         Err::<(), _>(entry.wrong(&format!("is of another body; this one has {}", reader.keys.join(", "))))
     }));
-    (without, others, (reader.read)(&section)).together().map(|(.., shape)| Some(shape))
+    (others, (reader.read)(&section)).together().map(|(_, shape)| Some(shape))
 }
 
 /// The surface under a body, as far as anything pulls at its separations, and these separations, m. Tips keep a least
-/// distance, m; 0 for none.
+/// distance, m, 0 for none, and liquid reaches across gaps, m.
 pub(super) fn under_body(
     surface: &Surface,
     shape: &Arc<dyn Shape>,
     asperity: &Asperity,
-    distance: f64,
+    (distance, liquid): (f64, f64),
     separations: impl Fn(&Surface) -> Vec<f64>,
 ) -> Result<(Surface, Vec<f64>), SceneError> {
-    let range = asperity.lubricant_thickness + REACH * asperity.equilibrium_spacing;
+    let range = liquid.max(asperity.lubricant_thickness + REACH * asperity.equilibrium_spacing);
     let (_, highest) = surface.heights.reach(HIGHEST);
     let reached = |depth: f64| {
         fits(surface, shape, depth)?;
@@ -80,7 +75,7 @@ pub(super) fn under_body(
 
 /// Refuses a body that has more tips within reach than a patch may have.
 fn fits(surface: &Surface, shape: &Arc<dyn Shape>, depth: f64) -> Result<(), SceneError> {
-    let area = shape.area(depth, surface.asperity_radius).min(shape.largest());
+    let area = shape.area(depth.min(shape.end()), surface.asperity_radius);
     let count = area * surface.asperity_density;
     if count <= MOST_ASPERITIES as f64 {
         return Ok(());

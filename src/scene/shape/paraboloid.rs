@@ -54,6 +54,10 @@ impl Shape for Paraboloid {
         1.0 / self.radii.map(|radius| (1.0 / tip + 1.0 / radius).sqrt()).iter().product::<f64>()
     }
 
+    fn end(&self) -> f64 {
+        self.radii[0].min(self.radii[1])
+    }
+
     fn is_uniform(&self) -> bool {
         true
     }

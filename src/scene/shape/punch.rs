@@ -50,6 +50,10 @@ impl Shape for Punch {
         tip
     }
 
+    fn end(&self) -> f64 {
+        self.edge
+    }
+
     fn is_uniform(&self) -> bool {
         false
     }

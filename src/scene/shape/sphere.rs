@@ -43,6 +43,10 @@ impl Shape for Sphere {
         1.0 / (1.0 / tip + 1.0 / self.radius)
     }
 
+    fn end(&self) -> f64 {
+        self.radius
+    }
+
     fn is_uniform(&self) -> bool {
         true
     }

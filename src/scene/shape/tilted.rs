@@ -39,7 +39,7 @@ impl Shape for Tilted {
     }
 
     fn area(&self, depth: f64, _: f64) -> f64 {
-        self.side * (depth / self.slope).min(self.side)
+        self.side * depth / self.slope
     }
 
     fn depth(&self, area: f64, _: f64) -> f64 {
@@ -55,8 +55,8 @@ impl Shape for Tilted {
         tip
     }
 
-    fn largest(&self) -> f64 {
-        self.side * self.side
+    fn end(&self) -> f64 {
+        self.slope * self.side
     }
 
     fn is_uniform(&self) -> bool {

@@ -98,7 +98,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
         let length = si(critical_approach, "m");
         text += &labelled("delta_A", &format!("{length}: critical approach, as the scene sets it"));
     }
-    let (mean, std) = of_plane(&surface.heights).moments();
+    let (mean, std) = surface.plane().heights.moments();
     let varies = match surface.count_law {
         CountLaw::Fixed => "",
         CountLaw::Poisson => " on average (Poisson)",
@@ -177,18 +177,10 @@ fn films(scene: &Scene, film: Film) -> String {
     labelled("film", &text)
 }
 
-/// The heights, without the depths of their places under a body.
-fn of_plane(heights: &Heights) -> &Heights {
-    match &heights.law {
-        HeightLaw::Lowered(lowered) => &lowered.base,
-        _ => heights,
-    }
-}
-
 /// Laws of heights and radii, where heights are not Gaussian or radii not equal.
 fn laws(surface: &Surface, mean_height: f64) -> String {
     let mut text = String::new();
-    let of_plane = of_plane(&surface.heights);
+    let of_plane = &surface.plane().heights;
     if of_plane.law != HeightLaw::Gaussian {
         let about = of_plane.law.about();
         // What is cut off an end moves the mean.
@@ -206,6 +198,9 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
             "radii",
             &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()),
         );
+    }
+    if surface.landing.is_some() {
+        text += &labelled("", "every replica is a random place of the map, which counts as repeated");
     }
     if surface.whole {
         text += &labelled(

@@ -26,8 +26,7 @@ impl Draw {
     /// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so
     /// that a surface on which one of them follows another law still has the others.
     pub fn of(self, surface: &Surface, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-        self.of_plane(surface, heights, radii);
-        self.lower(surface, heights, None);
+        self.under(surface, (heights, radii), None);
     }
 
     /// Draws the asperities as [`Draw::of`], and gives the places, m, from the middle, of asperities under a body.
@@ -37,15 +36,31 @@ impl Draw {
         heights: &mut Vec<f64>,
         radii: &mut Vec<f64>,
     ) -> Option<Vec<[f64; 2]>> {
-        self.of_plane(surface, heights, radii);
         let mut places = Vec::new();
-        self.lower(surface, heights, Some(&mut places)).then_some(places)
+        self.under(surface, (heights, radii), Some(&mut places)).then_some(places)
     }
 
-    /// Lowers asperities of a plane under a body, if there is one.
-    fn lower(self, surface: &Surface, heights: &mut [f64], places: Option<&mut Vec<[f64; 2]>>) -> bool {
-        let HeightLaw::Lowered(lowered) = &surface.heights.law else { return false };
-        lowered.lower(&mut stream(self.seed, Purpose::Places, self.index), heights, places);
+    /// Draws asperities, lowered under a body, and says whether there is one.
+    fn under(
+        self,
+        surface: &Surface,
+        (heights, radii): (&mut Vec<f64>, &mut Vec<f64>),
+        places: Option<&mut Vec<[f64; 2]>>,
+    ) -> bool {
+        let HeightLaw::Lowered(lowered) = &surface.heights.law else {
+            self.of_plane(surface, heights, radii);
+            return false;
+        };
+        let random = &mut stream(self.seed, Purpose::Places, self.index);
+        match (&surface.landing, &surface.radii) {
+            (Some(map), Radii::Measured(asperities)) => {
+                lowered.land(random, (map, asperities), (heights, radii), places);
+            }
+            _ => {
+                self.of_plane(surface, heights, radii);
+                lowered.lower(random, heights, radii, places);
+            }
+        }
         true
     }
 
@@ -74,7 +89,8 @@ impl Draw {
                 let [mut of_heights, mut of_radii] =
                     [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
                 let streams = (&mut of_heights, &mut of_radii);
-                law.draw(surface.asperity_radius, &surface.heights, streams, heights, radii);
+                let plane = surface.plane();
+                law.draw(plane.asperity_radius, &plane.heights, streams, heights, radii);
             }
         }
     }

@@ -81,7 +81,7 @@ impl<'a> RetractionModel<'a> {
         let radii = Radii::Parts(Vec::new());
         let (external_force, forces) = (Surface::external_force_back as fn(&_, _, _) -> _, Forces::default());
         let mut model = Self { cycle, surface, closest, radii, external_force, forces };
-        model.radii = match surface.radii.panels(surface.asperity_radius, &surface.heights) {
+        model.radii = match surface.radius_panels() {
             None => Radii::Parts(model.parts(surface.parts())),
             Some(panels) => {
                 let within = |ends: &[f64]| {

@@ -4,7 +4,8 @@ use super::choices::{MEASURED_RADII, SAMPLES};
 use super::column::FEWEST;
 use super::error::{SceneError, Together};
 use super::files::{Files, Input, MOST_VALUES, Measured};
-use super::population::{Population, count};
+use super::parse::Around;
+use super::population::{Population, count, of_body};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::{CountLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface};
@@ -14,7 +15,7 @@ pub(super) fn measured(
     section: &Section<'_>,
     entry: &Entry<'_>,
     files: &dyn Files,
-    is_coupled: bool,
+    around: &Around,
 ) -> Result<Population, SceneError> {
     let others = section.excluded("asperities", "follows from the measured asperities; give either");
     let table = entry.table()?;
@@ -23,12 +24,15 @@ pub(super) fn measured(
     let is_equivalent = table.value("radius").choice("radius", &MEASURED_RADII);
     let area = section.optional("nominal_area", |area| area.measured());
     let offset = section.optional("mean_plane_offset", |entry| entry.measured());
+    let of_plane = if around.has_body { of_body(section) } else { Ok(()) };
+    let others = (others, of_plane).together();
     let readings = (others, path, (whole, is_equivalent).together(), area, offset, count(section));
     let (_, (path, name), (whole, is_equivalent), given_area, offset, count_law) = readings.together()?;
     let found = files.asperities(name).and_then(|found| with_radii(found, is_equivalent));
     let found = found.map_err(|problem| path.wrong(&problem))?;
     let Measured { heights, radii, positions, extent, nominal_area, surface_height_std, .. } = found;
-    let places = (is_coupled && whole).then(|| places(positions, extent)).transpose();
+    let is_placed = whole && (around.is_coupled || around.has_body);
+    let places = is_placed.then(|| places(positions, extent)).transpose();
     let places = places.map_err(|problem| path.wrong(&problem))?;
     let of_places = places.iter().flat_map(|own| own.positions.iter().chain([&own.extent])).flatten();
     let of_places: Vec<f64> = of_places.copied().collect();
@@ -54,7 +58,12 @@ pub(super) fn measured(
     if let (Some(entry), true, CountLaw::Poisson) = (section.get("count"), whole, count_law) {
         return Err(entry.wrong("sample = \"whole\" takes every measured asperity once"));
     }
-    let surface = Surface { heights, radii: Radii::Measured(pairs.into()), whole, count_law, ..surface };
+    let radii = Radii::Measured(pairs.into());
+    let surface = Surface { heights, radii, whole, count_law, ..surface };
+    if around.has_body {
+        let surface = Surface { whole: false, landing: places, ..surface };
+        return Ok(Population { surface, places: None, inputs });
+    }
     Ok(Population { surface, places, inputs })
 }
 

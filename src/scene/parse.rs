@@ -201,9 +201,9 @@ impl<'a> Readings<'a> {
 }
 
 /// The surroundings of a surface.
-struct Around {
-    is_coupled: bool,
-    has_body: bool,
+pub(super) struct Around {
+    pub is_coupled: bool,
+    pub has_body: bool,
 }
 
 /// The table `[surface]`: its asperities, and the thickness of the lubricant, m.
@@ -221,8 +221,7 @@ fn read_surface(
         material.asperity(radius, 0.0)?;
     }
     let population = match surface.get("asperities") {
-        Some(entry) if around.has_body => Err(entry.wrong("[shape] is for asperities by laws; leave it out")),
-        Some(entry) => measured(surface, &entry, files, around.is_coupled),
+        Some(entry) => measured(surface, &entry, files, around),
         None => population(surface, files, around.has_body),
     };
     (population, lubricant).together()

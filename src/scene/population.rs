@@ -60,16 +60,10 @@ pub(super) fn population(
 }
 
 /// Refuses keys that do not go with a body.
-fn of_body(section: &Section<'_>) -> Result<(), SceneError> {
+pub(super) fn of_body(section: &Section<'_>) -> Result<(), SceneError> {
     let refused = [
         ("nominal_area", "follows from [shape], which has the asperities that pull; leave it out"),
         ("count", "is \"poisson\" under [shape], as the number differs from spot to spot; leave it out"),
-        ("radii", "[shape] is for asperities of one radius; leave it out"),
-        ("summits", "[shape] is for asperities of one radius; leave it out"),
-        (
-            "spectrum",
-            "[shape] is for asperities of one radius: give asperity_radius, asperity_density and surface_height_std",
-        ),
     ];
     let given = refused.into_iter().filter_map(|(key, problem)| Some((section.get(key)?, problem)));
     all(given.map(|(entry, problem)| Err::<(), _>(entry.wrong(problem)))).map(drop)

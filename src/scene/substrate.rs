@@ -84,6 +84,9 @@ impl<'a> SubstrateTable<'a> {
             let named = ["minimum_distance", "positions"].into_iter().find_map(|key| self.section.get(key));
             named.map_or_else(|| self.section.require("coupling"), Ok)
         };
+        if surface.landing.is_some() {
+            return as_measured(&self.section).map(|()| 0.0);
+        }
         let spacing = 1.0 / surface.asperity_density.sqrt();
         let distance = match self.places {
             Places::HardCore(_) => self.minimum_distance.unwrap_or(LEAST_DISTANCE * spacing),
@@ -182,18 +185,24 @@ fn loads_at(section: &Section<'_>, separations: &[f64], height_std: f64) -> Resu
     Ok(found)
 }
 
+/// Refuses other places than measured ones.
+fn as_measured(section: &Section<'_>) -> Result<(), SceneError> {
+    match ["positions", "minimum_distance"].into_iter().find_map(|key| section.get(key)) {
+        None => Ok(()),
+        Some(entry) => Err(entry.wrong(
+            "a measured surface that is taken whole has its asperities where they were measured; leave it out, or \
+             have them drawn: sample = \"bootstrap\"",
+        )),
+    }
+}
+
 /// The places of measured asperities, if they can be had so.
 fn on_map(
     section: &Section<'_>,
     coupling: Coupling,
     measured: MeasuredPlaces,
 ) -> Result<MeasuredPlaces, SceneError> {
-    if let Some(entry) = ["positions", "minimum_distance"].into_iter().find_map(|key| section.get(key)) {
-        return Err(entry.wrong(
-            "a measured surface that is taken whole has its asperities where they were measured; leave it out, or \
-             have them drawn: sample = \"bootstrap\"",
-        ));
-    }
+    as_measured(section)?;
     let [width, height] = measured.extent;
     if coupling == Coupling::Periodic && (width - height).abs() > SQUARE * width {
         let [width, height] = measured.extent.map(|length| Dimension::Length.shown(length));

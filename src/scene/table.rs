@@ -283,7 +283,8 @@ static FIRST: &[Key] = &[
         .what("how a replica is made of them")
         .about(
             "`bootstrap`: every asperity is one of the measured ones, drawn with replacement. `whole`: \
-             all of them once, in every replica; `nominal_area` is then the area of the map.",
+             all of them once, in every replica; `nominal_area` is then the area of the map. Under `[shape]` it has a random place \
+             of the map, which counts as repeated, with the asperities that are there.",
         )
         .defaults_to("\"bootstrap\""),
     key("surface.asperities.radius", "\"equivalent\"", Choice(|| names(&MEASURED_RADII)))

@@ -1,11 +1,13 @@
 //! Heights of asperities under a body whose face lies behind its nearest point.
 
-use super::heights::Heights;
+use super::heights::{HeightLaw, Heights};
+use super::places::MeasuredPlaces;
 use super::shape::Depths;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
-use rand::Rng;
-use std::sync::OnceLock;
+use rand::distr::Open01;
+use rand::{Rng, RngExt};
+use std::sync::{Arc, OnceLock};
 
 /// Relative accuracy of a quantile's probability.
 const ACCURACY: f64 = 1e-14;
@@ -15,6 +17,8 @@ const PANELS: usize = 2;
 const TABLE: (f64, f64) = (1e-12, 12.0);
 /// Panels as wide as the standard deviation next to the ends of heights.
 const EVEN: usize = 25;
+/// Panels are at least this share of the largest depth wide: given heights may be equal.
+const NARROWEST: f64 = 0.01;
 /// Roundings of a share, and the outermost share of the area, where a depth changes most with it.
 const ROUNDINGS: f64 = 32.0;
 const EDGE: f64 = 1e-3;
@@ -42,6 +46,14 @@ impl Lowered {
     /// Heights of a plane, less depths.
     pub fn new(base: Heights, depths: Depths) -> Self {
         Self { base, depths, densities: OnceLock::new() }
+    }
+
+    /// The equivalent radius of contacts, m, and the lowered heights of tips of a radius, m, that have their heights of the plane.
+    pub fn of_radius(&self, tip: f64, base: Heights) -> (f64, Heights) {
+        let depths = Depths { tip, ..self.depths.clone() };
+        let (mean, std) = (base.mean, base.std);
+        let law = HeightLaw::Lowered(Arc::new(Self::new(base, depths)));
+        (self.depths.shape.touching(tip), Heights { mean, std, law })
     }
 
     /// Mean and standard deviation, m.
@@ -72,9 +84,13 @@ impl Lowered {
         depths
     }
 
-    /// Probability density at a height, m: 1/m.
+    /// Probability density at a height, m: 1/m. Of given heights that of places with a depth alone.
     pub fn density(&self, u: f64) -> f64 {
-        if self.depths.shape.is_uniform() {
+        if let Some(values) = self.base.values() {
+            let of = |value: &f64| self.depths.density(self.base.mean + value - u);
+            return values.iter().map(of).sum::<f64>() / values.len() as f64;
+        }
+        if self.depths.is_uniform() {
             let deepest = self.depths.deepest();
             return self.base.probability(u, u + deepest) / deepest;
         }
@@ -94,6 +110,14 @@ impl Lowered {
 
     /// Probability of a height between two, m.
     pub fn probability(&self, low: f64, high: f64) -> f64 {
+        if let Some(values) = self.base.values() {
+            let share = |depth: f64| if depth < 0.0 { 0.0 } else { self.depths.share(depth) };
+            let of = |value: &f64| {
+                let height = self.base.mean + value;
+                share(height - low) - share(height - high)
+            };
+            return values.iter().map(of).sum::<f64>() / values.len() as f64;
+        }
         let ends = [0.0, self.depths.deepest()];
         let met = [low, high].into_iter().filter(|u| u.is_finite()).flat_map(|u| self.breaks(u));
         let mut breaks: Vec<f64> = met.chain(ends).collect();
@@ -133,7 +157,7 @@ impl Lowered {
         if !(first < last) {
             return Vec::new();
         }
-        let mut panels = outwards(first, last, self.base.std);
+        let mut panels = outwards(first, last, self.base.std.max(NARROWEST * deepest));
         // Where the plane's heights end, on the nearest and on the deepest places.
         let (least, most) = self.base.support();
         let ends = [least, most].into_iter().flat_map(|end| [end, end - deepest]);
@@ -143,18 +167,59 @@ impl Lowered {
         panels
     }
 
-    /// Lowers heights of the plane, m, each by the depth of a random place, and puts the places, m, from the middle, where they
-    /// are asked for.
-    pub fn lower(&self, random: &mut impl Rng, heights: &mut [f64], mut places: Option<&mut Vec<[f64; 2]>>) {
+    /// Lowers tips of the plane at heights, m, of radii, m, where these differ, each by the depth of a random place. Radii become those of
+    /// the contacts. The places, m, from the middle, are put where they are asked for.
+    pub fn lower(
+        &self,
+        random: &mut impl Rng,
+        heights: &mut [f64],
+        radii: &mut [f64],
+        mut places: Option<&mut Vec<[f64; 2]>>,
+    ) {
         let mut lowered = heights.iter_mut();
+        let mut tips = radii.iter_mut();
+        let Depths { shape, area, tip, .. } = &self.depths;
         self.depths.scatter(lowered.len(), random, |share, turn| {
+            let radius = tips.next();
             if let Some(height) = lowered.next() {
-                *height -= self.depths.depth(share);
+                *height -= shape.depth(share * area, radius.as_deref().copied().unwrap_or(*tip));
+            }
+            if let Some(radius) = radius {
+                *radius = shape.touching(*radius);
             }
             if let Some(places) = &mut places {
                 places.push(self.depths.place(share, turn));
             }
         });
+    }
+
+    /// Lands the body on a random place of a map, which counts as repeated, and gives the heights, m, and radii, m, of the contacts
+    /// of its asperities, height and radius of each, m, and their places, m, from the middle, where they are asked for.
+    pub fn land(
+        &self,
+        random: &mut impl Rng,
+        (map, asperities): (&MeasuredPlaces, &[[f64; 2]]),
+        (heights, radii): (&mut Vec<f64>, &mut Vec<f64>),
+        mut places: Option<&mut Vec<[f64; 2]>>,
+    ) {
+        let Depths { shape, area, tip, .. } = &self.depths;
+        let middle = map.extent.map(|length| length * random.sample::<f64, _>(Open01));
+        heights.clear();
+        radii.clear();
+        for (position, [height, radius]) in map.positions.iter().zip(asperities) {
+            let place = std::array::from_fn(|k| {
+                let (x, length) = (position[k] - middle[k], map.extent[k]);
+                x - length * (x / length).round()
+            });
+            let around = shape.around(place, *tip);
+            if around <= *area {
+                heights.push(self.base.mean + height - shape.depth(around, *radius));
+                radii.push(shape.touching(*radius));
+                if let Some(places) = &mut places {
+                    places.push(place);
+                }
+            }
+        }
     }
 
     /// Rising heights, m, that stand for the law. Each height of the plane, at even probabilities, is at another depth.

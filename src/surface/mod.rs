@@ -138,6 +138,9 @@ pub struct Surface {
     pub count_law: CountLaw,
     /// Whether every replica is the given sample of asperities itself, so that nothing is left to chance.
     pub whole: bool,
+    /// The map on random places of which a body lands, with [`Radii::Measured`] asperities in their order; places are independent
+    /// without one.
+    pub landing: Option<MeasuredPlaces>,
     /// Heights of the asperities of given patches above their mean plane, m, one patch after the other; drawn by the law
     /// without them.
     pub patches: Option<Arc<[f64]>>,
@@ -281,6 +284,7 @@ impl Surface {
             asperity_count,
             count_law: CountLaw::Fixed,
             whole: false,
+            landing: None,
             patches: None,
             asperity_density: asperity_count as f64 / nominal_area,
             nominal_area,
@@ -304,7 +308,31 @@ impl Surface {
     /// The asperities of each radius, for integrals.
     #[doc(hidden)]
     pub fn parts(&self) -> Vec<RadiusClass> {
-        self.radii.parts(self.asperity_radius, &self.heights)
+        let HeightLaw::Lowered(lowered) = &self.heights.law else {
+            return self.radii.parts(self.asperity_radius, &self.heights);
+        };
+        if !self.is_polydisperse() {
+            return self.radii.parts(self.asperity_radius, &self.heights);
+        }
+        let parts = self.radii.parts(lowered.depths.tip, &lowered.base);
+        let under = |part: RadiusClass| {
+            let (radius, heights) = lowered.of_radius(part.radius, part.heights);
+            RadiusClass { radius, heights, ..part }
+        };
+        parts.into_iter().map(under).collect()
+    }
+
+    /// The law of the radii, if it has a density.
+    #[doc(hidden)]
+    pub fn radius_panels(&self) -> Option<RadiusPanels> {
+        match &self.heights.law {
+            HeightLaw::Lowered(lowered) => {
+                let panels = self.radii.panels(lowered.depths.tip, &lowered.base)?;
+                let lowered = Arc::clone(lowered);
+                Some(panels.map(move |(radius, heights)| lowered.of_radius(radius, heights)))
+            }
+            _ => self.radii.panels(self.asperity_radius, &self.heights),
+        }
     }
 
     /// The attraction between the mean planes, N, at a separation h of them, m.

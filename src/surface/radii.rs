@@ -85,6 +85,12 @@ impl RadiusPanels {
         Self { breaks, density: Box::new(density), of: Box::new(of) }
     }
 
+    /// The panels with other radii, m, and heights in the place of these.
+    pub fn map(self, other: impl Fn((f64, Heights)) -> (f64, Heights) + Send + Sync + 'static) -> Self {
+        let Self { breaks, density, of } = self;
+        Self { breaks, density, of: Box::new(move |place| other(of(place))) }
+    }
+
     /// The radius, m, at a place of the variable.
     pub fn radius(&self, place: f64) -> f64 {
         (self.of)(place).0

@@ -24,20 +24,23 @@ pub trait Shape: Debug + Send + Sync {
     /// The area, m², of the places whose tips, of a radius, m, are at most as deep as `depth` ≥ 0, m.
     fn area(&self, depth: f64, tip: f64) -> f64;
 
+    /// The derivative of the area by the depth above 0, m.
+    fn widening(&self, depth: f64, tip: f64) -> f64;
+
     /// The depth, m, at the edge of an area, m²: the inverse of [`Shape::area`].
     fn depth(&self, area: f64, tip: f64) -> f64;
 
     /// The place, m, from the middle, on the edge of an area, m². A turn from 0 to 1 goes once around it.
     fn place(&self, area: f64, turn: f64, tip: f64) -> [f64; 2];
 
+    /// The area, m², on the edge of which a place, m, from the middle is: infinite for one that is not under the body.
+    fn around(&self, place: [f64; 2], tip: f64) -> f64;
+
     /// The equivalent radius, m, of the contact of a tip of a radius, m, with the body.
     fn touching(&self, tip: f64) -> f64;
 
     /// The depth, m, at which the body ends.
     fn end(&self) -> f64;
-
-    /// Whether equal ranges of depth have equal areas.
-    fn is_uniform(&self) -> bool;
 }
 
 /// The depths of places on an area under a body, from its nearest point on.
@@ -69,6 +72,18 @@ impl Depths {
     /// The share of the area that is at most so deep, m.
     pub fn share(&self, depth: f64) -> f64 {
         (self.shape.area(depth.max(0.0), self.tip) / self.area).min(1.0)
+    }
+
+    /// Whether equal ranges of depth have equal areas.
+    pub fn is_uniform(&self) -> bool {
+        let widening = |share: f64| self.shape.widening(share * self.deepest(), self.tip);
+        self.share(0.0) == 0.0 && widening(0.5) == widening(1.0)
+    }
+
+    /// The density of the share of the area over the depth, m, above 0: 1/m.
+    pub fn density(&self, depth: f64) -> f64 {
+        let is_there = depth > 0.0 && depth <= self.deepest();
+        if is_there { self.shape.widening(depth, self.tip) / self.area } else { 0.0 }
     }
 
     /// The place, m, from the middle, at a turn around the edge of a share of the area.

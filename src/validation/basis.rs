@@ -143,8 +143,8 @@ fn basis_of(states: &[StateAt<'_>], surface: &Surface, draws: Draws, accuracy: f
     let (accuracy, Draws { scheme, replicas }) = (accuracy.max(ACCURACY), draws);
     let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
-    if surface.whole {
-        // Nothing is left to chance.
+    if surface.whole || surface.landing.is_some() {
+        // Nothing is left to chance, or places of a map depend on each other.
         return Basis::untested(all);
     }
     let states: Vec<StateAt<'_>> = states.iter().copied().step_by(stride).collect();

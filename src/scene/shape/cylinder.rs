@@ -33,6 +33,10 @@ impl Shape for Cylinder {
         2.0 * self.length * (2.0 * (self.radius + tip) * depth).sqrt()
     }
 
+    fn widening(&self, depth: f64, tip: f64) -> f64 {
+        self.length * (2.0 * (self.radius + tip) / depth).sqrt()
+    }
+
     fn depth(&self, area: f64, tip: f64) -> f64 {
         (0.5 * area / self.length).powi(2) / (2.0 * (self.radius + tip))
     }
@@ -46,15 +50,16 @@ impl Shape for Cylinder {
         }
     }
 
+    fn around(&self, place: [f64; 2], _: f64) -> f64 {
+        let is_under = place[1].abs() <= 0.5 * self.length;
+        if is_under { 2.0 * place[0].abs() * self.length } else { f64::INFINITY }
+    }
+
     fn touching(&self, tip: f64) -> f64 {
         1.0 / (1.0 / tip * (1.0 / tip + 1.0 / self.radius)).sqrt()
     }
 
     fn end(&self) -> f64 {
         self.radius
-    }
-
-    fn is_uniform(&self) -> bool {
-        false
     }
 }

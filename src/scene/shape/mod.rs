@@ -8,8 +8,9 @@ mod tilted;
 
 use super::error::{SceneError, Together, all};
 use super::reader::Section;
+use super::units::Dimension;
 use crate::asperity::scale::Asperity;
-use crate::surface::{MOST_ASPERITIES, Shape, Surface};
+use crate::surface::{MOST_ASPERITIES, Radii, Shape, Surface};
 use std::sync::Arc;
 
 /// A shape by its name, its keys and how it is read.
@@ -70,7 +71,28 @@ pub(super) fn under_body(
         let nearest = under.asperity_separation(from[0]);
         (under, from) = reached(range + (highest - nearest).max(0.0))?;
     }
+    on_map(&under, shape)?;
     Ok((under, from))
+}
+
+/// Refuses a map that is smaller than the reach of a body, and given asperities under a flat end, at the same depth.
+fn on_map(under: &Surface, shape: &Arc<dyn Shape>) -> Result<(), SceneError> {
+    let Radii::Measured(_) = under.radii else { return Ok(()) };
+    if shape.area(0.0, under.asperity_radius) > 0.0 {
+        return Err(SceneError::general(
+            "[shape] with a flat end is for asperities by laws; for measured ones sphere, paraboloid, cylinder or tilted would do",
+        ));
+    }
+    let (Some(map), Some(depths)) = (&under.landing, under.heights.depths()) else { return Ok(()) };
+    let (side, smallest) = (depths.side(), map.extent[0].min(map.extent[1]));
+    if side <= smallest {
+        return Ok(());
+    }
+    let [side, smallest] = [side, smallest].map(|length| Dimension::Length.shown(length));
+    Err(SceneError::general(format!(
+        "[shape] has asperities within reach on {side}, and the side of the map is {smallest}: a larger map would do, a smaller \
+         body, or sample = \"bootstrap\", which draws them at random places"
+    )))
 }
 
 /// Refuses a body that has more tips within reach than a patch may have.

@@ -40,6 +40,10 @@ impl Shape for Paraboloid {
         2.0 * PI * self.mean(tip) * depth
     }
 
+    fn widening(&self, _: f64, tip: f64) -> f64 {
+        2.0 * PI * self.mean(tip)
+    }
+
     fn depth(&self, area: f64, tip: f64) -> f64 {
         area / (2.0 * PI * self.mean(tip))
     }
@@ -50,15 +54,16 @@ impl Shape for Paraboloid {
         [a * cos, b * sin]
     }
 
+    fn around(&self, place: [f64; 2], tip: f64) -> f64 {
+        let depth = |k: usize| place[k] * place[k] / (2.0 * (self.radii[k] + tip));
+        self.area(depth(0) + depth(1), tip)
+    }
+
     fn touching(&self, tip: f64) -> f64 {
         1.0 / self.radii.map(|radius| (1.0 / tip + 1.0 / radius).sqrt()).iter().product::<f64>()
     }
 
     fn end(&self) -> f64 {
         self.radii[0].min(self.radii[1])
-    }
-
-    fn is_uniform(&self) -> bool {
-        true
     }
 }

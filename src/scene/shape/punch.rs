@@ -35,6 +35,10 @@ impl Shape for Punch {
         PI * (self.flat + (2.0 * (self.edge + tip) * depth).sqrt()).powi(2)
     }
 
+    fn widening(&self, depth: f64, tip: f64) -> f64 {
+        2.0 * PI * ((self.edge + tip) + self.flat * ((self.edge + tip) / (2.0 * depth)).sqrt())
+    }
+
     fn depth(&self, area: f64, tip: f64) -> f64 {
         ((area / PI).sqrt() - self.flat).max(0.0).powi(2) / (2.0 * (self.edge + tip))
     }
@@ -45,6 +49,10 @@ impl Shape for Punch {
         [r * cos, r * sin]
     }
 
+    fn around(&self, place: [f64; 2], _: f64) -> f64 {
+        PI * (place[0] * place[0] + place[1] * place[1])
+    }
+
     /// Most tips touch the flat end.
     fn touching(&self, tip: f64) -> f64 {
         tip
@@ -52,9 +60,5 @@ impl Shape for Punch {
 
     fn end(&self) -> f64 {
         self.edge
-    }
-
-    fn is_uniform(&self) -> bool {
-        false
     }
 }

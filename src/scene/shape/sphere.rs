@@ -29,6 +29,10 @@ impl Shape for Sphere {
         2.0 * PI * (self.radius + tip) * depth
     }
 
+    fn widening(&self, _: f64, tip: f64) -> f64 {
+        2.0 * PI * (self.radius + tip)
+    }
+
     fn depth(&self, area: f64, tip: f64) -> f64 {
         area / (2.0 * PI * (self.radius + tip))
     }
@@ -39,15 +43,15 @@ impl Shape for Sphere {
         [r * cos, r * sin]
     }
 
+    fn around(&self, place: [f64; 2], _: f64) -> f64 {
+        PI * (place[0] * place[0] + place[1] * place[1])
+    }
+
     fn touching(&self, tip: f64) -> f64 {
         1.0 / (1.0 / tip + 1.0 / self.radius)
     }
 
     fn end(&self) -> f64 {
         self.radius
-    }
-
-    fn is_uniform(&self) -> bool {
-        true
     }
 }

@@ -42,6 +42,10 @@ impl Shape for Tilted {
         self.side * depth / self.slope
     }
 
+    fn widening(&self, _: f64, _: f64) -> f64 {
+        self.side / self.slope
+    }
+
     fn depth(&self, area: f64, _: f64) -> f64 {
         area / self.side * self.slope
     }
@@ -51,15 +55,16 @@ impl Shape for Tilted {
         [area / self.side - 0.5 * self.side, (turn - 0.5) * self.side]
     }
 
+    fn around(&self, place: [f64; 2], _: f64) -> f64 {
+        let is_under = place.iter().all(|x| x.abs() <= 0.5 * self.side);
+        if is_under { (place[0] + 0.5 * self.side) * self.side } else { f64::INFINITY }
+    }
+
     fn touching(&self, tip: f64) -> f64 {
         tip
     }
 
     fn end(&self) -> f64 {
         self.slope * self.side
-    }
-
-    fn is_uniform(&self) -> bool {
-        true
     }
 }

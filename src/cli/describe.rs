@@ -11,7 +11,7 @@ use crate::liquid::{Film, Meniscus};
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
 use crate::scene::{Scene, sources_of_heights};
-use crate::surface::{CountLaw, HeightLaw, Heights, Radii, SamplingScheme, Surface};
+use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 
 /// The title, the model, and what characterises the scene.
 pub(super) fn heading(scene: &Scene) -> String {

@@ -2,10 +2,10 @@
 
 use super::expectations::Expectations;
 use super::height_integral::{AtSeparation, typical};
-use super::node_table::{NodeTable, Normal};
+use super::node_table::NodeTable;
 use crate::asperity::{Law, Laws, Quantity, SolverStats};
 use crate::math::extrema::maximum;
-use crate::surface::{CountLaw, HeightLaw, Heights, RadiusClass, Surface};
+use crate::surface::{CountLaw, Heights, RadiusClass, Surface};
 use rayon::prelude::*;
 
 /// Relative accuracy asked of every piece of the law, unless another is given.
@@ -49,8 +49,8 @@ struct Part {
     of: RadiusClass,
     /// Law of these asperities, where each radius has its own.
     law: Option<Box<dyn Law>>,
-    /// Forces of the law at nodes, where heights are Gaussian.
-    nodes: Option<(NodeTable, Normal)>,
+    /// Forces of the law at nodes, where heights have a smooth density.
+    nodes: Option<NodeTable>,
 }
 
 /// Expectations at one separation, and expectations by a coarser division of the radii.
@@ -69,10 +69,8 @@ impl<'a> Model<'a> {
         let several = parts.len() > 1 && parts.len() <= MOST_TABLES;
         let part = |of: RadiusClass| {
             let law = laws.family.map(|family| family.law(of.radius));
-            let normal = Normal { mean: of.heights.mean, std: of.heights.std, reach: OF_RADIUS_REACH };
-            let table = |law: &dyn Law| NodeTable::new(law, normal, range, OF_RADIUS_TOLERANCE);
-            let is_gaussian = of.heights.law == HeightLaw::Gaussian;
-            let nodes = law.as_deref().filter(|_| several && is_gaussian).map(|law| (table(law), normal));
+            let table = |law| NodeTable::new(law, &of.heights, OF_RADIUS_REACH, range, OF_RADIUS_TOLERANCE);
+            let nodes = law.as_deref().filter(|_| several).and_then(table);
             Part { of, law, nodes }
         };
         Self { laws, surface, parts: parts.into_par_iter().map(part).collect() }
@@ -89,7 +87,7 @@ impl<'a> Model<'a> {
     pub(super) fn of_asperities(&self, separations: &[f64], tolerance: f64) -> Expectations {
         let mut answer = Mixture::expectations(&self.at(separations, tolerance), self.surface);
         let tables = self.parts.iter().filter_map(|part| part.nodes.as_ref());
-        tables.for_each(|(nodes, _)| answer.stats.merge(&nodes.stats));
+        tables.for_each(|nodes| answer.stats.merge(&nodes.stats));
         answer
     }
 
@@ -111,8 +109,8 @@ impl<'a> Model<'a> {
     fn force_at_nodes(&self, separation: f64) -> Option<f64> {
         let d = self.surface.asperity_separation(separation);
         let of = |part: &Part| {
-            let (nodes, heights) = part.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d))?;
-            Some(part.of.weight * nodes.external_force(part.law(self), *heights, d))
+            let nodes = part.nodes.as_ref().filter(|nodes| nodes.covers(d))?;
+            Some(part.of.weight * nodes.external_force(part.law(self), d))
         };
         let forces: Option<Vec<f64>> = self.parts.par_iter().map(of).collect();
         Some(self.surface.asperity_count as f64 * forces?.into_iter().sum::<f64>())
@@ -138,8 +136,8 @@ impl Part {
     /// Expectations at a separation d, m.
     fn at(&self, model: &Model<'_>, d: f64, typical: [f64; 4], tolerance: f64) -> AtSeparation {
         let (law, heights) = (self.law(model), &self.of.heights);
-        if let Some((nodes, normal)) = self.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d)) {
-            let mut at = nodes.at(law, *normal, d, typical);
+        if let Some(nodes) = self.nodes.as_ref().filter(|nodes| nodes.covers(d)) {
+            let mut at = nodes.at(law, d, typical);
             at.probabilities(law, heights, d);
             return at;
         }

@@ -1,11 +1,11 @@
-//! Expectations over Gaussian heights of a law whose forces are known at nodes once and for all.
+//! Expectations over heights with a smooth density, of a law whose forces are known at nodes once and for all.
 //!
 //! # Formula
 //! E\[q\](d) = ∫q(δ)φ(δ + d)dδ: at another separation d the forces at the same interferences δ count with another
 //! density. So the nodes of Gauss's rule on panels of δ, on which the law is one smooth function, serve all separations.
 //! Panels are so narrow, in σ_s, that a density is a polynomial to rounding there, and are halved until the
-//! quantities alone are integrated as accurately as they are asked for. Separations at which all heights are
-//! [far](super::far_rule) from contact need no panels.
+//! quantities alone are integrated as accurately as they are asked for. Where heights end, the panel ends, with nodes of its
+//! own. Separations at which all Gaussian heights are [far](super::far_rule) from contact need no panels.
 
 use super::far_rule;
 use super::height_integral::{AtSeparation, Variable};
@@ -15,6 +15,7 @@ use crate::math::extrema::maximum;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::sums::lane_sum;
+use crate::surface::{HeightLaw, Heights};
 use std::f64::consts::PI;
 
 /// Panels are at most so wide, in standard deviations.
@@ -24,6 +25,11 @@ const HALVINGS: usize = 24;
 
 /// The forces of a law at the nodes of panels.
 pub(super) struct NodeTable {
+    heights: Heights,
+    /// Of Gaussian heights.
+    normal: Option<Normal>,
+    /// The heights that count, m.
+    reach: (f64, f64),
     panels: Vec<Panel>,
     /// Separations d, m, for which panels cover all heights within reach.
     covered: (f64, f64),
@@ -34,6 +40,9 @@ pub(super) struct NodeTable {
 
 struct Panel {
     regime: usize,
+    variable: Variable,
+    /// Interferences, m, of the piece of the law.
+    limits: (f64, f64),
     ends: (f64, f64),
     /// Relative to the integrals of the quantities.
     error: f64,
@@ -45,34 +54,44 @@ struct Panel {
     external: [f64; NODES],
 }
 
-/// Gaussian heights of a mean and a standard deviation, m, and how far they are integrated to, in these.
+/// Gaussian heights of a mean and a standard deviation, m.
 #[derive(Clone, Copy)]
 pub(super) struct Normal {
     pub mean: f64,
     pub std: f64,
-    pub reach: f64,
 }
 
 impl NodeTable {
-    /// The forces of a law for Gaussian heights at separations d, m, between two: to a relative accuracy on every panel.
-    pub fn new(law: &dyn Law, heights: Normal, (nearest, furthest): (f64, f64), tolerance: f64) -> Self {
-        let far = far_rule::begin(law, heights);
+    /// The forces of a law at separations d, m, between two: to a relative accuracy on every panel. None where heights have no
+    /// density that is smooth between their ends. Heights count up to `reach`, in standard deviations of a normal law.
+    pub fn new(
+        law: &dyn Law,
+        heights: &Heights,
+        reach: f64,
+        (nearest, furthest): (f64, f64),
+        tolerance: f64,
+    ) -> Option<Self> {
+        let width = heights.smooth_over()?;
+        let is_normal = heights.law == HeightLaw::Gaussian;
+        let normal = is_normal.then_some(Normal { mean: heights.mean, std: heights.std });
+        let far = normal.map_or(f64::INFINITY, |heights| far_rule::begin(law, heights));
         let furthest = furthest.min(far);
         let (covered, stats) = ((nearest, furthest), SolverStats::default());
-        let mut table = Self { panels: Vec::new(), covered, far, stats };
+        let reach = heights.reach(reach);
+        let heights = heights.clone();
+        let mut table = Self { heights, normal, reach, panels: Vec::new(), covered, far, stats };
         if nearest > furthest {
-            return table;
+            return Some(table);
         }
         let mut out = Responses::default();
-        let reach = heights.reach * heights.std;
-        let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
+        let (low, high) = (reach.0 - furthest, reach.1 - nearest);
         for piece in law.pieces(None) {
             let (lower, upper) = (piece.lower.max(low), piece.upper.min(high));
             if !(lower < upper) {
                 continue;
             }
-            let variable = Variable::of(&piece, 0.5 * (nearest + furthest), heights.std);
-            let count = ((upper - lower) / (WIDEST * heights.std)).ceil().max(1.0);
+            let variable = Variable::of(&piece, 0.5 * (nearest + furthest), width);
+            let count = ((upper - lower) / (WIDEST * width)).ceil().max(1.0);
             let end = |i: f64| variable.of_interference(lower + (upper - lower) * (i / count));
             for i in 0..count as usize {
                 let [a, b] = [end(i as f64), end(i as f64 + 1.0)];
@@ -96,7 +115,7 @@ impl NodeTable {
                 }
             }
         }
-        table
+        Some(table)
     }
 
     /// Whether all heights within reach are covered, or far from contact, at a separation d, m.
@@ -105,58 +124,72 @@ impl NodeTable {
     }
 
     /// The expected external force of its law, N, at a separation d, m.
-    pub fn external_force(&self, law: &dyn Law, heights: Normal, separation: f64) -> f64 {
-        if separation > self.far {
+    pub fn external_force(&self, law: &dyn Law, separation: f64) -> f64 {
+        if let Some(heights) = self.normal.filter(|_| separation > self.far) {
             return far_rule::external_force(law, heights, separation);
         }
-        let mean = heights.mean - separation;
-        let reach = heights.reach * heights.std;
-        let per_std = 1.0 / heights.std;
-        let sum = InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                let mut sum = 0.0;
-                for panel in &self.panels {
-                    if panel.ends.1 < mean - reach || panel.ends.0 > mean + reach {
-                        continue;
-                    }
-                    let mut terms = [0.0; NODES];
-                    for (term, (delta, external)) in
-                        terms.iter_mut().zip(panel.interference.iter().zip(&panel.external))
-                    {
+        let mut stats = SolverStats::default();
+        let mut sum = 0.0;
+        self.for_each_panel(law, separation, &mut stats, |panel, densities| {
+            let terms: [f64; NODES] = std::array::from_fn(|i| panel.external[i] * densities[i]);
+            sum += lane_sum(&terms);
+        });
+        sum
+    }
+
+    /// Panels with heights within reach at a separation d, m, and the densities at their nodes, 1/m.
+    fn for_each_panel(
+        &self,
+        law: &dyn Law,
+        separation: f64,
+        stats: &mut SolverStats,
+        mut each: impl FnMut(&Panel, &[f64; NODES]),
+    ) {
+        let (low, high) = (self.reach.0 - separation, self.reach.1 - separation);
+        let mut out = Responses::default();
+        for panel in &self.panels {
+            if panel.ends.1 < low || panel.ends.0 > high {
+                continue;
+            }
+            let Some(normal) = self.normal else {
+                let ends = (panel.ends.0.max(low), panel.ends.1.min(high));
+                let cut = (ends != panel.ends).then(|| panel.between(law, ends, (&mut out, stats)));
+                let panel = cut.as_ref().unwrap_or(panel);
+                let density = |delta: f64| self.heights.density(delta + separation);
+                each(panel, &panel.interference.map(density));
+                continue;
+            };
+            let mean = normal.mean - separation;
+            let (per_std, unit) = (1.0 / normal.std, 1.0 / (normal.std * (2.0 * PI).sqrt()));
+            let densities = InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    panel.interference.map(|delta| {
                         let s = (delta - mean) * per_std;
-                        *term = external * exp(-0.5 * s * s);
-                    }
-                    sum += lane_sum(&terms);
-                }
-                sum
-            },
-        );
-        sum / (heights.std * (2.0 * PI).sqrt())
+                        unit * exp(-0.5 * s * s)
+                    })
+                },
+            );
+            each(panel, &densities);
+        }
     }
 
     /// The expectations at a separation d, m, with deviations from `typical` quantities.
-    pub fn at(&self, law: &dyn Law, heights: Normal, separation: f64, typical: [f64; 4]) -> AtSeparation {
-        if separation > self.far {
+    pub fn at(&self, law: &dyn Law, separation: f64, typical: [f64; 4]) -> AtSeparation {
+        if let Some(heights) = self.normal.filter(|_| separation > self.far) {
             return far_rule::at(law, heights, separation, typical);
         }
         let mut at = AtSeparation::new(law.regimes().len(), typical);
-        let mean = heights.mean - separation;
-        let reach = heights.reach * heights.std;
-        let (per_std, unit) = (1.0 / heights.std, 1.0 / (heights.std * (2.0 * PI).sqrt()));
         let mut errors = [0.0; 3];
         let mut totals = [0.0; 3];
-        for panel in &self.panels {
-            if panel.ends.1 < mean - reach || panel.ends.0 > mean + reach {
-                continue;
-            }
+        let mut stats = SolverStats::default();
+        self.for_each_panel(law, separation, &mut stats, |panel, densities| {
             let sums = InstructionSet::current().run(
                 #[inline(always)]
                 || {
                     let mut terms = [[0.0; NODES]; 8];
-                    for (i, delta) in panel.interference.iter().enumerate() {
-                        let s = (delta - mean) * per_std;
-                        let weight = panel.weights[i] * unit * exp(-0.5 * s * s);
+                    for (i, density) in densities.iter().enumerate() {
+                        let weight = panel.weights[i] * density;
                         let [adhesion, contact, area] = [0, 1, 2].map(|q: usize| panel.quantities[q][i]);
                         let quantities = Quantity::of_response(adhesion, contact, area);
                         terms[0][i] = weight * adhesion;
@@ -176,7 +209,8 @@ impl NodeTable {
                 errors[c] += panel.error * sums[c].abs();
                 totals[c] += sums[c].abs();
             }
-        }
+        });
+        at.stats = stats;
         for (error, total) in errors.into_iter().zip(totals) {
             if total > f64::MIN_POSITIVE / f64::EPSILON {
                 at.error = maximum(at.error, error / total);
@@ -210,7 +244,20 @@ impl Panel {
         let quantities = [quantity(&out.adhesion), quantity(&out.contact), quantity(&out.area)];
         let [a, b] = [low, high].map(|x| variable.interference(x));
         let external = std::array::from_fn(|i| weights[i] * (quantities[1][i] - quantities[0][i]));
-        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities, external }
+        let ends = (a.min(b), a.max(b));
+        Self { regime, variable, limits, ends, error: 0.0, interference, weights, quantities, external }
+    }
+
+    /// A part of it between two interferences, m, of the same accuracy.
+    fn between(
+        &self,
+        law: &dyn Law,
+        (low, high): (f64, f64),
+        evaluated: (&mut Responses, &mut SolverStats),
+    ) -> Self {
+        let [a, b] = [low, high].map(|delta| self.variable.of_interference(delta));
+        let of = (self.variable, self.limits);
+        Self { error: self.error, ..Self::new(law, self.regime, of, (a.min(b), a.max(b)), evaluated) }
     }
 
     fn integral(&self, quantity: usize) -> f64 {

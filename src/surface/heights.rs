@@ -306,6 +306,16 @@ impl Heights {
         (support.0.max(self.mean + self.std * low), support.1.min(self.mean + self.std * high))
     }
 
+    /// The width, m, over which the density varies between the ends of the heights; none where it is not smooth there.
+    #[doc(hidden)]
+    pub fn smooth_over(&self) -> Option<f64> {
+        match &self.law {
+            HeightLaw::Gaussian => Some(self.std),
+            HeightLaw::Lowered(law) => law.smooth_over(),
+            _ => None,
+        }
+    }
+
     /// Probability density at the height `u`, m: 1/m. A sample has none.
     pub fn density(&self, u: f64) -> f64 {
         let s = (u - self.mean) / self.std;

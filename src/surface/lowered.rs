@@ -84,6 +84,14 @@ impl Lowered {
         depths
     }
 
+    /// The width, m, over which the density varies between the ends of the heights; none where it is not smooth there.
+    pub fn smooth_over(&self) -> Option<f64> {
+        match self.base.values() {
+            Some([_]) if self.depths.is_uniform() => Some(self.depths.deepest()),
+            _ => (self.base.law == HeightLaw::Gaussian).then_some(self.base.std),
+        }
+    }
+
     /// Probability density at a height, m: 1/m. Of given heights that of places with a depth alone.
     pub fn density(&self, u: f64) -> f64 {
         if let Some(values) = self.base.values() {

@@ -309,7 +309,9 @@ fn ended(stopped: &Stopped, results: &Results) -> String {
 /// The verdict of the cross-check.
 pub(super) fn verdict(joint: &JointTest) -> String {
     let text = match joint.verdict {
-        Verdict::NotTested => "not tested: too few asperities, or nothing that varies".to_owned(),
+        Verdict::NotTested => {
+            "not tested: too few asperities, nothing that varies, or spots of a map".to_owned()
+        }
         Verdict::Agree => format!("ensemble and integral agree, p = {:.3}", joint.p_value),
         Verdict::Disagree => format!(
             "ensemble and integral disagree at the {} % level, p = {:.1e}: do not quote; /validation says where",

@@ -136,7 +136,9 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
             units(&["lubricant_thickness", "surface_height_std"]),
         ));
     }
-    if surface.asperity_count < FEWEST_ASPERITIES {
+    // A spot under a body has as few as are there.
+    let is_flat = surface.heights.depths().is_none();
+    if is_flat && surface.asperity_count < FEWEST_ASPERITIES {
         warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
                      the size of its mean", units(&["nominal_area", "asperity_density"])));
     }
@@ -416,10 +418,11 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let reading = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
     let (h, share) = (reading.separation, reading.untouched_adhesion);
     let is_of_tails = share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0;
-    // The pull-off of a loop is on the way back.
-    (is_of_tails && !scene.cycle).then(|| {
+    // The pull-off of a loop is on the way back, and spots under a body pull off elsewhere than their mean.
+    let is_read = !scene.cycle && surface.heights.depths().is_none();
+    (is_of_tails && is_read).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
-        let flat = surface.nominal_area * surface.over_body(f64::INFINITY, |h| planes.at(h).pressure, h);
+        let flat = surface.nominal_area * planes.at(h).pressure;
         let h_star = h / surface.surface_height_std;
         Warning::new(
             format!(

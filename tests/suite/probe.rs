@@ -1,6 +1,6 @@
 //! Bodies over rough planes: closed forms of smooth ones, Derjaguin's integral of the flat patch, ensembles, coupling.
 
-use crate::common::program::{Folder, assert_exit, attribute, number, text, unbroken, values};
+use crate::common::program::{ASPERITIES, Folder, assert_exit, attribute, number, text, unbroken, values};
 use std::f64::consts::PI;
 
 const SPHERE: &str = "body = \"sphere\"\nradius = \"10 um\"";
@@ -121,6 +121,22 @@ fn spots_agree_with_the_integral() {
         let summary = run(&folder, &scene(shape, "[ensemble]\nreplicas = 200\n"), "scene.h5");
         assert!(summary.contains("ensemble and integral agree"), "{shape}: {summary}");
     }
+    // Radii that scatter, alone and with heights, and a map's.
+    let few = "[separation]\nh_star = { from = -0.5, to = 3.5, count = 9 }\n[ensemble]\nreplicas = 200\n";
+    let small = scene(SPHERE, few);
+    std::fs::copy(ASPERITIES, folder.path("map.h5")).unwrap();
+    for (key, instead) in [
+        ("[shape]", "radii = { law = \"gamma\", coefficient_of_variation = 0.3 }\n[shape]"),
+        ("[shape]", "summits = \"nayak\"\n[shape]"),
+        ("asperity_radius", "asperities = { path = \"map.h5\" }\n#"),
+    ] {
+        let mut own = small.replace(key, instead);
+        if key != "[shape]" {
+            own = own.replace("asperity_density", "#").replace("surface_height_std", "#");
+        }
+        let summary = run(&folder, &own, "scene.h5");
+        assert!(summary.contains("ensemble and integral agree"), "{instead}: {summary}");
+    }
     // Heights with an end, and a loop after a preload.
     let exponential = scene(SPHERE, "[ensemble]\nreplicas = 200\n")
         .replace("[shape]", "heights = \"exponential\"\n[shape]");
@@ -170,10 +186,134 @@ fn a_coupled_sphere_is_hertzian() {
     }
 }
 
+/// Forces between smooth faces: Derjaguin's integral of p = ε₀V²/2(h + t/ε_r)² and A/6πh³ over the area of depths down to the end
+/// of the body. Heights scatter by 5 pm, which adds 3(σ/(h + Z₀))² < 2e-5, and bodies that touch are Z₀ apart. The end of a cylinder is left out: (h/R_m)^(3/2) < 1e-4 of the force.
+#[test]
+fn forces_between_smooth_faces_have_closed_forms() {
+    let (tip, permittivity, hamaker) = (1e-6_f64, 8.8541878188e-12, 1e-19);
+    let smooth = |shape: &str| {
+        format!(
+            "[material]\nreduced_modulus = \"1 GPa\"\nhardness = \"100 GPa\"\npoisson_ratio = 0.3\n\
+             work_of_adhesion = \"1 mJ/m^2\"\n[surface]\nasperity_radius = \"1 um\"\nasperity_density = \"50 /um^2\"\n\
+             surface_height_std = \"5 pm\"\nasperity_height_std = \"5 pm\"\nmean_plane_offset = 0\n[shape]\n{shape}\n\
+             [model]\nlaw = \"gw\"\n[separation]\nh = [\"2 nm\", \"5 nm\", \"20 nm\"]\n[ensemble]\nreplicas = 0\n\
+             [van_der_waals]\nhamaker_constant = \"1e-19 J\"\n[electrostatic]\nvoltage = \"2 V\"\ndielectric_thickness = \"4 nm\"\n\
+             relative_permittivity = 4.0\n"
+        )
+    };
+    let half = 0.5 * permittivity * 4.0;
+    let (ten, cylinder) = (10e-6 + tip, (2.0 * (10e-6 + tip)).sqrt());
+    let (side, slope) = (5e-6, (0.1_f64.to_radians()).tan());
+    let end = side * slope;
+    // The electrostatic and the van der Waals force, at D = h + t/ε_r and at h + Z₀.
+    let expected = |body: usize, h: f64| {
+        let (d, h) = (h + 1e-9, h + 0.2e-9);
+        let of_power = |x: f64, n: i32, end: f64| (x.powi(-n) - (x + end).powi(-n)) / f64::from(n);
+        match body {
+            0 => [half * of_power(d, 1, 10e-6), hamaker / (6.0 * PI) * of_power(h, 2, 10e-6)]
+                .map(|force| 2.0 * PI * ten * force),
+            2 => [half * 0.5 * PI * d.powf(-1.5), hamaker / (6.0 * PI) * 0.375 * PI * h.powf(-2.5)]
+                .map(|force| 20e-6 * cylinder * force),
+            _ => [half * of_power(d, 1, end), hamaker / (6.0 * PI) * of_power(h, 2, end)]
+                .map(|force| side / slope * force),
+        }
+    };
+    let folder = Folder::new("");
+    for (body, tolerance) in [(0, 2e-5), (2, 2e-4), (4, 2e-5)] {
+        run(&folder, &smooth(BODIES[body]), "scene.h5");
+        let of = |name: &str| values(&folder, "scene.h5", &format!("/background/{name}"));
+        let (found, all) = ([of("electrostatic_force"), of("van_der_waals_force")], of("force"));
+        for (k, h) in [2e-9, 5e-9, 20e-9].into_iter().enumerate() {
+            let expected = expected(body, h);
+            for (found, expected) in found.iter().map(|force| force[k]).zip(expected) {
+                assert!((found / expected - 1.0).abs() < tolerance, "{body}, {h:e}: {found:e} {expected:e}");
+            }
+            assert!((all[k] / expected.iter().sum::<f64>() - 1.0).abs() < tolerance);
+        }
+    }
+    // Of the sphere also the energy to the end and the stiffness.
+    run(&folder, &smooth(SPHERE), "scene.h5");
+    let [energy, stiffness] =
+        ["energy", "stiffness"].map(|name| values(&folder, "scene.h5", &format!("/background/{name}")));
+    for (k, h) in [2e-9_f64, 5e-9, 20e-9].into_iter().enumerate() {
+        let (d, h, factor) = (h + 1e-9, h + 0.2e-9, 2.0 * PI * ten);
+        let of_energy = half * (10e-6 / d).ln_1p() + hamaker / (12.0 * PI) * (1.0 / h - 1.0 / (h + 10e-6));
+        let of_slope = half / (d * d) + hamaker / (6.0 * PI) / h.powi(3);
+        assert!((energy[k] / (factor * of_energy) - 1.0).abs() < 2e-5, "{h:e}: {:e}", energy[k]);
+        assert!((stiffness[k] / (factor * of_slope) - 1.0).abs() < 2e-5, "{h:e}: {:e}", stiffness[k]);
+    }
+}
+
+/// Liquid that fills the gap of a smooth sphere pulls by 2π(R_m + R)γ(cos θ₁ + cos θ₂)(1 − h/range) with the range
+/// r_K(cos θ₁ + cos θ₂) (Orr, Scriven and Rivas 1975), and the asperities, apart, add little to that.
+#[test]
+fn a_wet_sphere_has_its_closed_form() {
+    let wet = scene(
+        SPHERE,
+        "[model]\nlaw = \"capillary\"\nhistory = \"retraction\"\n[capillary]\nrelative_humidity = 0.6\n\
+         contact_angles = [\"30 deg\", \"60 deg\"]\nsurface_tension = \"72 mN/m\"\nmolar_volume = \"18 cm^3/mol\"\n\
+         temperature = \"300 K\"\nbridges = \"reversible\"\n[separation]\nh = [\"0.6 nm\", \"0.9 nm\", \"1.2 nm\"]\n\
+         [ensemble]\nreplicas = 0\n",
+    )
+    .replace("\"1.619 nm\"", "\"20 pm\"\nasperity_height_std = \"20 pm\"\nmean_plane_offset = 0");
+    let folder = Folder::new("");
+    run(&folder, &wet, "scene.h5");
+    let kelvin = 72e-3 * 18e-6 / (8.314462618 * 300.0 * (1.0_f64 / 0.6).ln());
+    let range = kelvin * (30.0_f64.to_radians().cos() + 0.5);
+    let forces = |path: &str| values(&folder, "scene.h5", path);
+    let (filled, all) = (forces("/capillary/area_force"), forces("/integral/external_force"));
+    for (k, h) in [0.6e-9, 0.9e-9, 1.2e-9].into_iter().enumerate() {
+        let expected = 2.0 * PI * (10e-6 + 3.33e-6) * 72e-3 / kelvin * (range - h);
+        assert!((filled[k] / expected - 1.0).abs() < 1e-4, "{h:e}: {:e} {expected:e}", filled[k]);
+    }
+    // The solids attract each other, too, where the liquid ends.
+    let of_solids = -all[0] / filled[0] - 1.0;
+    assert!((0.0..0.015).contains(&of_solids), "{of_solids}");
+}
+
+/// A probe that lands on a map has the asperities that are there: each of its first replica is one of the map, lower by the
+/// depth of its place, at a distance from each other as on the map, which is repeated.
+#[test]
+fn a_probe_lands_on_its_map() {
+    let folder = Folder::new("");
+    std::fs::copy(ASPERITIES, folder.path("map.h5")).unwrap();
+    let [density, std] = ["asperity_density", "surface_height_std"];
+    let landing = scene(
+        "body = \"sphere\"\nradius = \"2 um\"",
+        "[separation]\nh = [\"3 nm\", \"6 nm\"]\n[ensemble]\nreplicas = 1\n[substrate]\ncoupling = \"patch\"\nloads_at = [\"3 nm\"]\n",
+    )
+    .replace("asperity_radius", "asperities = { path = \"map.h5\", sample = \"whole\" }\n#")
+    .replace(density, "#")
+    .replace(std, "#");
+    run(&folder, &landing, "scene.h5");
+    let own = |name: &str| values(&folder, "scene.h5", &format!("/asperities/{name}"));
+    let of_map = |name: &str| values(&folder, "map.h5", &format!("/asperities/{name}"));
+    let (x, y, heights, radii) = (own("x"), own("y"), own("height"), own("radius"));
+    let (map_x, map_y, map_heights, map_radii) =
+        (of_map("x"), of_map("y"), of_map("height"), of_map("radius"));
+    let side = 192.0 * 30e-9;
+    let middle = (number(&folder.path("scene.h5"), "/", "nominal_area") / PI).sqrt();
+    let mut first: Option<[f64; 2]> = None;
+    assert!(heights.len() > 10);
+    for k in 0..heights.len() {
+        // 1/R = 1/R' − 1/R_m is the radius on the map.
+        let radius = 1.0 / (1.0 / radii[k] - 1.0 / 2e-6);
+        let of =
+            map_radii.iter().position(|own| (own / radius - 1.0).abs() < 1e-9).expect("it is one of the map");
+        let [dx, dy] = [x[k] - middle, y[k] - middle];
+        let depth = (dx * dx + dy * dy) / (2.0 * (2e-6 + radius));
+        let off = heights[k] + depth - map_heights[of];
+        assert!(off.abs() < 1e-13, "{k}: {off:e}");
+        let [from_x, from_y] = *first.get_or_insert([x[k] - map_x[of], y[k] - map_y[of]]);
+        for off in [x[k] - map_x[of] - from_x, y[k] - map_y[of] - from_y] {
+            assert!((off - side * (off / side).round()).abs() < 1e-12, "{k}: {off:e}");
+        }
+    }
+}
+
 /// What a body does not go with is refused, by its key.
 #[test]
 fn bodies_refuse_what_they_do_not_go_with() {
-    let voltage = "[electrostatic]\nvoltage = \"1 V\"\ndielectric_thickness = \"100 nm\"\nrelative_permittivity = 3.9\n";
     for (scene, message) in [
         (scene("body = \"ball\"\nradius = \"1 um\"", ""), "unknown body; known: sphere, paraboloid"),
         (scene("body = \"sphere\"", ""), "`shape.radius` is missing"),
@@ -183,7 +323,16 @@ fn bodies_refuse_what_they_do_not_go_with() {
         (scene(SPHERE, "").replace("[shape]", "count = \"fixed\"\n[shape]"), "is \"poisson\" under [shape]"),
         (scene(SPHERE, "[substrate]\ncoupling = \"periodic\"\n"), "is not repeated"),
         (scene(SPHERE, "[substrate]\ncoupling = \"patch\"\npositions = \"square\"\n"), "are random"),
-        (scene(SPHERE, voltage), "is for flat patches"),
+        (
+            scene("body = \"sphere\"\nradius = \"100 um\"", "").replace("asperity_radius", "asperities = { path = \"map.h5\", sample = \"whole\" }\n#")
+                .replace("asperity_density", "#").replace("surface_height_std", "#"),
+            "the side of the map is 5.76 um: a larger map",
+        ),
+        (
+            scene(BODIES[3], "").replace("asperity_radius", "asperities = { path = \"map.h5\" }\n#")
+                .replace("asperity_density", "#").replace("surface_height_std", "#"),
+            "[shape] with a flat end is for asperities by laws",
+        ),
         (
             scene(SPHERE, "").replace(
                 "[shape]",
@@ -198,11 +347,12 @@ fn bodies_refuse_what_they_do_not_go_with() {
     ] {
         let folder = Folder::new(&scene);
         std::fs::write(folder.path("heights.csv"), "height\n1.5\n-0.5\n").unwrap();
+        std::fs::copy(ASPERITIES, folder.path("map.h5")).unwrap();
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 2);
         let said = unbroken(&text(&run.stderr));
         assert!(said.contains(message), "{message}: {said}");
-        assert_eq!(folder.files(), ["heights.csv", "scene.toml"]);
+        assert_eq!(folder.files(), ["heights.csv", "map.h5", "scene.toml"]);
     }
 }
 

@@ -20,7 +20,7 @@ from ..results import Sweep
 from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, fit, log_sum_exp
 
-__all__ = ["Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
+__all__ = ["FORCE_SCALE", "Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -42,6 +42,12 @@ _FAR = 0.02
 _NEAR = 3.0
 # Points of the priors at which patches are tried where data are off those in the middle, and how far they are off.
 _TRIED, _FAR_OFF = 16, 1e3
+#: The key of the factor that all measured forces share; the scene of the program has none.
+FORCE_SCALE = "calibration.force_scale"
+# The largest share of patches at a point that may lack an outcome, as a spot without tall tips that no preload reaches.
+_MOST_LACKING = 0.02
+# Beginnings of units with a newton.
+_OF_FORCES = ("N", "J")
 
 
 @dataclass(frozen=True)
@@ -84,6 +90,9 @@ def simulate(
 ) -> Patches:
     """Patches at some parameters, by one run: a sweep with random numbers of its own for each point.
 
+    Forces, stiffnesses and energies are multiplied by ``calibration.force_scale`` of the scene, 1 without it: the factor by which an
+    error of the calibration, such as of a cantilever's stiffness, makes all measured ones larger than the true ones.
+
     The density is fitted to all points together. Errors of points that are independent average out in the fit; with common random numbers all
     points would err alike, and the fit with them. Over ten seeds of 64 points of 100 patches posterior means of Δγ and σ_s scattered by 0.88 and
     0.76 of the posterior's width with common numbers, by 0.40 and 0.32 with independent ones.
@@ -110,8 +119,11 @@ def simulate(
     SceneError
         The scene cannot be, at a point of the prior or at all; a patch has no such outcome.
     """
-    result = _swept(priors, values, conditions or {}, replicas, seed=seed, threads=threads, progress=progress)
-    known = _known(result)
+    tables = _tables(priors, conditions or {}, replicas)
+    scale = _force_scale(tables, priors, values)
+    known = _known(_swept(tables, priors, values, seed=seed, threads=threads, progress=progress))
+    if "calibration" in tables and not any(_has_newton(known[name]) for name in outcomes if name in known):
+        raise SceneError(f"{FORCE_SCALE}: none of {', '.join(outcomes)} is a force, a stiffness or an energy; leave it out")
     columns = []
     for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
         if name not in known:
@@ -120,17 +132,33 @@ def simulate(
         if units is not None and not quantities.of_one_dimension([units[outcomes.index(name)], own]):
             given = units[outcomes.index(name)] or "no unit"
             raise SceneError(f"{name}: the data have it in {given}, and it is one in {own or 'no unit'}: {name}{f' ({own})' if own else ''} is needed")
-        numbers = np.maximum(known[name].transpose("point", "replica").values, floor)
-        if not (numbers > 0.0).all():
-            share = 100.0 * float((~(numbers > 0.0)).mean())
-            point = int(np.argmax((~(numbers > 0.0)).any(axis=1)))
-            where = ", ".join(f"{key} = {texts[point]}" for key, texts in priors.axes(values).items())
-            raise SceneError(
-                f"{name}: {share:.2g} % of the patches have none, such as at {where}; narrow the priors to where every patch has one, or "
-                "reach it with [separation]"
-            )
-        columns.append(np.log(numbers))
-    return Patches(values, np.stack(columns, axis=2))
+        numbers = known[name].transpose("point", "replica").values
+        columns.append(np.maximum(scale[:, None] * numbers if _has_newton(known[name]) else numbers, floor))
+    return Patches(values, np.log(_complete(np.stack(columns, axis=2), outcomes, priors.axes(values))))
+
+
+def _complete(numbers: Array, outcomes: tuple[str, ...], axes: Mapping[str, list[str | float]]) -> Array:
+    """Outcomes (points, replicas, outcomes) without the patches that lack one: others of the point are in their places.
+
+    Raises
+    ------
+    SceneError
+        At a point more than 2 % of the patches lack an outcome, and more than one does.
+    """
+    lacks = ~(numbers > 0.0)
+    of_patch = lacks.any(axis=2)
+    counts = of_patch.sum(axis=1)
+    most = min(max(_MOST_LACKING * numbers.shape[1], 1.0), numbers.shape[1] - 1.0)
+    if counts.max() > most:
+        point = int(counts.argmax())
+        name, share = outcomes[int(lacks[point].sum(axis=0).argmax())], 100.0 * counts[point] / numbers.shape[1]
+        where = ", ".join(f"{key} = {texts[point]}" for key, texts in axes.items())
+        raise SceneError(
+            f"{name}: {share:.2g} % of the patches have none at {where}; narrow the priors to where every patch has one, or reach it with [separation]"
+        )
+    for point in np.flatnonzero(counts):
+        numbers[point] = np.resize(numbers[point, ~of_patch[point]], numbers[point].shape)
+    return numbers
 
 
 def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]:
@@ -141,7 +169,9 @@ def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]
     SceneError
         The scene cannot be.
     """
-    known = _known(_swept(priors, _middle(priors), conditions, 2, seed=1, progress=False))
+    tables, values = _tables(priors, conditions, 2), _middle(priors)
+    _force_scale(tables, priors, values)
+    known = _known(_swept(tables, priors, values, seed=1, progress=False))
     return {name: str(of.attrs["units"]) for name, of in known.items()}
 
 
@@ -187,8 +217,8 @@ def _middle(priors: Priors) -> Array:
     return np.array([[prior.median for prior in priors.priors]])
 
 
-def _swept(priors: Priors, values: Array, conditions: Mapping[str, Any], replicas: int, **options: Any) -> Sweep:
-    """The sweep of the scene over parameters under some conditions, with options of `stiction.sweep`."""
+def _tables(priors: Priors, conditions: Mapping[str, Any], replicas: int) -> dict[str, Any]:
+    """The tables of the scene under some conditions."""
     scene = priors.tables
     if "sweep" in scene:
         raise SceneError("sweep: a scene with priors has none, the keys with priors are varied; leave it out")
@@ -204,8 +234,38 @@ def _swept(priors: Priors, values: Array, conditions: Mapping[str, Any], replica
         if table not in tables:
             raise SceneError(f"{key}: a column of the data has its values, but the scene has no table [{table}]")
         tables[table] = {**tables[table], name: value}
+    return tables
+
+
+def _force_scale(tables: Mapping[str, Any], priors: Priors, values: Array) -> Array:
+    """``calibration.force_scale`` at each point, (points,): 1 without it."""
+    table = tables.get("calibration", {"force_scale": 1.0})
+    if not isinstance(table, Mapping) or set(table) != {"force_scale"}:
+        raise SceneError(f"calibration: a table with the number force_scale and nothing else is needed, not {table!r}")
     try:
-        return experiments.sweep(tables, priors.axes(values), mode="zip", **options)
+        number, unit = quantities.parsed(FORCE_SCALE, table["force_scale"])
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+    place = priors.keys.index(FORCE_SCALE) if FORCE_SCALE in priors.keys else None
+    least = number if place is None else float(priors.priors[place].distribution.ppf(_TAIL))
+    if unit != "1" or not least > 0.0:
+        given = f"= {table['force_scale']!r}" if unit != "1" or place is None else f"may be {least:.3g}"
+        raise SceneError(f"{FORCE_SCALE} {given}: a number greater than 0 without a unit is needed, measured forces over true ones")
+    return np.full(len(values), number) if place is None else values[:, place]
+
+
+def _has_newton(of: xarray.DataArray) -> bool:
+    return str(of.attrs["units"]).startswith(_OF_FORCES)
+
+
+def _swept(tables: Mapping[str, Any], priors: Priors, values: Array, **options: Any) -> Sweep:
+    """The sweep of a scene over parameters, with options of `stiction.sweep`."""
+    axes = {key: of for key, of in priors.axes(values).items() if key != FORCE_SCALE}
+    if not axes:
+        raise SceneError(f"{FORCE_SCALE}: it alone has a prior; another number of the scene needs one, too")
+    own = {name: table for name, table in tables.items() if name != "calibration"}
+    try:
+        return experiments.sweep(own, axes, mode="zip", **options)
     except SceneError as error:
         raise SceneError(f"at a point of the priors: {error}") from None
 

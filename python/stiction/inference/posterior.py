@@ -28,13 +28,13 @@ from . import data as measurements
 from .check import check_p_values, farthest
 from .data import EXACT, Group, Measurements
 from .density import log_sum_exp
-from .emulator import Emulator, Patches, design, outcomes_of, simulate, try_out
+from .emulator import FORCE_SCALE, Emulator, Patches, design, outcomes_of, simulate, try_out
 from .sampling import Chains, sample
 
 __all__ = ["Inference", "infer", "models", "open_inference"]
 
 Array = NDArray[np.float64]
-# Points of the first batch for each parameter, rounded up to a power of 2; a batch that follows has half of them.
+# Points of the first batch for each parameter that is swept, rounded up to a power of 2; a batch that follows has half of them.
 _POINTS = 32
 _MOST_BATCHES = 8
 # Patches of the Fisher information.
@@ -223,7 +223,7 @@ def _inferred(
     measured: Measurements, priors: Priors, seed: int, threads: int | None, end_error: float,
     emulator_error: float, replicas: int, progress: bool | None,
 ) -> Inference:  # fmt: skip
-    first = 2 ** math.ceil(math.log2(_POINTS * len(priors.priors)))
+    first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
     seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
 
     def simulated(values: Array) -> list[Patches]:

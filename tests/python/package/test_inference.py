@@ -52,6 +52,16 @@ def small(**surface):
     return tables
 
 
+def probe(**tables):
+    """A colloid probe on the disk, of elastic tips, with priors of the work of adhesion and of the factor of all forces alone."""
+    of = priors.opened(CONFIGS / "inference" / "probe.toml")
+    del of["instability"]
+    of["material"]["work_of_adhesion"] = {"prior": "log_uniform", "from": "20 mJ/m^2", "to": "0.12 J/m^2"}
+    of["surface"] |= {"asperity_radius": "3 um", "surface_height_std": "1.7 nm"}
+    of["shape"] |= {"radius": "10 um"}
+    return {**of, "model": {"law": "md", "history": "retraction"}, **tables}
+
+
 def told(function, *arguments, **named):
     with pytest.raises((SceneError, FileError)) as error:
         function(*arguments, **named)
@@ -163,6 +173,119 @@ def test_every_number_of_a_patch_can_be_an_outcome():
         for place, name in enumerate(names):
             assert np.log(own.group("replicas")[name].values.squeeze()) == pytest.approx(logs[:, place], rel=1e-12)
     assert "not one number of each patch" in told(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
+
+
+def test_the_radius_of_a_probe_has_a_prior_and_a_preload_is_a_condition():
+    """Pull-offs after a preload are those of a run of the program with the radius and the preload in the place of prior and list."""
+    tables = probe(model={"law": "md", "history": "loop"}, instability={"stiffness": "40 N/m", "preload": ["1 uN", "2 uN"]})
+    tables["material"]["work_of_adhesion"] = "50 mJ/m^2"
+    tables["shape"] |= {"radius": {"prior": "normal", "mean": "10 um", "std": "0.5 um"}}
+    del tables["calibration"]
+    of = {"instability.preload": "1.5 uN"}
+    assert "pull_off_after_preload" in emulator.outcomes_of(priors.read(tables), of)
+    logs = emulator.simulate(priors.read(tables), ("pull_off_after_preload",), np.array([[9e-6]]), replicas=5, seed=3, conditions=of).logs
+    tables["instability"] |= {"preload": "1.5 uN"}
+    tables["sweep"] = {"common_random_numbers": False}
+    with stiction.sweep({**tables, "shape": {"body": "sphere", "radius": "9 um"}}, {"shape.radius": ["9e-06 m"]}, replicas=5, seed=3, progress=False) as own:
+        assert np.log(own.group("replicas").pull_off_after_preload.values.ravel()) == pytest.approx(logs.ravel(), rel=1e-12)
+
+
+def test_a_common_factor_scales_what_has_a_newton_and_nothing_else():
+    """Measured forces, stiffnesses and energies are 1.25 times the true ones, separations as they are; by a number, and by a prior."""
+    names = ("pull_off_force", "peak_secant_stiffness", "dissipated_energy", "pull_off_separation")
+    tables = small(nominal_area="100 um^2")
+    tables["model"] |= {"law": "md_plastic", "history": "loop"}
+
+    def logs(values, **calibration):
+        of = priors.read({**tables, **({"calibration": calibration} if calibration else {})})
+        return emulator.simulate(of, names, np.array([values]), replicas=5, seed=3).logs
+
+    plain = logs([0.1])
+    for scaled in (logs([0.1], force_scale="125 %"), logs([0.1, 1.25], force_scale={"prior": "log_normal", "median": 1.0, "log_std": 0.1})):
+        assert np.exp(scaled - plain) == pytest.approx(np.broadcast_to([1.25, 1.25, 1.25, 1.0], plain.shape), rel=1e-12)
+
+
+WRONG_SCALES = [
+    (3, "calibration: a table with the number force_scale and nothing else is needed, not 3"),
+    ({"force_scael": 1.0}, "calibration: a table with the number force_scale and nothing else is needed, not {'force_scael': 1.0}"),
+    ({"force_scale": -1}, "calibration.force_scale = -1: a number greater than 0 without a unit is needed"),
+    ({"force_scale": "2 nN"}, "calibration.force_scale = '2 nN': a number greater than 0 without a unit"),
+    ({"force_scale": "ten"}, "calibration.force_scale = 'ten': a number is needed"),
+    ({"force_scale": {"prior": "normal", "mean": 1.0, "std": 0.5}}, "calibration.force_scale may be -0.545: a number greater than 0"),
+    ({"force_scale": {"prior": "normal", "mean": "1 N", "std": "1 mN"}}, "calibration.force_scale = '1.0 N': a number greater than 0 without a unit"),
+]
+
+
+@pytest.mark.parametrize(("calibration", "part"), WRONG_SCALES)
+def test_a_wrong_factor_of_the_forces_is_refused_by_its_key(calibration, part, tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text("pull_off_force (uN)\n1\n")
+    assert part in told(infer, path, {**small(), "calibration": calibration})
+
+
+def test_a_factor_of_the_forces_needs_forces_and_another_prior(tmp_path):
+    path = tmp_path / "data.csv"
+    tables = {**small(), "calibration": {"force_scale": {"prior": "log_normal", "median": 1.0, "log_std": 0.1}}}
+    path.write_text("pull_off_separation (nm)\n4\n")
+    assert "calibration.force_scale: none of pull_off_separation is a force, a stiffness or an energy" in told(infer, path, tables)
+    path.write_text("pull_off_force (uN),calibration.force_scale\n4,1\n")
+    assert "calibration.force_scale: a column of the data has its values, and the scene a prior" in told(infer, path, tables)
+    path.write_text("pull_off_force (uN)\n4\n")
+    tables["material"]["work_of_adhesion"] = "60 mJ/m^2"
+    assert "calibration.force_scale: it alone has a prior" in told(infer, path, tables)
+
+
+def test_rare_patches_without_an_outcome_are_left_out_and_common_ones_refused():
+    """Of 100 patches two may lack an outcome: others of their point are in their places. Three are refused, and all."""
+    numbers = np.arange(1.0, 201.0).reshape(2, 100, 1)
+    numbers[1, [3, 50]] = np.nan
+    found = emulator._complete(numbers.copy(), ("pull_off_force",), {"shape.radius": ["1 um", "2 um"]})
+    assert (found[0] == numbers[0]).all() and set(found[1].ravel()) == set(numbers[1][np.isfinite(numbers[1])])
+    numbers[1, 51] = 0.0
+    for wrong in (numbers, np.full((1, 1, 1), np.nan)):
+        assert "pull_off_force: " in (text := told(emulator._complete, wrong, ("pull_off_force",), {"shape.radius": ["1 um", "2 um"]}))
+        assert "% of the patches have none at shape.radius = " in text
+
+
+def test_the_data_of_the_probe_are_what_their_first_line_says():
+    path = CONFIGS / "inference" / "probe.csv"
+    (group,) = data.read(path).groups
+    true = np.array([[0.06, 3.2e-6, 1.6e-9, 10.3e-6, 1.12]])
+    logs = emulator.simulate(priors.read(path.with_suffix(".toml")), ("pull_off_after_preload",), true, replicas=40, seed=2031).logs[0]
+    noise = 2e-8 * np.random.default_rng(2031).standard_normal((40, 1))
+    assert group.values == pytest.approx(np.exp(logs) + noise, abs=0.51e-9)
+
+
+def test_an_interval_holds_the_work_of_adhesion_whatever_the_lever():
+    """Ten spots with each of 40 levers at 50 mJ/m², which are wrong by the quantiles of 10 %: of central intervals as large a share
+    holds it as their probability, and hardly any where the factor is taken for known. Fixed seed.
+
+    As quantiles stand for the levers, what is left is the scatter of the spots, 0.024 of ln Δγ: it moves 0.8 of 40 levers across an end of
+    95 and 90 % intervals, and 1.9 across one of 50 %. With 3.3 times that some 2e-3 false alarms for another seed.
+    """
+    of, alone = priors.read(probe()), probe()
+    del alone["calibration"]
+    points = emulator.design(of, 32, 1)
+    made = emulator.simulate(of, ("pull_off_force",), points, replicas=100, seed=2)
+    spots = emulator.simulate(of, ("pull_off_force",), np.array([[0.05, 1.0]]), replicas=400, seed=3).logs.reshape(40, 10, 1)
+    scales = np.exp(0.1 * stats.norm.ppf((np.arange(40) + 0.5) / 40))
+
+    def ranks(known, patches, levers):
+        random = np.random.default_rng(4)
+        density_of = emulator.Emulator(known, [patches], seed=5)
+        bank = random.standard_normal((1000, len(known.priors)))
+        for scale, logs in zip(scales[levers], spots[levers], strict=True):
+            forces = scale * np.exp(logs) * (1.0 + 0.009 * random.standard_normal(logs.shape))
+            groups = (data.Group({}, forces, 0.009 * forces, np.zeros(forces.shape, dtype=int)),)
+            z, weights = weighted_posterior(density_of, groups, known, bank, random)
+            yield weights @ (known.of_scores(z)[:, 0] < 0.05)
+
+    off = np.abs(np.array([*ranks(of, made, slice(None))]) - 0.5)
+    for level, most in ((0.95, 0.066), (0.9, 0.066), (0.5, 0.16)):
+        assert abs((off <= 0.5 * level).mean() - level) < most
+    without = emulator.Patches(points[:, :1], made.logs - np.log(points[:, 1, None, None]))
+    off = np.abs(np.array([*ranks(priors.read(alone), without, slice(None, None, 4))]) - 0.5)
+    assert (off <= 0.475).mean() < 0.5
 
 
 @pytest.mark.parametrize("kind", [data.EXACT, data.BELOW, data.ABOVE])
@@ -363,7 +486,7 @@ def test_the_command_says_what_is_wrong(tmp_path):
 
 
 # Scenes and patches of an experiment, in full and in short.
-FULL = [("first", 50), ("first", 10), ("extremes", 50), ("extremes", 10)]
+FULL = [("first", 50), ("first", 10), ("extremes", 50), ("extremes", 10), ("probe", 40)]
 
 
 @pytest.mark.parametrize(("scene", "patches"), FULL if EXPERIMENTS else [("", 20)])
@@ -374,7 +497,8 @@ def test_intervals_are_calibrated(scene, patches):
     """
     experiments = EXPERIMENTS or 40
     tables = str(CONFIGS / "inference" / f"{scene}.toml") if scene else small()
-    made = calibrate(tables, experiments=experiments, patches=patches, points=512 if EXPERIMENTS else 64, seed=3)
+    outcome = "pull_off_after_preload" if scene == "probe" else "pull_off_force"
+    made = calibrate(tables, experiments=experiments, patches=patches, points=512 if EXPERIMENTS else 64, outcome=outcome, seed=3)
     assert made.p_values().min() > 1e-3
     for level in (0.5, 0.9, 0.95):
         assert np.abs(made.coverage(level) - level).max() < 3.3 * np.sqrt(level * (1.0 - level) / experiments)

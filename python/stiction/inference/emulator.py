@@ -146,13 +146,13 @@ def _complete(numbers: Array, outcomes: tuple[str, ...], axes: Mapping[str, list
         At a point more than 2 % of the patches lack an outcome, and more than one does.
     """
     lacks = ~(numbers > 0.0)
-    of_patch = lacks.any(axis=2)
+    of_patch: NDArray[np.bool_] = np.any(lacks, axis=2)
     counts = of_patch.sum(axis=1)
     most = min(max(_MOST_LACKING * numbers.shape[1], 1.0), numbers.shape[1] - 1.0)
     if counts.max() > most:
-        point = int(counts.argmax())
-        name, share = outcomes[int(lacks[point].sum(axis=0).argmax())], 100.0 * counts[point] / numbers.shape[1]
-        where = ", ".join(f"{key} = {texts[point]}" for key, texts in axes.items())
+        worst = int(counts.argmax())
+        name, share = outcomes[int(lacks[worst].sum(axis=0).argmax())], 100.0 * counts[worst] / numbers.shape[1]
+        where = ", ".join(f"{key} = {texts[worst]}" for key, texts in axes.items())
         raise SceneError(
             f"{name}: {share:.2g} % of the patches have none at {where}; narrow the priors to where every patch has one, or reach it with [separation]"
         )

@@ -135,19 +135,23 @@ fn turn(separation: f64, pull_off: &Extremum) -> Turn {
     Turn { separation, pull_off_force: -pull_off.value, pull_off_separation: pull_off.place }
 }
 
-/// The turn of a surface at a preload, N, and its snaps on retraction from there.
+/// The turn of a surface at a preload, N, its snaps on retraction from there, and the forces that are kept.
 fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, approach: &[f64], preload: f64) -> Vec<f64> {
     let loading = &job.protocol.loading;
     let Some((nearer, from)) = reached(job.separations, approach, preload) else {
         let snaps = loading.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
-        return Turn::UNKNOWN.numbers().into_iter().chain(snaps).collect();
+        let forces = std::iter::repeat_n(f64::NAN, loading.kept);
+        return Turn::UNKNOWN.numbers().into_iter().chain(snaps).chain(forces).collect();
     };
     let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
     let places: Vec<f64> = [from].into_iter().chain(further).collect();
     let forces = surface.retraction(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
     let turn = turn(from, &surface.retraction_pull_off(from, &outward));
-    turn.numbers().into_iter().chain(of_stiffnesses(loading, &outward, largest_snap)).collect()
+    let snaps = of_stiffnesses(loading, &outward, largest_snap);
+    let nearer = std::iter::repeat_n(f64::NAN, (loading.kept + 1).saturating_sub(outward.len()));
+    let forces = nearer.chain(outward[1..].iter().map(|(_, force)| *force)).take(loading.kept);
+    turn.numbers().into_iter().chain(snaps).chain(forces).collect()
 }
 
 #[cfg(test)]

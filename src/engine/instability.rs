@@ -27,6 +27,8 @@ pub struct Loading<'a> {
     pub smallest_snap: f64,
     /// Whether the surfaces are brought close, and whether they are pulled back.
     pub ways: (bool, bool),
+    /// Separations over which the forces on retraction after each preload are kept; 0 for none.
+    pub kept: usize,
 }
 
 impl Loading<'_> {
@@ -41,11 +43,15 @@ impl Loading<'_> {
         if self.ways.0 { self.stiffness.len() } else { 0 }
     }
 
-    /// Numbers that are kept of a replica: [`Snap`] for each stiffness on approach, then for each retraction
-    /// [`Turn`] and a [`Snap`] for each stiffness.
+    /// Numbers that are kept of a retraction: [`Turn`], a [`Snap`] for each stiffness, and the forces.
+    pub fn of_retraction(&self) -> usize {
+        Turn::LENGTH + Snap::LENGTH * self.stiffness.len() + self.kept
+    }
+
+    /// Numbers that are kept of a replica: [`Snap`] for each stiffness on approach, then the ones of each
+    /// retraction.
     pub fn length(&self) -> usize {
-        Snap::LENGTH * self.snaps_in()
-            + self.retractions() * (Turn::LENGTH + Snap::LENGTH * self.stiffness.len())
+        Snap::LENGTH * self.snaps_in() + self.retractions() * self.of_retraction()
     }
 }
 

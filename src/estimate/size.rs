@@ -75,6 +75,7 @@ impl Estimate {
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
         let (separations, ways) = (scene.separations.len(), scene.ways().count());
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
+        let forces = if scene.curves { scene.instability.preload.len() * separations } else { 0 };
         let spread = scene.separations[separations - 1] - scene.separations[0];
         let step = spread / (separations - 1) as f64 / scene.surface.heights.std;
         let periods =
@@ -94,7 +95,7 @@ impl Estimate {
             grid: GridSize::new(law, &scene.surface),
             curves: scene.curves,
             files: 1.0,
-            snaps: snaps as f64,
+            snaps: (snaps + forces) as f64,
         }
     }
 

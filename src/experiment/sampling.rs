@@ -143,7 +143,8 @@ pub(crate) fn set_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Optio
 pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
     let ways = (scene.history == Path::Approach, scene.cycle || scene.history == Path::Retraction);
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;
-    Loading { stiffness, preload, smallest_snap: *smallest_snap, ways }
+    let kept = if scene.curves && !preload.is_empty() { scene.separations.len() } else { 0 };
+    Loading { stiffness, preload, smallest_snap: *smallest_snap, ways, kept }
 }
 
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest

@@ -130,8 +130,7 @@ impl<'a> Snaps<'a> {
 
     /// The place of a retraction.
     fn place_of_turn(&self, retraction: usize) -> usize {
-        let one = Turn::LENGTH + Snap::LENGTH * self.loading.stiffness.len();
-        Snap::LENGTH * self.loading.snaps_in() + one * retraction
+        Snap::LENGTH * self.loading.snaps_in() + self.loading.of_retraction() * retraction
     }
 
     /// The place of a snap on retraction.
@@ -162,6 +161,15 @@ impl<'a> Snaps<'a> {
 
     pub fn places_of_turns(&self) -> Vec<usize> {
         (0..self.loading.retractions()).map(|retraction| self.place_of_turn(retraction)).collect()
+    }
+
+    /// The places of the forces that are kept of retractions, separation by separation.
+    pub fn places_of_forces(&self) -> Vec<usize> {
+        let kept = self.loading.kept;
+        let end = |retraction| self.place_of_turn(retraction + 1);
+        (0..self.loading.retractions())
+            .flat_map(|retraction| end(retraction) - kept..end(retraction))
+            .collect()
     }
 
     pub fn places_off(&self) -> Vec<usize> {

@@ -312,7 +312,13 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     let stiffness: Vec<f64> =
         [0.0].into_iter().chain(radii.map(|a| -slope(a) * unit)).chain([1e6 * unit]).collect();
     assert!(stiffness[1] > stiffness[2] && stiffness[2] > stiffness[3] && stiffness[3] > 0.0);
-    let loading = Loading { stiffness: &stiffness, preload: &[], smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading {
+        stiffness: &stiffness,
+        preload: &[],
+        smallest_snap: 0.0,
+        ways: (true, true),
+        ..Loading::default()
+    };
     let job = Job {
         protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
@@ -362,8 +368,13 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
 fn snaps_do_not_begin_where_the_separations_do() {
     let (asperity, surface) = case("III");
     let cycle = cycle("hybrid", &asperity);
-    let loading =
-        Loading { stiffness: &[0.0, 1e7, 1e9], preload: &[], smallest_snap: 0.1e-9, ways: (true, true) };
+    let loading = Loading {
+        stiffness: &[0.0, 1e7, 1e9],
+        preload: &[],
+        smallest_snap: 0.1e-9,
+        ways: (true, true),
+        ..Loading::default()
+    };
     let snaps = [(6.0, 141), (8.0, 181)].map(|(to, count)| {
         let separations = separations(&surface, -1.0, to, count);
         let job = Job {
@@ -395,7 +406,13 @@ fn preloads_turn_in_their_order() {
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-6, 1e-4, 1e-2, 0.1, 1e3];
-    let loading = Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading {
+        stiffness: &[1e3],
+        preload: &preload,
+        smallest_snap: 0.0,
+        ways: (true, true),
+        ..Loading::default()
+    };
     let job = Job {
         protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
@@ -439,8 +456,13 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     surface.asperity_count = 300;
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 5.0, 20);
-    let loading =
-        Loading { stiffness: &[0.0, 1e3], preload: &[1e-3], smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading {
+        stiffness: &[0.0, 1e3],
+        preload: &[1e-3],
+        smallest_snap: 0.0,
+        ways: (true, true),
+        ..Loading::default()
+    };
     let plain = job(&cycle, &surface, &separations, 124);
     let job = Job { protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() }, ..plain };
     let bits = |ensemble: &Ensemble| {
@@ -477,7 +499,13 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-7, 1e-6, 1e-5, 1e-4, 3e-4];
-    let loading = Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading {
+        stiffness: &[1e3],
+        preload: &preload,
+        smallest_snap: 0.0,
+        ways: (true, true),
+        ..Loading::default()
+    };
     let job = Job {
         protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
@@ -542,8 +570,13 @@ fn the_deepest_point_is_found(cases: &[(&str, Unloading, usize)]) {
         let cycle = cycle_of("hybrid", &asperity, radius);
         let separations = separations(&surface, -0.5, 6.0, 131);
         let preload = [1e-5];
-        let loading =
-            Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+        let loading = Loading {
+            stiffness: &[1e3],
+            preload: &preload,
+            smallest_snap: 0.0,
+            ways: (true, true),
+            ..Loading::default()
+        };
         let job = Job {
             protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
             ..job(&cycle, &surface, &separations, 1)

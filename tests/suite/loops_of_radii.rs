@@ -105,8 +105,13 @@ fn alike_radii_have_the_loops_of_one_radius() {
         let setting = setting.repeated();
         let alike = Surface { radii: Radii::Sample([plain.asperity_radius; 2].into()), ..plain.clone() };
         let separations = separations(&plain, 0.5, 6.0, 45);
-        let loading =
-            Loading { stiffness: &[1e5, 1e6], preload: &[1e-5, 1e3], smallest_snap: 0.0, ways: (true, true) };
+        let loading = Loading {
+            stiffness: &[1e5, 1e6],
+            preload: &[1e-5, 1e3],
+            smallest_snap: 0.0,
+            ways: (true, true),
+            ..Loading::default()
+        };
         let with = |job: Job<'_>| {
             let protocol = Protocol { loading, ..job.protocol };
             one(&Job { protocol, ..job })

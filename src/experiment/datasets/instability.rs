@@ -6,7 +6,9 @@ use super::{Dataset, Results, Texts, path, proportions};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps};
 use crate::math::quantile::Quantile;
 use crate::output::OutputError;
-use crate::output::schema::Dimension::{self, Preload, PullOffQuantile, RangeEnd, Replica, Stiffness};
+use crate::output::schema::Dimension::{
+    self, Preload, PullOffQuantile, RangeEnd, Replica, Separation, Stiffness,
+};
 use crate::output::writer::Writer;
 
 const GROUP: &str = "/instability";
@@ -16,6 +18,7 @@ const PD: &[Dimension] = &[Preload, Stiffness];
 const ND: &[Dimension] = &[Replica, Stiffness];
 const NP: &[Dimension] = &[Replica, Preload];
 const NPD: &[Dimension] = &[Replica, Preload, Stiffness];
+const NPS: &[Dimension] = &[Replica, Preload, Separation];
 
 /// The places of some numbers among those that are kept of every replica; none where they are not kept.
 type Places = fn(&Snaps<'_>) -> Option<Vec<usize>>;
@@ -31,6 +34,10 @@ fn off(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
 
 fn turns(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
     (snaps.loading.retractions() > 0).then(|| snaps.places_of_turns())
+}
+
+fn forces(snaps: &Snaps<'_>) -> Option<Vec<usize>> {
+    (snaps.loading.kept > 0).then(|| snaps.places_of_forces())
 }
 
 pub(super) fn datasets() -> Vec<Dataset> {
@@ -128,6 +135,7 @@ struct Kept {
 const SNAPS_IN: Kept = Kept { dimensions: ND, places: inward };
 const SNAPS_OFF: Kept = Kept { dimensions: NPD, places: off };
 const TURNS: Kept = Kept { dimensions: NP, places: turns };
+const FORCES: Kept = Kept { dimensions: NPS, places: forces };
 
 impl Kept {
     /// Number `offset` of each.
@@ -140,7 +148,7 @@ impl Kept {
 }
 
 /// Datasets of the snaps of every replica.
-pub(super) fn of_replicas() -> [Dataset; 9] {
+pub(super) fn of_replicas() -> [Dataset; 10] {
     [
         SNAPS_IN.number(
             0,
@@ -186,6 +194,12 @@ pub(super) fn of_replicas() -> [Dataset; 9] {
         ),
         TURNS.number(1, "pull_off_after_preload", "N", "pull-off force after that preload"),
         TURNS.number(2, "pull_off_after_preload_separation", "m", "separation h at that pull-off"),
+        FORCES.number(
+            0,
+            "external_force_after_preload",
+            "N",
+            "external force of each replica on retraction after that preload, NaN up to where it turns",
+        ),
     ]
 }
 

@@ -31,7 +31,7 @@ use std::sync::LazyLock;
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 10],
+    version: [3, 11],
     groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(|| with_coordinates(DATASETS.iter().map(|own| own.variable.clone()).collect())),

@@ -174,6 +174,13 @@ def reductions(program):
     return values
 
 
+def spot(program):
+    """Snap-in and pull-off of the first spot under the probe, after the first preload."""
+    replicas = program.run("probe")["replicas"]
+    snap, pull_off = replicas["snap_in_distance"][0, 0], replicas["pull_off_after_preload"][0, 0]
+    return [digits(1e9 * snap), digits(1e6 * pull_off, 4)]
+
+
 def strata(program):
     """Ratios by which the variance of the mean external force of case II is smaller with strata, and with
     opposite heights."""
@@ -318,6 +325,7 @@ FIGURES = [
     Figure("docs/hysteresis.md",
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
+    Figure("docs/probe.md", "this spot snaps in over {} nm, and lets go at\n{} µN", spot),
     Block("docs/instability.md", "  pull-off ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",

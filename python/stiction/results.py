@@ -378,6 +378,37 @@ class Run(_Curves):
             most_differing=differing if differing > 0.0 else None,
         )
 
+    def force_curve(self, stiffness: Any = None, *, replica: int = 0, preload: Any = None) -> xarray.Dataset:
+        """The force curve of one spot on a cantilever, as an AFM records it: force over piezo position, both ways, with jumps.
+
+        It is followed along the curves that the file keeps of each replica of a loop with ``curves = true`` in ``[output]``.
+
+        Parameters
+        ----------
+        stiffness : str or float, optional
+            Of the cantilever: a text such as ``"40 N/m"``, or N/m; by default the one spring of ``[instability]``.
+        replica : int
+            The spot.
+        preload : str or float, optional
+            The force at which it turns, one of ``[instability]``; by default the largest that the spot reaches. Without
+            preloads in the scene it turns at the smallest separation.
+
+        Returns
+        -------
+        xarray.Dataset
+            As of `stiction.force_curves.force_curve`, with the coordinates `replica` and `preload`.
+
+        Raises
+        ------
+        FileError
+            The file is of no loop, or has no curves of its replicas, or the spot reaches no preload.
+        SceneError
+            There is no such replica or preload, no stiffness greater than 0; or the tip snaps in outside of the separations.
+        """
+        from .force_curves.lever import of_run
+
+        return of_run(self, stiffness, replica, preload)
+
     @cached_property
     def mean_plane_forces(self) -> dict[str, str]:
         """Datasets of the forces between the mean planes, N over the separations, by the name of each force."""

@@ -27,6 +27,8 @@ _USUAL = {"N": "nN", "m": "nm", "J": "fJ"}
 _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 # Columns of labels, also where these are numbers; the first of pandas has no name.
 _LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
+# Columns of tables of force curves that say where and with what was measured.
+_ASIDE = {"curve", "spring_constant", "position_x", "position_y"}
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,8 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
         name = column.name
         if _is_key(name):
             roles.conditions.append(column)
+        elif name in _ASIDE:
+            continue
         elif known is not None and name in known:
             roles.outcomes[name] = column
         elif name.endswith(_ERROR):

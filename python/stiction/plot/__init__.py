@@ -6,7 +6,7 @@ Each function takes a result and, as `ax`, the axes to draw into, and returns th
 
 from .coupled import avalanches, coupling, coupling_difference
 from .heat_map import heat_map
-from .loop import contacts, energy, preloads, snaps, stuck
+from .loop import contacts, energy, force_curve, preloads, snaps, stuck
 from .others import (
     asperities,
     bias,
@@ -29,6 +29,6 @@ from .sweep import sweep
 
 __all__ = [
     "asperities", "attraction", "avalanches", "bias", "comparison", "contacts", "convergence", "coupling", "coupling_difference", "curvatures",
-    "density_over_cutoff", "deviation", "energy", "force", "heat_map", "heights", "integral", "law_deviation", "page", "panels", "preloads", "pull_off",
+    "density_over_cutoff", "deviation", "energy", "force", "force_curve", "heat_map", "heights", "integral", "law_deviation", "page", "panels", "preloads", "pull_off",
     "radius_over_cutoff", "regimes", "relation", "scatter", "scatter_over_cutoff", "sizes", "snaps", "standard_errors", "stuck", "sweep",
 ]  # fmt: skip

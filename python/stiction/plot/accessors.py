@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from ..results import Result
-from .pages import page, panels
+from .pages import of_replica, page, panels
 
 __all__ = ["Plot", "of"]
 
@@ -18,7 +18,7 @@ class Plot:
 
     def __init__(self, result: Result) -> None:
         self._result = result
-        self._panels = panels(result)
+        self._panels = panels(result) | of_replica(result)
 
     def __call__(self, width: str | float | None = None, **options: Any) -> Figure:
         """The page of the result; see `page`."""

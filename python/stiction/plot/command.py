@@ -12,7 +12,7 @@ from .. import files, stored
 from ..errors import FileError
 from ..results import Finding, Sweep, open_run
 from ..terminal import ended
-from .pages import page, panels
+from .pages import OF_REPLICA, of_replica, page, panels
 from .style import inches, picture
 
 __all__ = ["main"]
@@ -34,7 +34,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--what",
         metavar="NAME[,NAME]",
-        help="which figures; by default all that fit; `list` prints their names",
+        help="which figures; by default all that fit, but none of a single replica; `list` prints their names",
     )
     parser.add_argument(
         "--width",
@@ -44,6 +44,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--x", metavar="KEY", help="for a sweep: the key for the axis, or a number that follows from it, such as asperity_plasticity_index")
     parser.add_argument("--by", metavar="KEY", help="for a sweep: the key that distinguishes the curves")
+    parser.add_argument("--replica", type=int, metavar="N", help="for force_curve: the replica, by default 0")
+    parser.add_argument("--stiffness", metavar="K", help="for force_curve: of the cantilever, such as '40 N/m'; by default the scene's spring")
+    parser.add_argument("--preload", metavar="FORCE", help="for force_curve: the preload of the scene after which it retracts; by default the largest")
     parser.add_argument("--title", action="store_true", help="the title of the scene above")
     parser.add_argument(
         "--dpi", type=int, default=200, metavar="N", help="dots per inch of .png, by default 200"
@@ -100,13 +103,17 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
                 raise FileError(f"{path}: a result of `{result.made_by}` has one figure; leave out --what, --x and --by")
             return picture(result.figure(given.width), ending, given.dpi)
         if given.what == "list":
-            return "\n".join(panels(result)).encode()
+            return "\n".join(panels(result) | of_replica(result)).encode()
         options: dict[str, Any] = {}
+        what = given.what.split(",") if given.what else None
         for name in ("x", "by"):
             if getattr(given, name) is not None:
                 if not isinstance(result, Sweep):
                     raise FileError(f"--{name}: this is no sweep, whose keys it names")
                 options[name] = getattr(given, name)
-        what = given.what.split(",") if given.what else None
-        figure = page(result, given.width, what=what, title=given.title, **options)
-        return picture(figure, ending, given.dpi)
+        for figure, names in OF_REPLICA.items():
+            options |= {name: getattr(given, name) for name in names if getattr(given, name) is not None}
+            if options.keys() & names and figure not in (what or []):
+                raise FileError(f"--{min(options.keys() & names)}: it is of one figure, --what {figure}")
+        drawn = page(result, given.width, what=what, title=given.title, **options)
+        return picture(drawn, ending, given.dpi)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from .. import quantities
 from ..results import Run
@@ -16,6 +17,7 @@ from .style import (
     COLORS,
     DASH_DOT,
     DASHED,
+    GREY,
     H_STAR,
     VERMILION,
     dressed,
@@ -27,7 +29,7 @@ from .style import (
     scaled,
 )
 
-__all__ = ["contacts", "energy", "preloads", "snaps"]
+__all__ = ["contacts", "energy", "force_curve", "preloads", "snaps", "stuck"]
 
 
 @dressed
@@ -223,5 +225,58 @@ def stuck(run: Run, ax: Axes | None = None) -> Axes:
     ]  # fmt: skip
     logarithmic(ax, "x", preload[known])
     ax.set(xlabel=label("preload", sign), ylabel="probability to stay stuck", ylim=(-0.04, 1.06))
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def force_curve(
+    run: Run, ax: Axes | None = None, *, stiffness: Any = None, replica: int = 0, preload: Any = None
+) -> Axes:
+    """Force of one spot on a cantilever over the position of its piezo, as an AFM draws it: both ways, with jumps.
+
+    Parameters
+    ----------
+    run : Run
+        A loop with ``curves = true`` in ``[output]``.
+    ax : matplotlib.axes.Axes, optional
+    stiffness, replica, preload
+        As of `Run.force_curve`.
+    """
+    ax = new_axes(ax)
+    curve = run.force_curve(stiffness, replica=replica, preload=preload)
+    pull, force, piezo = float(curve["pull_off_force"]), curve["force"].values, curve["piezo_position"].values
+    # Of the contact as much is shown as of the pull, where anything pulls.
+    highest = min(float(force.max()), pull) if pull > 0.0 else float(force.max())
+    shown = piezo[force <= highest]
+    unit, sign = scaled("N", max(pull, highest))
+    length, length_sign = scaled("m", np.ptp(shown))
+    handles: list[Any] = []
+    # Where both ways lie on one line, the approach is the thin one.
+    for (way, _, color, _), width in zip(WAYS[:2], (0.9, 2.0), strict=True):
+        own = curve.isel(sample=np.flatnonzero(curve["way"] == way))
+        x, y = own["piezo_position"].values / length, own["force"].values / unit
+        jumps = curve.isel(jump=np.flatnonzero(curve["jump_way"] == way))
+        # The line of the way is broken at each jump, and that is dashed.
+        breaks = np.flatnonzero(np.isin(own["separation"].values, jumps["jump_separation"].values)) + 1
+        order = 4.0 - width
+        line = ax.plot(np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), color=color, linewidth=width, zorder=order)
+        line[0].set_label(way)
+        handles += line
+        for at in breaks:
+            ax.plot(x[at - 1 : at + 1], y[at - 1 : at + 1], color=color, linestyle=DASHED, linewidth=1.0, zorder=order)
+    if pull > 0.0:
+        deepest = int(np.where(curve["way"] == "retraction", force, np.inf).argmin())
+        marker = ax.plot(piezo[deepest] / length, force[deepest] / unit, "o", color=VERMILION, markerfacecolor="white", zorder=5)
+        marker[0].set_label(f"pull-off, {quantities.si(pull, 'N')}")
+        handles += marker
+    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+    margin = 0.03 * np.ptp(shown) / length
+    ax.set_xlim(shown.min() / length - margin, shown.max() / length + margin)
+    ax.set_ylim(-1.12 * pull / unit if pull > 0.0 else None, 1.05 * highest / unit)
+    ax.set(xlabel=label("piezo position", length_sign), ylabel=label("external force", sign))
+    handles.append(Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="jumps"))
+    words = f"cantilever {quantities.si(curve['stiffness'], 'N m-1', 3)}"
+    ax.text(0.98, 0.97, words, transform=ax.transAxes, ha="right", va="top", fontsize="small")
     legend(ax, handles)
     return ax

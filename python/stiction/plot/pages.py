@@ -18,7 +18,7 @@ from .heat_map import heat_map, is_map
 from .style import VERMILION, dressed, inches, lettered, plain
 from .sweep import QUANTITIES, quantities_of, sweep
 
-__all__ = ["page", "panels"]
+__all__ = ["OF_REPLICA", "of_replica", "page", "panels"]
 
 Panel = Callable[..., Axes]
 
@@ -32,6 +32,9 @@ _OF_ASPERITIES: dict[str, Panel] = {
     "relation": others.relation,
     "curvatures": others.curvatures,
 }
+
+#: Options of figures of a single replica.
+OF_REPLICA = {"force_curve": ("replica", "stiffness", "preload")}
 
 # Panels of sweeps over laws, and over the nominal area.
 _OF_LAWS: dict[str, Panel] = {"comparison": others.comparison, "law_deviation": others.law_deviation}
@@ -92,6 +95,11 @@ def panels(result: Result) -> dict[str, Panel]:
     return drawn
 
 
+def of_replica(result: Result) -> dict[str, Panel]:
+    """The figures of a single replica, which are drawn only where they are asked for, by their names."""
+    return {"force_curve": loop.force_curve} if isinstance(result, Run) and result.has_replicas else {}
+
+
 def _of_study(figure: Panel) -> Panel:
     """A figure of patches of several sizes that takes their sweep."""
 
@@ -126,11 +134,11 @@ def page(
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.
     what : str or list of str, optional
-        Names of figures, from `panels`; all by default.
+        Names of figures, from `panels`; by default all but those of a single replica.
     title : bool
         Whether the title of the scene is above.
     **options
-        For the figures: `x` and `by` of sweeps.
+        For the figures: `x` and `by` of sweeps, `replica`, `stiffness` and `preload` of ``force_curve``.
 
     Returns
     -------
@@ -139,10 +147,11 @@ def page(
     Raises
     ------
     FileError
-        There is no such figure for this kind of result.
+        There is no such figure for this kind of result, or it has not what the figure is of.
     """
-    known = panels(result)
-    names = _by_default(known, options) if what is None else [what] if isinstance(what, str) else list(what)
+    fitting = panels(result)
+    known = fitting | of_replica(result)
+    names = _by_default(fitting, options) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
         if name not in known:
             raise FileError(f"{name}: no figure of this result; it has {', '.join(known)}")
@@ -158,7 +167,8 @@ def page(
         place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
         # The legend of the first curves of a sweep holds for all.
         of_sweep = {"names": index == 0} if isinstance(result, Sweep) and name in QUANTITIES else {}
-        ax = known[name](result, figure.add_subplot(place), **options, **of_sweep)
+        own = {key: value for key, value in options.items() if isinstance(result, Sweep) or key in OF_REPLICA.get(name, ())}
+        ax = known[name](result, figure.add_subplot(place), **own, **of_sweep)
         if len(names) > 1:
             lettered(ax, index)
     if title:

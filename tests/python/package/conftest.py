@@ -38,6 +38,8 @@ MADE = {
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
     "preload": of_scene("preload", 20),
+    "spots": of_scene("probe", 20),
+    "springs": of_scene("instability", 8, **{"output.curves": True}),
     "device": of_scene("preload", 20, **{"device.restoring_force": "0.6 mN"}),
     "pressed_sweep": lambda path: stiction.sweep(
         CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,

@@ -153,7 +153,9 @@ def _named(path: Path, what: str, advice: str, libraries: tuple[Any, Any]) -> It
             yield
     except (Exception, *own) as error:
         missing = [*getattr(error, "meta_keys", []), *str(error).split("'")]
-        if "spring constant" in missing and not isinstance(error, NotImplementedError):
+        if "sensitivity" in missing:
+            advice = "calibrate it with the program of the instrument"
+        elif "spring constant" in missing and not isinstance(error, NotImplementedError):
             advice = 'give the spring constant, such as "40 N/m"'
         said = " ".join(str(error).split()) or type(error).__name__
         raise FileError(f"{path}: {what} ({said}); {advice}") from None
@@ -176,7 +178,7 @@ def _row(curve: Any, path: Path, slope: str, of: Path, libraries: tuple[Any, Any
         steps = ["compute_tip_position", "correct_tip_offset", "correct_force_slope", *steps]
         # This method does not take a slope for a contact.
         options = {"correct_tip_offset": {"method": "fit_line_polynomial"}, "correct_force_slope": {"region": "all", "strategy": slope}}
-    with _named(path, f"curve {curve.enum}: cannot be corrected", 'slope "none" needs least', libraries):
+    with _named(path, f"curve {curve.enum}: cannot be corrected", 'with slope none it needs the force alone', libraries):
         back = int(np.count_nonzero(curve["segment"] == 1))
         place = {name: float(curve.metadata.get(name, math.nan)) for name in ("spring constant", "position x", "position y")}
         pull_off = resolution = math.nan

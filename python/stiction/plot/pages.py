@@ -97,7 +97,8 @@ def panels(result: Result) -> dict[str, Panel]:
 
 def of_replica(result: Result) -> dict[str, Panel]:
     """The figures of a single replica, which are drawn only where they are asked for, by their names."""
-    return {"force_curve": loop.force_curve} if isinstance(result, Run) and result.has_replicas else {}
+    is_loop = isinstance(result, Run) and result.has_replicas and result.attrs["history"] == "loop"
+    return {"force_curve": loop.force_curve} if is_loop else {}
 
 
 def _of_study(figure: Panel) -> Panel:

@@ -1,6 +1,6 @@
 //! Whether asperities may be taken as independent, on the terminal.
 
-use super::rows::labelled;
+use super::rows::{labelled, paragraph};
 use crate::format::{percent, si};
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::Scene;
@@ -29,13 +29,23 @@ pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
     };
     let text = match own.verdict() {
         IndependenceVerdict::Good => format!("good: the substrate gives way by {shift} σ at pull-off"),
-        IndependenceVerdict::Shift => {
-            format!("a shift: read forces at h - F/k_s, {shift} σ off at pull-off{advice}")
-        }
+        IndependenceVerdict::Shift => match scene.surface.apex() {
+            Some(_) => format!("a shift: the bodies give way by up to {shift} σ at pull-off{advice}"),
+            None => format!("a shift: read forces at h - F/k_s, {shift} σ off at pull-off{advice}"),
+        },
         IndependenceVerdict::Invalid => format!("invalid: {}{advice}", reason(own)),
     };
     let of = if coupling == Some(Coupling::Periodic) { " (for a patch alone)" } else { "" };
-    labelled("independence", &format!("{text}{of}"))
+    labelled("independence", &format!("{text}{of}")) + &of_apex(own)
+}
+
+/// The displacement of a body with an apex under its largest load, and its parameters.
+fn of_apex(own: &Independence) -> String {
+    let Some(mu) = own.greenwood_tripp else { return String::new() };
+    let [loaded, mu, theta] = [own.relative_closest_shift(), mu, own.fuller_tabor].map(ratio);
+    paragraph(&format!(
+        "by {loaded} σ under the largest load; Greenwood and Tripp's mu = {mu}, Fuller and Tabor's theta = {theta}"
+    ))
 }
 
 /// The figure that is beyond its limit.

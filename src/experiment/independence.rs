@@ -11,7 +11,7 @@ pub(super) const GROUP: &str = "/independence";
 pub(crate) type Figure = (&'static str, fn(&Independence) -> f64);
 
 /// The figures, by the names of their datasets.
-pub(crate) const FIGURES: [Figure; 13] = [
+pub(crate) const FIGURES: [Figure; 15] = [
     ("patch_side", |own| own.patch_side),
     ("substrate_stiffness", |own| own.substrate_stiffness),
     ("shift", |own| own.shift),
@@ -25,6 +25,8 @@ pub(crate) const FIGURES: [Figure; 13] = [
     ("closest_shift", |own| own.closest_shift),
     ("relative_closest_shift", Independence::relative_closest_shift),
     ("independent_from", |own| own.independent_from),
+    ("greenwood_tripp_mu", |own| own.greenwood_tripp.unwrap_or(f64::NAN)),
+    ("fuller_tabor_theta", |own| own.fuller_tabor),
 ];
 
 /// Makes the group, and writes the limits of the figures.
@@ -52,5 +54,7 @@ pub(crate) fn read_independence(reader: &Reader) -> Result<Independence, OutputE
         contact_share: figure("contact_share")?,
         closest_shift: figure("closest_shift")?,
         independent_from: figure("independent_from")?,
+        greenwood_tripp: Some(figure("greenwood_tripp_mu")?).filter(|mu| !mu.is_nan()),
+        fuller_tabor: figure("fuller_tabor_theta")?,
     })
 }

@@ -89,9 +89,10 @@ impl PathIntegral {
         let pulls = features.minimum.value < 0.0;
         let at_pull_off = at(if pulls { features.minimum.place } else { separations[0] });
         let largest_slope = largest_slope(scene, &features, force, &force_at);
-        let curve = IntegralCurve { separations, force, at_pull_off: &at_pull_off, largest_slope };
-        let modulus = scene.asperity.reduced_modulus;
-        let independence = Independence::new(&scene.surface, modulus, &curve, force_at);
+        let largest_load = largest_preload(scene);
+        let curve =
+            IntegralCurve { separations, force, largest_load, at_pull_off: &at_pull_off, largest_slope };
+        let independence = Independence::new(&scene.surface, &scene.asperity, &curve, force_at);
         let (at_stiffest, forces) = (at(features.steepest.place), Forces::default());
         Self { at_stiffest, at_pull_off, independence, features, expectations, forces }
     }
@@ -156,7 +157,7 @@ impl PathIntegral {
     /// The separation where the approach of a loop ends, m: at its largest preload, or the smallest.
     fn turn(&self, scene: &Scene) -> f64 {
         let force = &self.expectations.expected[Quantity::ExternalForce.index()];
-        let preload = scene.instability.preload.iter().copied().reduce(f64::max).unwrap_or(f64::INFINITY);
+        let preload = largest_preload(scene);
         let beyond = force.iter().take_while(|force| **force >= preload).count();
         if beyond == 0 || beyond == force.len() {
             return scene.separations[0];
@@ -164,6 +165,11 @@ impl PathIntegral {
         let [near, far] = [beyond - 1, beyond].map(|k| (scene.separations[k], force[k]));
         near.0 + (far.0 - near.0) * (near.1 - preload) / (near.1 - far.1)
     }
+}
+
+/// The largest preload, N; infinite without any.
+fn largest_preload(scene: &Scene) -> f64 {
+    scene.instability.preload.iter().copied().reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
 /// The largest slope, N/m, of the external force that is expected, whose features are known, and that at the

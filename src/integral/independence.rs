@@ -7,11 +7,18 @@
 //! σ_u² = 2π η ⟨f²⟩ ln(L/b)/(πE*)², with b half of 1/√η. A modulation of wavelength Λ is held by πE*/Λ per
 //! area: an attraction of the stiffness s per area is stable against wavelengths below Λ_c = πE*/s.
 //!
-//! Sources: Johnson, Contact Mechanics (1985), section 3.3 (c); Ciavarella, Greenwood and Paggi, Wear 265
+//! Under a body of the radius R_m at its apex the load F acts on a circle, and Hertz's contact of the smooth body gives way by
+//! δ = (9F²/16R_m E*²)^(1/3), in place of the shift F/k_s. Roughness spreads a load, so it gives way by less; JKR's contact,
+//! which at its pull-off has the radius of Hertz's under an equal load, is stretched by δ/3. σ/δ is α of Johnson. The patch is
+//! the circle of the radius a² = R_m δ + 2R_m σ: that of Hertz's contact, and what is within σ of the apex under small loads.
+//!
+//! Sources: Johnson, Contact Mechanics (1985), sections 3.3 (c) and 13.5; Greenwood and Tripp, J. Appl. Mech.
+//! 34 (1967) 153; Fuller and Tabor, Proc. R. Soc. A 345 (1975) 327; Ciavarella, Greenwood and Paggi, Wear 265
 //! (2008) 729 (mean field).
 
 use super::expectations::Expectations;
 use crate::asperity::Quantity;
+use crate::asperity::scale::Asperity;
 use crate::surface::Surface;
 use std::f64::consts::PI;
 
@@ -95,6 +102,8 @@ pub struct IntegralCurve<'a> {
     pub separations: &'a [f64],
     /// The external force at them, N.
     pub force: &'a [f64],
+    /// The largest load, N, after which surfaces are pulled back; infinite where it is the one at the smallest separation.
+    pub largest_load: f64,
     /// The integral at pull-off, or at the smallest separation where nothing pulls.
     pub at_pull_off: &'a Expectations,
     /// The largest slope of the external force, N/m.
@@ -119,22 +128,27 @@ pub struct IntegralCurve<'a> {
 pub struct Independence {
     /// Standard deviation σ of the surface heights, m.
     pub surface_height_std: f64,
-    /// Side L of the patch, √A_n, m.
+    /// Side L of the patch, m: the root of its area, the nominal one, or the one that is loaded under a body.
     pub patch_side: f64,
     /// Stiffness k_s of the half-space under the patch, N/m.
     pub substrate_stiffness: f64,
-    /// Shift F/k_s, m, by which the asperities are further from the other surface; negative at a pull-off.
+    /// Shift F/k_s, m, by which the asperities are further from the other surface, or Hertz's δ of a body; negative at a pull-off.
     pub shift: f64,
     /// Largest dF/dh of the external force along the path, N/m; 0 where it nowhere rises.
     pub attractive_stiffness: f64,
     /// Standard deviation σ_u of the displacements of asperities at uniformly random places, m.
     pub fluctuation: f64,
-    /// Share of the nominal area in contact.
+    /// Share of the area of the patch in contact.
     pub contact_share: f64,
-    /// Shift at the smallest separation, m.
+    /// Shift under the largest load, m: the largest preload, or what acts at the smallest separation.
     pub closest_shift: f64,
     /// Separation h, m, from which on no shift is beyond its limit; NaN where it still is at the largest one.
     pub independent_from: f64,
+    /// μ = (8/3) η σ_s √(2 R_m R) of Greenwood and Tripp: 1.2 times the pressure of asperities that overlap by σ_s over that of
+    /// Hertz's contact of the smooth body under the displacement σ_s. Nothing without an apex.
+    pub greenwood_tripp: Option<f64>,
+    /// θ = E* σ_s^(3/2)/(√R Δγ) of Fuller and Tabor. JKR's asperity is stretched by (3/4)(π/θ)^(2/3) σ_s where it lets go.
+    pub fuller_tabor: f64,
 }
 
 impl Independence {
@@ -149,36 +163,49 @@ impl Independence {
         Limit { name: "contact_share", good: 0.01, invalid: 0.1 },
     ];
 
-    /// Judges a surface on bodies of the modulus E*, Pa, by the curve of its integral, which is `force_at`, N,
+    /// Judges a surface of asperities, on bodies of their modulus, by the curve of its integral, which is `force_at`, N,
     /// at any separation h, m.
     #[doc(hidden)]
     pub fn new(
         surface: &Surface,
-        reduced_modulus: f64,
+        asperity: &Asperity,
         curve: &IntegralCurve<'_>,
         force_at: impl Fn(f64) -> f64,
     ) -> Self {
-        let IntegralCurve { force, at_pull_off, largest_slope, .. } = *curve;
-        let area = surface.loaded_area();
-        let stiffness = substrate_stiffness(reduced_modulus, area);
+        let IntegralCurve { force, largest_load, at_pull_off, largest_slope, .. } = *curve;
+        let (modulus, apex) = (asperity.reduced_modulus, surface.apex());
         let expected = |quantity: Quantity| at_pull_off.expected[quantity.index()][0];
+        let pull_off = expected(Quantity::ExternalForce);
+        let hertz = apex.map(|radius| 4.0 / 3.0 * modulus * radius.sqrt());
+        let of_hertz = |force: f64| hertz.map(|hertz| libm::cbrt((force / hertz).powi(2)).copysign(force));
+        let of_contact =
+            apex.zip(of_hertz(pull_off)).map_or(0.0, |(radius, depth)| PI * radius * depth.abs());
+        let area = surface.loaded_area() + of_contact;
+        let stiffness = substrate_stiffness(modulus, area);
+        let shift = |force: f64| of_hertz(force).unwrap_or(force / stiffness);
         let count = surface.asperity_count as f64;
         // L/b = 2 √N.
         let variance =
             2.0 * PI * count / area * at_pull_off.mean_square_force[0] * libm::log(2.0 * count.sqrt())
-                / (PI * reduced_modulus).powi(2);
+                / (PI * modulus).powi(2);
         let accuracy = ACCURACY * surface.surface_height_std;
-        let largest_force = Self::LIMITS[0].good * surface.surface_height_std * stiffness;
+        let largest_shift = Self::LIMITS[0].good * surface.surface_height_std;
+        let largest_force =
+            hertz.map_or(largest_shift * stiffness, |hertz| hertz * largest_shift * largest_shift.sqrt());
+        let (sigma, radius) = (surface.heights.std, surface.asperity_radius);
         Self {
             surface_height_std: surface.surface_height_std,
             patch_side: area.sqrt(),
             substrate_stiffness: stiffness,
-            shift: expected(Quantity::ExternalForce) / stiffness,
+            shift: shift(pull_off),
             attractive_stiffness: if largest_slope < 0.0 { 0.0 } else { largest_slope },
             fluctuation: variance.sqrt(),
             contact_share: expected(Quantity::ContactArea) / area,
-            closest_shift: force[0] / stiffness,
+            closest_shift: shift(force[0].min(largest_load)),
             independent_from: from_where(curve, largest_force, accuracy, force_at),
+            greenwood_tripp: apex
+                .map(|apex| 8.0 / 3.0 * surface.asperity_density * sigma * (2.0 * apex * radius).sqrt()),
+            fuller_tabor: modulus * sigma * (sigma / radius).sqrt() / asperity.work_of_adhesion,
         }
     }
 
@@ -187,7 +214,7 @@ impl Independence {
         self.shift / self.surface_height_std
     }
 
-    /// The shift at the smallest separation over σ.
+    /// The shift under the largest load over σ.
     pub fn relative_closest_shift(&self) -> f64 {
         self.closest_shift / self.surface_height_std
     }

@@ -413,12 +413,18 @@ impl Surface {
         }
     }
 
-    /// The area, m², that is loaded: the nominal area, or under a body the area of the places that are at most σ deep.
+    /// The area, m², that a small load is spread over: the nominal area, or under a body the area of the places that are at most
+    /// σ deep.
     pub fn loaded_area(&self) -> f64 {
         match self.heights.depths() {
             Some(depths) => depths.share(self.surface_height_std) * depths.area,
             None => self.nominal_area,
         }
+    }
+
+    /// The geometric mean, m, of the principal radii of a body at its apex; nothing for flat patches and bodies without one.
+    pub fn apex(&self) -> Option<f64> {
+        self.heights.depths().and_then(|depths| depths.shape.apex(depths.tip))
     }
 
     /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.

@@ -41,6 +41,11 @@ pub trait Shape: Debug + Send + Sync {
 
     /// The depth, m, at which the body ends.
     fn end(&self) -> f64;
+
+    /// The geometric mean, m, of the principal radii at the apex over tips of a radius, m; nothing for bodies without an apex.
+    fn apex(&self, _tip: f64) -> Option<f64> {
+        None
+    }
 }
 
 /// The depths of places on an area under a body, from its nearest point on.

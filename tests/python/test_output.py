@@ -137,6 +137,8 @@ DATASETS = {
     "independence/closest_shift": ((), "m"),
     "independence/relative_closest_shift": ((), "1"),
     "independence/independent_from": ((), "m"),
+    "independence/greenwood_tripp_mu": ((), "1"),
+    "independence/fuller_tabor_theta": ((), "1"),
 }
 GROUPS = ["ensemble", "replicas", "integral", "independence", "validation"]
 QUANTITIES = ["adhesion_force", "contact_force", "external_force", "contact_area"]

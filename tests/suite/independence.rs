@@ -131,6 +131,8 @@ fn each_limit_decides() {
         contact_share: 0.009,
         closest_shift: 3.0,
         independent_from: 1.0,
+        greenwood_tripp: None,
+        fuller_tabor: 1.0,
     };
     use IndependenceVerdict::{Good, Invalid, Shift};
     for (own, verdict) in [

@@ -17,13 +17,19 @@ pub(crate) fn verdict(lead: &[Dimension]) -> Vec<Variable> {
 }
 
 const ROWS: &[Row] = &[
-    ("patch_side", NONE, "m", "side L of the patch, the root of the nominal area"),
+    (
+        "patch_side",
+        NONE,
+        "m",
+        "side L of the patch, the root of the nominal area, or of the area that is loaded under a body",
+    ),
     ("substrate_stiffness", NONE, "N m-1", "stiffness k_s = E* L/0.9464 of the half-space under the patch"),
     (
         "shift",
         NONE,
         "m",
-        "shift F/k_s of the separation at pull-off of the integral, or at the smallest separation where nothing pulls",
+        "shift of the separation at pull-off of the integral, or at the smallest separation where nothing pulls: F/k_s, and under a \
+         body of radius R_m the displacement (9F^2/16 R_m E*^2)^(1/3) of Hertz, with the sign of F",
     ),
     ("relative_shift", NONE, "1", "that shift over the standard deviation of the surface heights"),
     (
@@ -51,18 +57,25 @@ const ROWS: &[Row] = &[
         "m",
         "wavelength up to which the surfaces are stable where they attract most stiffly, infinite without attraction",
     ),
-    ("contact_share", NONE, "1", "share of the nominal area in contact, at the separation of the shift"),
-    ("closest_shift", NONE, "m", "shift F/k_s at the smallest separation"),
-    (
-        "relative_closest_shift",
-        NONE,
-        "1",
-        "shift at the smallest separation over the standard deviation of the surface heights",
-    ),
+    ("contact_share", NONE, "1", "share of the area of the patch in contact, at the separation of the shift"),
+    ("closest_shift", NONE, "m", "shift under the largest preload, or at the smallest separation"),
+    ("relative_closest_shift", NONE, "1", "that shift over the standard deviation of the surface heights"),
     (
         "independent_from",
         NONE,
         "m",
         "separation h from which on the shift is within its limit, NaN where it is not at the largest one",
+    ),
+    (
+        "greenwood_tripp_mu",
+        NONE,
+        "1",
+        "mu = (8/3) eta sigma_s sqrt(2 R_m R) of Greenwood and Tripp, NaN where no body has an apex of radius R_m",
+    ),
+    (
+        "fuller_tabor_theta",
+        NONE,
+        "1",
+        "theta = E* sigma_s^(3/2)/(sqrt(R) work_of_adhesion) of Fuller and Tabor",
     ),
 ];

@@ -63,6 +63,10 @@ impl Shape for Paraboloid {
         1.0 / self.radii.map(|radius| (1.0 / tip + 1.0 / radius).sqrt()).iter().product::<f64>()
     }
 
+    fn apex(&self, tip: f64) -> Option<f64> {
+        Some(self.mean(tip))
+    }
+
     fn end(&self) -> f64 {
         self.radii[0].min(self.radii[1])
     }

@@ -51,6 +51,10 @@ impl Shape for Sphere {
         1.0 / (1.0 / tip + 1.0 / self.radius)
     }
 
+    fn apex(&self, tip: f64) -> Option<f64> {
+        Some(self.radius + tip)
+    }
+
     fn end(&self) -> f64 {
         self.radius
     }

@@ -308,6 +308,9 @@ fn a_probe_lands_on_its_map() {
         let [from_x, from_y] = *first.get_or_insert([x[k] - map_x[of], y[k] - map_y[of]]);
         for off in [x[k] - map_x[of] - from_x, y[k] - map_y[of] - from_y] {
             assert!((off - side * (off / side).round()).abs() < 1e-12, "{k}: {off:e}");
+        }
+    }
+}
 
 /// The rows of a table of references, by its columns.
 fn rows<const N: usize>(table: &str) -> Vec<[f64; N]> {

@@ -74,10 +74,10 @@ fn sampling(scheme: SamplingScheme) -> String {
     format!("{}: {about}", scheme.name())
 }
 
-/// The title, or that there is none.
+/// The title, if there is one.
 pub(super) fn title(scene: &Scene) -> String {
-    let title = if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) };
-    broken(&title, COLUMNS).join("\n") + "\n"
+    let title = broken(&one_line(&scene.title), COLUMNS).join("\n");
+    if title.is_empty() { title } else { title + "\n" }
 }
 
 /// The forces between the mean planes.

@@ -100,7 +100,8 @@ def table(sweep: Sweep) -> Iterator[str]:
     """Lines of the table of a study."""
     found = study(sweep)
     per_asperity = quantities.si(found.attrs["integral_pull_off_per_asperity"], "N")
-    yield sweep.title or "Untitled scene"
+    if sweep.title:
+        yield sweep.title
     yield _row("integral", f"pull-off {per_asperity} for each asperity")
     coupling = sweep.scene.get("substrate", {}).get("coupling", "none")
     if coupling != "none":

@@ -299,12 +299,12 @@ fn a_probe_lands_on_its_map() {
     for k in 0..heights.len() {
         // 1/R = 1/R' − 1/R_m is the radius on the map.
         let radius = 1.0 / (1.0 / radii[k] - 1.0 / 2e-6);
-        let of =
-            map_radii.iter().position(|own| (own / radius - 1.0).abs() < 1e-9).expect("it is one of the map");
         let [dx, dy] = [x[k] - middle, y[k] - middle];
-        let depth = (dx * dx + dy * dy) / (2.0 * (2e-6 + radius));
-        let off = heights[k] + depth - map_heights[of];
-        assert!(off.abs() < 1e-13, "{k}: {off:e}");
+        let on_map = heights[k] + (dx * dx + dy * dy) / (2.0 * (2e-6 + radius));
+        let is_it = |i: &usize| {
+            (map_radii[*i] / radius - 1.0).abs() < 1e-9 && (map_heights[*i] - on_map).abs() < 1e-13
+        };
+        let of = (0..map_radii.len()).find(is_it).expect("it is one of the map");
         let [from_x, from_y] = *first.get_or_insert([x[k] - map_x[of], y[k] - map_y[of]]);
         for off in [x[k] - map_x[of] - from_x, y[k] - map_y[of] - from_y] {
             assert!((off - side * (off / side).round()).abs() < 1e-12, "{k}: {off:e}");

@@ -126,6 +126,7 @@ impl Scene {
     fn spreads(&self, filling: &Filling, meniscus: &Meniscus) -> Result<Vec<Spread>, LawError> {
         let separations = self.spread_separations(meniscus);
         let surface = self.surface.plane();
+        let tip = surface.asperity_radius;
         let flat = Surface { background: None, spread: Spreads::default(), ..surface.into_owned() };
         let alone = Self { surface: flat, ..self.clone() };
         let wet = alone.expectations_on_ways(self.model, &separations)?;
@@ -145,19 +146,27 @@ impl Scene {
             let is_held =
                 way > 0 || self.history == Path::Retraction || meniscus.bridges == Bridges::Reversible;
             let deepest = if way > 0 { reached } else { f64::INFINITY };
-            let pressure = |(k, h): (usize, &f64)| {
-                let of_bridges = immersed.expected[force][k] - wet.expected[force][k];
-                let filled = if is_held { filling.share(*h) } else { 0.0 };
+            let weight = |k: usize, h: f64| {
+                let filled = if is_held { filling.share(h) } else { 0.0 };
                 weight(covered(wet, k).max(filled))
-                    * (filling.tension(*h).max(0.0) - of_bridges / self.surface.nominal_area)
             };
-            let pressures = separations.iter().enumerate().map(pressure).collect();
-            let flat = Spread { separations: separations.clone(), pressures };
-            if self.surface.heights.depths().is_none() {
-                return flat;
-            }
-            let over = |h: &f64| self.surface.over_body(deepest, |h| flat.pressure(h), *h);
-            Spread { pressures: separations.iter().map(over).collect(), ..flat.clone() }
+            let of_liquid = |(k, h): (usize, &f64)| weight(k, *h) * filling.tension(*h).max(0.0);
+            let of_bridges = |(k, h): (usize, &f64)| {
+                let pull = immersed.expected[force][k] - wet.expected[force][k];
+                weight(k, *h) * pull / self.surface.nominal_area
+            };
+            let over = |tip: f64, of: &dyn Fn((usize, &f64)) -> f64| -> Vec<f64> {
+                let pressures = separations.iter().enumerate().map(of).collect();
+                if self.surface.heights.depths().is_none() {
+                    return pressures;
+                }
+                let flat = Spread { separations: separations.clone(), pressures };
+                let over = |h: &f64| self.surface.over_body(tip, deepest, |h| flat.pressure(h), *h);
+                separations.iter().map(over).collect()
+            };
+            let (of_liquid, of_bridges) = (over(0.0, &of_liquid), over(tip, &of_bridges));
+            let pressures = of_liquid.into_iter().zip(of_bridges).map(|(liquid, bridges)| liquid - bridges);
+            Spread { separations: separations.clone(), pressures: pressures.collect() }
         });
         let spread: Vec<Spread> = spread.collect();
         let is_none = spread.iter().all(|way| way.pressures.iter().all(|pressure| *pressure == 0.0));

@@ -2,8 +2,8 @@
 //!
 //! # Formula
 //! Faces that are h + s apart at the depth s act on an area dA(s) with the pressure p(h + s) of flat faces, Derjaguin's (1934)
-//! approximation: the force is ∫p(h + s) dA down to the depth at which the body ends. Divided by the nominal area it is a
-//! pressure, as of flat faces.
+//! approximation: the force is ∫p(h + s) dA down to the depth at which the body ends. A sphere has s = r²/2R_m. Divided by the
+//! nominal area the force is a pressure, as of flat faces.
 
 use super::shape::Depths;
 use crate::background::{MeanPlaneForce, Strength};

@@ -396,11 +396,12 @@ impl Surface {
         Cow::Owned(Self { heights: base.clone(), asperity_radius: depths.tip, ..self.clone() })
     }
 
-    /// The pressure, Pa, over the nominal area, of one, Pa, between flat faces at a separation h, m, at most `deepest`, m, behind the
-    /// nearest point of a body.
-    pub fn over_body(&self, deepest: f64, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
+    /// The pressure, Pa, over the nominal area, of one, Pa, between flat faces, or over tips of a radius, m, at a separation h, m, at
+    /// most `deepest`, m, behind the nearest point of a body. Faces are as tips of the radius 0.
+    pub fn over_body(&self, tip: f64, deepest: f64, pressure: impl Fn(f64) -> f64, separation: f64) -> f64 {
         let Some(depths) = self.heights.depths() else { return pressure(separation) };
         let at = |depth: f64| [pressure(separation + depth)];
+        let depths = Depths { tip, ..depths.clone() };
         depths.integral(self.surface_height_std, deepest, at)[0] / self.nominal_area
     }
 
@@ -408,7 +409,10 @@ impl Surface {
     /// nearest on.
     pub fn force_over_body(&self, force: Arc<dyn MeanPlaneForce>, nearest: f64) -> Arc<dyn MeanPlaneForce> {
         match self.heights.depths() {
-            Some(depths) => Arc::new(Curved::new(force, depths.clone(), self.nominal_area, nearest)),
+            Some(depths) => {
+                let of_faces = Depths { tip: 0.0, ..depths.clone() };
+                Arc::new(Curved::new(force, of_faces, self.nominal_area, nearest))
+            }
             None => force,
         }
     }

@@ -138,6 +138,6 @@ fn filled(name: &str, meaning: &str, of: fn(&Filling, f64) -> f64) -> Dataset {
         results.scene.model.meniscus()?;
         let filling = results.scene.filling()?;
         let surface = &results.scene.surface;
-        Some(forces(&results.scene, |h| surface.over_body(f64::INFINITY, |h| of(&filling, h), h)))
+        Some(forces(&results.scene, |h| surface.over_body(0.0, f64::INFINITY, |h| of(&filling, h), h)))
     })
 }

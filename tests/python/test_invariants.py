@@ -27,7 +27,7 @@ GAPS = re.compile(
     r"_std$|standard_error|interval|quantile|most_differing|variance_r|/scalar_|/snap_|preload|probability|"
     r"/z_|_z$|/probe_|sum_error|sum_tolerance|statistic|p_value|highest_asperity|touchdown|detachment|secant|"
     r"energy_lost|energy_unit|independent_from|/differences/|/asperities/|/control$|critical_approach|"
-    r"/instability/|/wavelength"
+    r"/instability/|/wavelength|greenwood_tripp"
 )
 INFINITE = re.compile(r"variance_r|longest_stable_wavelength")
 SIGNED = re.compile(

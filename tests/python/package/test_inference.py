@@ -486,7 +486,7 @@ def test_the_command_says_what_is_wrong(tmp_path):
 
 
 # Scenes and patches of an experiment, in full and in short.
-FULL = [("first", 50), ("first", 10), ("extremes", 50), ("extremes", 10), ("probe", 40)]
+FULL = [("first", 50), ("first", 10), ("extremes", 50), ("extremes", 10)]
 
 
 @pytest.mark.parametrize(("scene", "patches"), FULL if EXPERIMENTS else [("", 20)])
@@ -497,8 +497,7 @@ def test_intervals_are_calibrated(scene, patches):
     """
     experiments = EXPERIMENTS or 40
     tables = str(CONFIGS / "inference" / f"{scene}.toml") if scene else small()
-    outcome = "pull_off_after_preload" if scene == "probe" else "pull_off_force"
-    made = calibrate(tables, experiments=experiments, patches=patches, points=512 if EXPERIMENTS else 64, outcome=outcome, seed=3)
+    made = calibrate(tables, experiments=experiments, patches=patches, points=512 if EXPERIMENTS else 64, seed=3)
     assert made.p_values().min() > 1e-3
     for level in (0.5, 0.9, 0.95):
         assert np.abs(made.coverage(level) - level).max() < 3.3 * np.sqrt(level * (1.0 - level) / experiments)

@@ -130,14 +130,25 @@ impl NodeTable {
         }
         let mut stats = SolverStats::default();
         let mut sum = 0.0;
-        self.for_each_panel(law, separation, &mut stats, |panel, densities| {
-            let terms: [f64; NODES] = std::array::from_fn(|i| panel.external[i] * densities[i]);
-            sum += lane_sum(&terms);
-        });
+        self.for_each_panel(
+            law,
+            separation,
+            &mut stats,
+            #[inline(always)]
+            |panel: &Panel, densities: &[f64; NODES]| {
+                let mut terms = [0.0; NODES];
+                for (term, (external, density)) in terms.iter_mut().zip(panel.external.iter().zip(densities))
+                {
+                    *term = external * density;
+                }
+                sum += lane_sum(&terms);
+            },
+        );
         sum
     }
 
     /// Panels with heights within reach at a separation d, m, and the densities at their nodes, 1/m.
+    #[inline(always)]
     fn for_each_panel(
         &self,
         law: &dyn Law,
@@ -147,31 +158,32 @@ impl NodeTable {
     ) {
         let (low, high) = (self.reach.0 - separation, self.reach.1 - separation);
         let mut out = Responses::default();
-        for panel in &self.panels {
-            if panel.ends.1 < low || panel.ends.0 > high {
-                continue;
-            }
-            let Some(normal) = self.normal else {
-                let ends = (panel.ends.0.max(low), panel.ends.1.min(high));
-                let cut = (ends != panel.ends).then(|| panel.between(law, ends, (&mut out, stats)));
-                let panel = cut.as_ref().unwrap_or(panel);
-                let density = |delta: f64| self.heights.density(delta + separation);
-                each(panel, &panel.interference.map(density));
-                continue;
-            };
-            let mean = normal.mean - separation;
-            let (per_std, unit) = (1.0 / normal.std, 1.0 / (normal.std * (2.0 * PI).sqrt()));
-            let densities = InstructionSet::current().run(
-                #[inline(always)]
-                || {
-                    panel.interference.map(|delta| {
-                        let s = (delta - mean) * per_std;
-                        unit * exp(-0.5 * s * s)
-                    })
-                },
-            );
-            each(panel, &densities);
-        }
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for panel in &self.panels {
+                    if panel.ends.1 < low || panel.ends.0 > high {
+                        continue;
+                    }
+                    if let Some(normal) = self.normal {
+                        let mean = normal.mean - separation;
+                        let (per_std, unit) = (1.0 / normal.std, 1.0 / (normal.std * (2.0 * PI).sqrt()));
+                        let mut densities = [0.0; NODES];
+                        for (density, delta) in densities.iter_mut().zip(&panel.interference) {
+                            let s = (delta - mean) * per_std;
+                            *density = unit * exp(-0.5 * s * s);
+                        }
+                        each(panel, &densities);
+                        continue;
+                    }
+                    let ends = (panel.ends.0.max(low), panel.ends.1.min(high));
+                    let cut = (ends != panel.ends).then(|| panel.between(law, ends, (&mut out, stats)));
+                    let panel = cut.as_ref().unwrap_or(panel);
+                    let density = |delta: f64| self.heights.density(delta + separation);
+                    each(panel, &panel.interference.map(density));
+                }
+            },
+        );
     }
 
     /// The expectations at a separation d, m, with deviations from `typical` quantities.
@@ -183,33 +195,34 @@ impl NodeTable {
         let mut errors = [0.0; 3];
         let mut totals = [0.0; 3];
         let mut stats = SolverStats::default();
-        self.for_each_panel(law, separation, &mut stats, |panel, densities| {
-            let sums = InstructionSet::current().run(
-                #[inline(always)]
-                || {
-                    let mut terms = [[0.0; NODES]; 8];
-                    for (i, density) in densities.iter().enumerate() {
-                        let weight = panel.weights[i] * density;
-                        let [adhesion, contact, area] = [0, 1, 2].map(|q: usize| panel.quantities[q][i]);
-                        let quantities = Quantity::of_response(adhesion, contact, area);
-                        terms[0][i] = weight * adhesion;
-                        terms[1][i] = weight * contact;
-                        terms[2][i] = weight * area;
-                        for q in 0..4 {
-                            let off = quantities[q] - typical[q];
-                            terms[3 + q][i] = weight * (off * off);
-                        }
-                        terms[7][i] = weight;
+        self.for_each_panel(
+            law,
+            separation,
+            &mut stats,
+            #[inline(always)]
+            |panel: &Panel, densities: &[f64; NODES]| {
+                let mut terms = [[0.0; NODES]; 8];
+                for (i, density) in densities.iter().enumerate() {
+                    let weight = panel.weights[i] * density;
+                    let [adhesion, contact, area] = [0, 1, 2].map(|q: usize| panel.quantities[q][i]);
+                    let quantities = Quantity::of_response(adhesion, contact, area);
+                    terms[0][i] = weight * adhesion;
+                    terms[1][i] = weight * contact;
+                    terms[2][i] = weight * area;
+                    for q in 0..4 {
+                        let off = quantities[q] - typical[q];
+                        terms[3 + q][i] = weight * (off * off);
                     }
-                    terms.map(|terms| lane_sum(&terms))
-                },
-            );
-            at.add_panel(panel.regime, &sums);
-            for c in 0..3 {
-                errors[c] += panel.error * sums[c].abs();
-                totals[c] += sums[c].abs();
-            }
-        });
+                    terms[7][i] = weight;
+                }
+                let sums = terms.map(|terms| lane_sum(&terms));
+                at.add_panel(panel.regime, &sums);
+                for c in 0..3 {
+                    errors[c] += panel.error * sums[c].abs();
+                    totals[c] += sums[c].abs();
+                }
+            },
+        );
         at.stats = stats;
         for (error, total) in errors.into_iter().zip(totals) {
             if total > f64::MIN_POSITIVE / f64::EPSILON {

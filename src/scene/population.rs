@@ -41,8 +41,8 @@ pub(super) fn population(
     let radii = radii(section, files, &mut inputs);
     let radius = given_radius(section, &radii);
     let lengths = lengths(section, has_body);
-    let of_plane = if has_body { of_body(section) } else { Ok(()) };
-    let readings = (spectrum(section), heights, radii, radius, lengths, count(section), of_plane);
+    let suited = if has_body { suits_body(section) } else { Ok(()) };
+    let readings = (spectrum(section), heights, radii, radius, lengths, count(section), suited);
     let (spectrum, (heights, given_std), radii, radius, lengths, count_law, ()) = readings.together()?;
     let radius = match (&radii, &spectrum, radius) {
         (_, Some(spectrum), _) => spectrum.radius(),
@@ -60,7 +60,7 @@ pub(super) fn population(
 }
 
 /// Refuses keys that do not go with a body.
-pub(super) fn of_body(section: &Section<'_>) -> Result<(), SceneError> {
+pub(super) fn suits_body(section: &Section<'_>) -> Result<(), SceneError> {
     let refused = [
         ("nominal_area", "follows from [shape], which has the asperities that pull; leave it out"),
         ("count", "is \"poisson\" under [shape], as the number differs from spot to spot; leave it out"),

@@ -146,14 +146,14 @@ impl Scene {
             let is_held =
                 way > 0 || self.history == Path::Retraction || meniscus.bridges == Bridges::Reversible;
             let deepest = if way > 0 { reached } else { f64::INFINITY };
-            let weight = |k: usize, h: f64| {
+            let of_filling = |k: usize, h: f64| {
                 let filled = if is_held { filling.share(h) } else { 0.0 };
                 weight(covered(wet, k).max(filled))
             };
-            let of_liquid = |(k, h): (usize, &f64)| weight(k, *h) * filling.tension(*h).max(0.0);
+            let of_liquid = |(k, h): (usize, &f64)| of_filling(k, *h) * filling.tension(*h).max(0.0);
             let of_bridges = |(k, h): (usize, &f64)| {
                 let pull = immersed.expected[force][k] - wet.expected[force][k];
-                weight(k, *h) * pull / self.surface.nominal_area
+                of_filling(k, *h) * pull / self.surface.nominal_area
             };
             let over = |tip: f64, of: &dyn Fn((usize, &f64)) -> f64| -> Vec<f64> {
                 let pressures = separations.iter().enumerate().map(of).collect();

@@ -9,8 +9,7 @@ use super::shape::Depths;
 use crate::background::{MeanPlaneForce, Strength};
 use crate::math::piecewise::Piecewise;
 use crate::math::quadrature::{NODES, Rule};
-use std::sync::Arc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Relative accuracy of integrals over depths, and of tabulated strengths between flat faces.
 const ACCURACY: f64 = 1e-12;

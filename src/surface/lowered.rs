@@ -175,8 +175,8 @@ impl Lowered {
         panels
     }
 
-    /// Lowers tips of the plane at heights, m, of radii, m, where these differ, each by the depth of a random place. Radii become those of
-    /// the contacts. The places, m, from the middle, are put where they are asked for.
+    /// Lowers tips of the plane at heights, m, of radii, m, where these differ, each by the depth of a random place. A radius becomes that
+    /// of the contact. The places, m, from the middle, are put where they are asked for.
     pub fn lower(
         &self,
         random: &mut impl Rng,

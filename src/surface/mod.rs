@@ -308,18 +308,16 @@ impl Surface {
     /// The asperities of each radius, for integrals.
     #[doc(hidden)]
     pub fn parts(&self) -> Vec<RadiusClass> {
-        let HeightLaw::Lowered(lowered) = &self.heights.law else {
-            return self.radii.parts(self.asperity_radius, &self.heights);
-        };
-        if !self.is_polydisperse() {
-            return self.radii.parts(self.asperity_radius, &self.heights);
+        match &self.heights.law {
+            HeightLaw::Lowered(lowered) if self.is_polydisperse() => {
+                let under = |part: RadiusClass| {
+                    let (radius, heights) = lowered.of_radius(part.radius, part.heights);
+                    RadiusClass { radius, heights, ..part }
+                };
+                self.radii.parts(lowered.depths.tip, &lowered.base).into_iter().map(under).collect()
+            }
+            _ => self.radii.parts(self.asperity_radius, &self.heights),
         }
-        let parts = self.radii.parts(lowered.depths.tip, &lowered.base);
-        let under = |part: RadiusClass| {
-            let (radius, heights) = lowered.of_radius(part.radius, part.heights);
-            RadiusClass { radius, heights, ..part }
-        };
-        parts.into_iter().map(under).collect()
     }
 
     /// The law of the radii, if it has a density.

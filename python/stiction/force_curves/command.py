@@ -21,7 +21,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction force-curves",
         description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction infer. afmformats reads the files, nanite corrects "
-        "baselines. A curve whose pull-off cannot be told from its noise has an upper limit, such as <0.5, one without a retraction an empty cell.",
+        "baselines. Where noise hides the pull-off, the table has an upper limit, such as <0.5. Without a retraction the cell is empty.",
         epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map --slope drift. "
         "Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong.",
     )

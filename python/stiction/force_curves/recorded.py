@@ -127,7 +127,7 @@ def _files(path: Path, libraries: tuple[Any, Any]) -> tuple[list[Path], list[Pat
         known = ", ".join(afmformats.formats.supported_extensions)
         where = "no file in it has force curves" if path.is_dir() else "has no force curves"
         raise FileError(f"{path}: {where} in a format that afmformats reads ({known}); export it in one of these")
-    return found, [one for one in every if one not in found]
+    return found, sorted({*every} - {*found})
 
 
 @contextmanager

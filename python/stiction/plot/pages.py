@@ -135,7 +135,7 @@ def page(
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.
     what : str or list of str, optional
-        Names of figures, from `panels`; by default all but those of a single replica.
+        Names of figures, from `panels`; by default all that are of more than one replica.
     title : bool
         Whether the title of the scene is above.
     **options

@@ -11,6 +11,7 @@ use super::reader::Section;
 use super::units::Dimension;
 use crate::asperity::scale::Asperity;
 use crate::surface::{MOST_ASPERITIES, Radii, Shape, Surface};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A shape by its name, its keys and how it is read.
@@ -36,6 +37,18 @@ const REACH: f64 = 300.0;
 const HIGHEST: f64 = 6.0;
 /// Times that the reach is corrected by the separations.
 const PASSES: usize = 2;
+
+/// The place, m, at a turn around a circle of an area, m².
+fn on_circle(area: f64, turn: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(2.0 * PI * turn);
+    let r = (area / PI).sqrt();
+    [r * cos, r * sin]
+}
+
+/// The area, m², of the circle about the middle through a place, m.
+fn of_circle(place: [f64; 2]) -> f64 {
+    PI * (place[0] * place[0] + place[1] * place[1])
+}
 
 /// Reads the table `[shape]`, if it is there.
 pub(super) fn shape(root: &Section<'_>) -> Result<Option<Arc<dyn Shape>>, SceneError> {

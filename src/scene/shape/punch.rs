@@ -1,6 +1,6 @@
 //! A punch with a flat round end and a rounded edge.
 
-use super::ShapeReader;
+use super::{ShapeReader, of_circle, on_circle};
 use crate::format::si;
 use crate::scene::error::Together;
 use crate::surface::Shape;
@@ -44,13 +44,11 @@ impl Shape for Punch {
     }
 
     fn place(&self, area: f64, turn: f64, _: f64) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(2.0 * PI * turn);
-        let r = (area / PI).sqrt();
-        [r * cos, r * sin]
+        on_circle(area, turn)
     }
 
     fn around(&self, place: [f64; 2], _: f64) -> f64 {
-        PI * (place[0] * place[0] + place[1] * place[1])
+        of_circle(place)
     }
 
     /// Most tips touch the flat end.

@@ -1,6 +1,6 @@
 //! A sphere, or a body of one radius at its apex.
 
-use super::ShapeReader;
+use super::{ShapeReader, of_circle, on_circle};
 use crate::format::si;
 use crate::surface::Shape;
 use std::f64::consts::PI;
@@ -38,13 +38,11 @@ impl Shape for Sphere {
     }
 
     fn place(&self, area: f64, turn: f64, _: f64) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(2.0 * PI * turn);
-        let r = (area / PI).sqrt();
-        [r * cos, r * sin]
+        on_circle(area, turn)
     }
 
     fn around(&self, place: [f64; 2], _: f64) -> f64 {
-        PI * (place[0] * place[0] + place[1] * place[1])
+        of_circle(place)
     }
 
     fn touching(&self, tip: f64) -> f64 {

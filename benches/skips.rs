@@ -83,8 +83,8 @@ impl Law for Hidden<'_> {
         &boundaries[..boundaries.len().min(self.regimes.len())]
     }
 
-    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
-        self.law.pieces(None).into_iter().filter(|piece| piece.regime < self.regimes.len()).collect()
+    fn pieces_of(&self, regime: usize, _: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces_of(regime, None)
     }
 
     fn method(&self, regime: usize) -> Method {

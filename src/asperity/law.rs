@@ -215,10 +215,16 @@ pub trait Law: Send + Sync {
         out.extend((0..self.boundaries().len()).filter_map(|regime| self.end(regime, lane)));
     }
 
-    /// The smooth pieces, rising, that cover the regimes: split at every kink and jump. They are of an asperity of the
-    /// law's own radius, or of one in a lane.
+    /// The smooth pieces, rising, that cover a regime: split at every kink and jump. They are of an asperity of the law's
+    /// own radius, or of one in a lane.
     #[doc(hidden)]
-    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece>;
+    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece>;
+
+    /// The smooth pieces, rising, of all regimes.
+    #[doc(hidden)]
+    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
+        (0..self.regimes().len()).flat_map(|regime| self.pieces_of(regime, lane)).collect()
+    }
 
     /// The method by which the forces of a regime are evaluated.
     #[doc(hidden)]

@@ -286,10 +286,9 @@ fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Seg
 
 /// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
 fn pieces(law: &dyn Law, path: Path, regimes: Range<usize>) -> Vec<Segment> {
-    let all = law.pieces(None);
-    let end = all.last().map_or(f64::INFINITY, |piece| piece.upper);
+    let end = law.boundaries().get(law.regimes().len() - 1).map_or(f64::INFINITY, |end| end.interference);
     let is_last = regimes.end >= law.regimes().len();
-    let own = all.into_iter().filter(|piece| regimes.contains(&piece.regime)).map(|piece| Segment {
+    let own = regimes.flat_map(|regime| law.pieces_of(regime, None)).map(|piece| Segment {
         source: Source::Law(path, piece.regime),
         lower: piece.lower,
         upper: piece.upper,

@@ -132,8 +132,8 @@ impl Law for RadiusLaw {
         self.law.end(regime, lane)
     }
 
-    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
-        self.law.pieces(lane.or(self.lane.first()))
+    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces_of(regime, lane.or(self.lane.first()))
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {

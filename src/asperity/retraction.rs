@@ -61,7 +61,7 @@ impl Loop {
     #[doc(hidden)]
     pub fn meetings(&self) -> Vec<f64> {
         let ends = self.retraction.boundaries()[..self.first_contact].iter().map(|end| end.interference);
-        let attraction = self.retraction.pieces(None).first().map_or(f64::NAN, |piece| piece.upper);
+        let attraction = self.retraction.pieces_of(0, None).first().map_or(f64::NAN, |piece| piece.upper);
         let further: Vec<f64> = ends.chain([attraction]).map(|end| self.release() - end).collect();
         let mut meetings: Vec<f64> =
             further.iter().map(|further| self.capture - self.release() + further).collect();
@@ -237,12 +237,8 @@ impl<'a> Retraction<'a> {
         place: impl Fn(f64) -> f64,
     ) -> impl Iterator<Item = Piece> {
         let condition = self.conditions[index];
-        let pieces = self
-            .law(condition)
-            .pieces(None)
-            .into_iter()
-            .filter(move |piece| piece.regime == condition.regime());
-        let moved = pieces.map(move |piece| Piece {
+        let pieces = self.law(condition).pieces_of(condition.regime(), None);
+        let moved = pieces.into_iter().map(move |piece| Piece {
             regime: index,
             lower: place(piece.lower).max(limits.0),
             upper: place(piece.upper).min(limits.1),
@@ -314,24 +310,22 @@ impl<'a> Retraction<'a> {
         if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper.abs()) {
             return None;
         }
-        let beyond = |largest: f64| {
-            let kink = cycle.attraction_kink(&cycle.lane(cycle.radius_ratio(largest)))?;
-            Some(kink - (cycle.recovery(largest) - self.distance))
+        let beyond = |top: &Top| {
+            let kink = cycle.attraction_kink(&cycle.lane(top.ratio))?;
+            Some(kink - (top.recovery - self.distance))
         };
         let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
-        let inside = |part: usize| place(part).clamp(lower.next_up(), upper.next_down());
-        let mut at = inside(0);
-        let mut above = beyond(at).is_some_and(|beyond| beyond > 0.0);
-        let (mut low, mut high) = (1..=KINK_PARTS).find_map(|part| {
-            let next = beyond(inside(part));
-            let is_between = above && next.is_some_and(|beyond| beyond <= 0.0);
-            let begin = std::mem::replace(&mut at, inside(part));
-            above = next.is_some_and(|beyond| beyond > 0.0);
-            is_between.then_some((begin, at))
-        })?;
+        let places: [f64; KINK_PARTS + 1] =
+            std::array::from_fn(|part| place(part).clamp(lower.next_up(), upper.next_down()));
+        let mut tops = [Top::default(); KINK_PARTS + 1];
+        cycle.tops(&places, &mut tops, &mut Responses::default(), &mut SolverStats::default());
+        let beyond_at = tops.map(|top| beyond(&top));
+        let is_between = |pair: &[Option<f64>]| matches!(pair, [Some(a), Some(b)] if *a > 0.0 && *b <= 0.0);
+        let part = beyond_at.windows(2).position(is_between)?;
+        let [mut low, mut high] = [places[part], places[part + 1]];
         while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
             let middle = 0.5 * (low + high);
-            *(if beyond(middle)? > 0.0 { &mut low } else { &mut high }) = middle;
+            *(if beyond(&cycle.top_of(middle))? > 0.0 { &mut low } else { &mut high }) = middle;
         }
         Some(high)
     }
@@ -356,29 +350,19 @@ impl Law for Retraction<'_> {
         &self.boundaries
     }
 
-    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
-        let mut pieces = Vec::new();
-        let mut lower = f64::NEG_INFINITY;
-        for (index, condition) in self.conditions.iter().enumerate() {
-            let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
-            let limits = (lower, upper);
-            match condition {
-                Condition::Untouched(_) | Condition::Elastic(_) => {
-                    pieces.extend(self.moved(index, limits, |place| place + self.distance));
-                }
-                Condition::Lowered(_) => match &self.cycle.springback {
-                    Springback::Powers(plastic) if !self.cycle.own_radii => {
-                        pieces.extend(
-                            self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)),
-                        )
-                    }
-                    _ => pieces.extend(self.flattened(index, limits)),
-                },
-                Condition::Unloading(_) => pieces.extend(self.unloading(index, limits)),
+    fn pieces_of(&self, index: usize, _: Option<&Lane>) -> Vec<Piece> {
+        let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
+        let limits = (begin_of(self, index), upper);
+        match (self.conditions[index], &self.cycle.springback) {
+            (Condition::Untouched(_) | Condition::Elastic(_), _) => {
+                self.moved(index, limits, |place| place + self.distance).collect()
             }
-            lower = upper;
+            (Condition::Lowered(_), Springback::Powers(plastic)) if !self.cycle.own_radii => {
+                self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)).collect()
+            }
+            (Condition::Lowered(_), _) => self.flattened(index, limits),
+            (Condition::Unloading(_), _) => self.unloading(index, limits),
         }
-        pieces
     }
 
     fn method(&self, regime: usize) -> Method {

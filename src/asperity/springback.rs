@@ -126,9 +126,7 @@ impl Springback {
     /// Order of the root by which a contact varies at its end.
     pub fn order(&self, law: &dyn Law) -> i32 {
         let contact = self.contact(law);
-        let first = first_contact(contact);
-        let of_first = contact.pieces(None).into_iter().find(|piece| piece.regime == first);
-        match of_first.map(|piece| piece.smoothness) {
+        match contact.pieces_of(first_contact(contact), None).first().map(|piece| piece.smoothness) {
             Some(Smoothness::Root { end: End::Lower, order, .. }) => order,
             _ => 1,
         }

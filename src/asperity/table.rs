@@ -150,22 +150,20 @@ impl Law for Table {
         self.places.get(regime).map(|place| place.of(lane))
     }
 
-    fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
-        let mut pieces = Vec::new();
-        let mut lower = f64::NEG_INFINITY;
-        for (regime, part) in self.parts.iter().enumerate() {
-            let end = self.places.get(regime);
-            let upper = end.map_or(f64::INFINITY, |end| lane.map_or(end.interference, |lane| end.of(lane)));
-            if lower < upper {
-                let (mut ends, smoothness) = part.smoothness(lane, lower..upper);
-                ends.push(upper);
-                for (end, smoothness) in ends.into_iter().zip(smoothness) {
-                    pieces.push(Piece { regime, lower, upper: end, smoothness });
-                    lower = end;
-                }
-            }
+    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
+        let end = |place: &Place| lane.map_or(place.interference, |lane| place.of(lane));
+        let mut lower = self.places[..regime].iter().map(end).fold(f64::NEG_INFINITY, f64::max);
+        let upper = self.places.get(regime).map_or(f64::INFINITY, end);
+        if !(lower < upper) {
+            return Vec::new();
         }
-        pieces
+        let (mut ends, smoothness) = self.parts[regime].smoothness(lane, lower..upper);
+        ends.push(upper);
+        let piece = |(end, smoothness)| {
+            let lower = std::mem::replace(&mut lower, end);
+            Piece { regime, lower, upper: end, smoothness }
+        };
+        ends.into_iter().zip(smoothness).map(piece).collect()
     }
 
     fn method(&self, regime: usize) -> Method {

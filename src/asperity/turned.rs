@@ -318,8 +318,8 @@ impl Turned {
             ContactHistory::Touched => (Path::Retraction, cycle.elastic_regimes().0),
             ContactHistory::Flowed => (Path::Retraction, cycle.first_contact),
         };
-        let pieces = cycle.law(path).pieces(Some(lane));
-        let ends = pieces.iter().filter(|piece| piece.regime < end).map(|piece| piece.upper);
+        let pieces = (0..end).flat_map(|regime| cycle.law(path).pieces_of(regime, Some(lane)));
+        let ends = pieces.map(|piece| piece.upper);
         let mut kinks: Vec<f64> = ends.filter(|end| end.is_finite()).collect();
         if self.history(asperity) == ContactHistory::Flowed {
             // The load ends where it has sprung back.

@@ -419,14 +419,8 @@ impl Loop {
     /// them.
     pub fn kinks(&self) -> [Vec<f64>; 3] {
         let ends = |law: &dyn Law, regimes: usize| {
-            let mut ends: Vec<f64> = law
-                .pieces(None)
-                .iter()
-                .filter(|piece| piece.regime < regimes)
-                .map(|piece| piece.upper)
-                .collect();
-            ends.retain(|end| end.is_finite());
-            ends
+            let ends = (0..regimes).flat_map(|regime| law.pieces_of(regime, None)).map(|piece| piece.upper);
+            ends.filter(|end| end.is_finite()).collect::<Vec<f64>>()
         };
         let untouched =
             ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
@@ -477,8 +471,9 @@ impl Loop {
     /// approach, if there is one.
     pub(super) fn attraction_kink(&self, lane: &Lane) -> Option<f64> {
         let is_kink = |smoothness| matches!(smoothness, Smoothness::Root { end: End::Upper, .. });
-        let mut pieces = self.retraction.pieces(Some(lane)).into_iter();
-        pieces.find(|piece| piece.regime < self.first_contact && is_kink(piece.smoothness)).map(|p| p.upper)
+        let mut pieces =
+            (0..self.first_contact).flat_map(|regime| self.retraction.pieces_of(regime, Some(lane)));
+        pieces.find(|piece| is_kink(piece.smoothness)).map(|piece| piece.upper)
     }
 
     /// The asperity of R′/R.
@@ -543,7 +538,7 @@ impl Loop {
     }
 
     /// The top of an asperity of the interference ω_max, m, above ω_c.
-    fn top_of(&self, largest: f64) -> Top {
+    pub(super) fn top_of(&self, largest: f64) -> Top {
         let mut top = [Top::default()];
         self.tops(&[largest], &mut top, &mut Responses::default(), &mut SolverStats::default());
         top[0]

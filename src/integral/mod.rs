@@ -61,7 +61,7 @@ mod tests {
             &[]
         }
 
-        fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
+        fn pieces_of(&self, _: usize, _: Option<&Lane>) -> Vec<Piece> {
             let smoothness = Smoothness::Smooth;
             let ends = self.pieces.iter();
             ends.map(|&[lower, upper]| Piece { regime: 0, lower, upper, smoothness }).collect()

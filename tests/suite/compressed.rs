@@ -470,8 +470,8 @@ impl Law for Noisy {
         self.0.boundaries()
     }
 
-    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
-        self.0.pieces(None)
+    fn pieces_of(&self, regime: usize, _: Option<&Lane>) -> Vec<Piece> {
+        self.0.pieces_of(regime, None)
     }
 
     fn evaluate(

@@ -33,8 +33,8 @@ impl Law for Planted<'_> {
         self.law.boundaries()
     }
 
-    fn pieces(&self, _: Option<&Lane>) -> Vec<Piece> {
-        self.law.pieces(None)
+    fn pieces_of(&self, regime: usize, _: Option<&Lane>) -> Vec<Piece> {
+        self.law.pieces_of(regime, None)
     }
 
     fn evaluate(

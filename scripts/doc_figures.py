@@ -42,6 +42,9 @@ class Program:
         self.said("new", "template.toml")
         scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
         (folder / "pad.toml").write_text(scene)
+        # The scene of the page of probes.
+        scene = re.search(r"```toml\n(title.*?)```", (ROOT / "docs/probe.md").read_text(), re.S)[1]
+        (folder / "gold.toml").write_text(scene)
 
     @functools.cache
     def said(self, *arguments):
@@ -179,6 +182,13 @@ def spot(program):
     replicas = program.run("probe")["replicas"]
     snap, pull_off = replicas["snap_in_distance"][0, 0], replicas["pull_off_after_preload"][0, 0]
     return [digits(1e9 * snap), digits(1e6 * pull_off, 4)]
+
+
+def gold(program):
+    """Pull-offs of a diamond from gold and their standard errors, µN, by work of adhesion, hardness and contact."""
+    of = program.file("run", "gold.toml")["instability"]
+    pairs = zip(*(of[f"pull_off_after_preload_{name}"][...].ravel() for name in ("mean", "standard_error")), strict=True)
+    return [f"{1e6 * force:.2f}" for pair in pairs for force in pair]
 
 
 def strata(program):
@@ -326,6 +336,9 @@ FIGURES = [
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
     Figure("docs/probe.md", "this spot snaps in over {} nm, and lets go at\n{} µN", spot),
+    Figure("docs/probe.md", "".join(
+        f"| {work} J/m², {hardness} GPa | {{}} ± {{}} µN | {{}} ± {{}} µN |\n"
+        for work in ("0.18", "0.265") for hardness in (2, 3)), gold),
     Block("docs/instability.md", "  pull-off ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",

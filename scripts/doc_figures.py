@@ -42,9 +42,12 @@ class Program:
         self.said("new", "template.toml")
         scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
         (folder / "pad.toml").write_text(scene)
-        # The scene of the page of probes.
+        # The scene of the page of probes, and the sum of two faces in the place of the map's spectrum.
         scene = re.search(r"```toml\n(title.*?)```", (ROOT / "docs/probe.md").read_text(), re.S)[1]
         (folder / "gold.toml").write_text(scene)
+        both = re.search(r"```toml\n(\[surface\]\nspectrum.*?)```", (ROOT / "docs/surfaces.md").read_text(), re.S)[1]
+        of_map = (ROOT / "configs/surfaces/spectrum.toml").read_text()
+        (folder / "faces.toml").write_text(re.sub(r"\[surface\].*?(?=lubricant)", both, of_map, flags=re.S))
 
     @functools.cache
     def said(self, *arguments):
@@ -339,6 +342,7 @@ FIGURES = [
     Figure("docs/probe.md", "".join(
         f"| {work} J/m², {hardness} GPa | {{}} ± {{}} µN | {{}} ± {{}} µN |\n"
         for work in ("0.18", "0.265") for hardness in (2, 3)), gold),
+    Block("docs/surfaces.md", "  N   ", ("check", "faces.toml")),
     Block("docs/instability.md", "  pull-off ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",

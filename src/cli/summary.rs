@@ -258,7 +258,7 @@ fn cycle(results: &Results) -> String {
                 }
                 _ => {
                     "no result: a loop cannot give out energy. The adhesion of loading is not that of unloading; \
-                     law = \"md_plastic\" has one for both"
+                     model.law = \"md_plastic\" has one for both"
                 }
             },
         );

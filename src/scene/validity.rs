@@ -85,7 +85,9 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
 fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
     let exceeded = model.validity.exceeded(scene.scale().lambda, scene.plasticity_index()).into_iter();
     exceeded
-        .map(|(finding, reason)| Warning::new(finding, reason, "law = \"md_plastic\" has no such limit"))
+        .map(|(finding, reason)| {
+            Warning::new(finding, reason, "model.law = \"md_plastic\" has no such limit")
+        })
         .collect()
 }
 
@@ -159,7 +161,7 @@ fn copies(scene: &Scene) -> Option<Warning> {
         Warning::new(
             format!("the highest of the {count} heights is in a replica {copies:.1} times on average, more than {MOST_COPIES}"),
             "a patch so much larger than what was measured would have higher asperities, and patches would differ more",
-            format!("a smaller nominal_area has patches of what was measured; {change}"),
+            format!("a smaller surface.nominal_area has patches of what was measured; {change}"),
         )
     })
 }
@@ -176,7 +178,7 @@ fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         heights.iter().filter(|height| **height > plane - equilibrium_spacing - lubricant_thickness).count();
     let change = match &surface.radii {
         Radii::Measured(_) => {
-            "compare asperities.sample = \"whole\", and surface.spectrum, which has a tail of heights"
+            "compare surface.asperities.sample = \"whole\", and surface.spectrum, which has a tail of heights"
         }
         _ => "compare surface.heights of a law, such as \"gaussian\", which has a tail of heights",
     };
@@ -270,7 +272,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             (onset < 0.0 && deeper(onset).is_some()).then(|| Warning::new(
                 format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
                 "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
-                "the pull-off of such soft tops is uncertain: compare plastic_contact in [model]",
+                "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
             ))
         }
         Unloading::MesarovicJohnson | Unloading::ThorntonNing => {
@@ -279,7 +281,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             (lambda < SMALLEST_JKR_LAMBDA && flows).then(|| Warning::new(
                 format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
                 "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
-                "unloading = \"secant\" in [model] has no such limit",
+                "model.unloading = \"secant\" has no such limit",
             ))
         }
     }
@@ -300,7 +302,7 @@ fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
                 100.0 * (1.0 - plastic / flowed)
             ),
             "the unloading of Mesarovic and Johnson (2000) is for full plasticity; its tops are too flat for those",
-            "unloading = \"secant\" in [model] has no such limit",
+            "model.unloading = \"secant\" has no such limit",
         )
     })
 }
@@ -324,7 +326,7 @@ fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning>
     Some(Warning::new(
         format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
         "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow",
-        "law = \"md_plastic\" is continuous there",
+        "model.law = \"md_plastic\" is continuous there",
     ))
 }
 
@@ -445,8 +447,8 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
         let more = signed_percent(more);
         Warning::new(
             format!("surfaces that have touched are pulled off with {touched}, not {on_approach} ({more})"),
-            "contact lasts beyond first touch (Maugis 1992): history = \"approach\" is of surfaces that never touched",
-            "history = \"loop\" or \"retraction\" is of those that did",
+            "contact lasts beyond first touch (Maugis 1992): model.history = \"approach\" is of surfaces that never touched",
+            "model.history = \"loop\" or \"retraction\" is of those that did",
         )
     })
 }
@@ -460,9 +462,9 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     let fresh = || {
         Warning::new(
             format!("{found}: surfaces that were pressed together hold more"),
-            "tops that have flowed are flatter (Greenwood and Williamson 1966): history = \"approach\" is of the first \
+            "tops that have flowed are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
                      touch",
-            "for surfaces in use law = \"md_plastic\", history = \"loop\", [instability] preload",
+            "for surfaces in use model.law = \"md_plastic\", model.history = \"loop\", instability.preload",
         )
     };
     let flowed = || {
@@ -473,9 +475,9 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
             "published models of plastic contacts and their unloading give tops of other radii",
             match model.contact() {
                 Some(_) => {
-                    "quote the law, and compare plastic_contact = \"jg\", \"ke\", \"zmc\", \"tn\" by a [sweep]"
+                    "quote the law, and compare model.plastic_contact = \"jg\", \"ke\", \"zmc\", \"tn\" by a [sweep]"
                 }
-                None => "quote the law, and compare with law = \"md_plastic\"",
+                None => "quote the law, and compare with model.law = \"md_plastic\"",
             },
         )
     };
@@ -512,8 +514,8 @@ fn twice(scene: &Scene) -> Option<Warning> {
     (is_patch && scene.instability.stiffness.contains(&stiffness)).then(|| {
         Warning::new(
             "the half-space of the patch gives way twice: under the asperities, and as the spring that holds them".to_owned(),
-            "by coupling = \"patch\" the half-space is there already",
-            "instability.stiffness = \"patch\" is for independent asperities and coupling = \"periodic\"",
+            "by substrate.coupling = \"patch\" the half-space is there already",
+            "instability.stiffness = \"patch\" is for independent asperities and substrate.coupling = \"periodic\"",
         )
     })
 }
@@ -543,7 +545,7 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
         warnings.push(Warning::new(
             format!("the pressure between the mean planes would bend the patch by {shift:.2} sigma"),
             "it is added to the force and bends nothing",
-            "coupling = \"periodic\" is of a surface that it could not bend",
+            "substrate.coupling = \"periodic\" is of a surface that it could not bend",
         ));
     }
     warnings
@@ -555,7 +557,7 @@ fn inaccurate(error: f64) -> Option<Warning> {
         Warning::new(
             format!("the relative error of the integral may be {error:.1e}, more than {LARGEST_ERROR:.0e}"),
             "what is compared with it, or corrected by it as a control variate, is off by as much",
-            "another law, by law in [model], may be smoother",
+            "another model.law may be smoother",
         )
     })
 }

@@ -176,7 +176,7 @@ impl Lowered {
     }
 
     /// Lowers tips of the plane at heights, m, of radii, m, where these differ, each by the depth of a random place. A radius becomes that
-    /// of the contact. The places, m, from the middle, are put where they are asked for.
+    /// of the contact. The places of the contacts, m, from the middle, are put where they are asked for.
     pub fn lower(
         &self,
         random: &mut impl Rng,
@@ -189,20 +189,21 @@ impl Lowered {
         let Depths { shape, area, tip, .. } = &self.depths;
         self.depths.scatter(lowered.len(), random, |share, turn| {
             let radius = tips.next();
+            let own = radius.as_deref().copied().unwrap_or(*tip);
             if let Some(height) = lowered.next() {
-                *height -= shape.depth(share * area, radius.as_deref().copied().unwrap_or(*tip));
+                *height -= shape.depth(share * area, own);
             }
             if let Some(radius) = radius {
-                *radius = shape.touching(*radius);
+                *radius = shape.touching(own);
             }
             if let Some(places) = &mut places {
-                places.push(self.depths.place(share, turn));
+                places.push(shape.contact(self.depths.place(share, turn), own));
             }
         });
     }
 
     /// Lands the body on a random place of a map, which counts as repeated, and gives the heights, m, and radii, m, of the contacts
-    /// of its asperities, height and radius of each, m, and their places, m, from the middle, where they are asked for.
+    /// of its asperities, height and radius of each, m, and the contacts' places, m, from the middle, where they are asked for.
     pub fn land(
         &self,
         random: &mut impl Rng,
@@ -224,7 +225,7 @@ impl Lowered {
                 heights.push(self.base.mean + height - shape.depth(around, *radius));
                 radii.push(shape.touching(*radius));
                 if let Some(places) = &mut places {
-                    places.push(place);
+                    places.push(shape.contact(place, *radius));
                 }
             }
         }

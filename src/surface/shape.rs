@@ -2,9 +2,9 @@
 //!
 //! # Formula
 //! A rough face and a body of principal radii R₁ and R₂ have the gap d + x²/2R₁ + y²/2R₂ − z(x, y). Around an asperity of the
-//! radius R and height z_i at (x, y) it is least at z_i − s with s = x²/2(R₁ + R) + y²/2(R₂ + R), and its curvatures there are
-//! 1/R + 1/R₁ and 1/R + 1/R₂: as of two spheres, whichever face the asperity is on. For R ≪ R₁ these are z_i − x²/2R₁ and R
-//! of Greenwood and Tripp (1967).
+//! radius R and height z_i at (x, y) it is least at (xR₁/(R₁ + R), yR₂/(R₂ + R)), where the body is nearest to the tip: there it
+//! is d − z_i + s with s = x²/2(R₁ + R) + y²/2(R₂ + R), and its curvatures are 1/R + 1/R₁ and 1/R + 1/R₂: as of two spheres,
+//! whichever face the asperity is on. For R ≪ R₁ these are the place, z_i − x²/2R₁ and R of Greenwood and Tripp (1967).
 
 use crate::math::quadrature::Rule;
 use rand::distr::Open01;
@@ -35,6 +35,11 @@ pub trait Shape: Debug + Send + Sync {
 
     /// The area, m², on the edge of which a place, m, from the middle is: infinite for one that is not under the body.
     fn around(&self, place: [f64; 2], tip: f64) -> f64;
+
+    /// The place, m, from the middle, where a tip of a radius, m, at a place meets the body.
+    fn contact(&self, place: [f64; 2], _tip: f64) -> [f64; 2] {
+        place
+    }
 
     /// The equivalent radius, m, of the contact of a tip of a radius, m, with the body.
     fn touching(&self, tip: f64) -> f64;

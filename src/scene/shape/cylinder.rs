@@ -19,9 +19,9 @@ pub(super) const SHAPE: (&str, &ShapeReader) = (
 
 /// A cylinder of a radius and a length along y, m.
 #[derive(Debug)]
-struct Cylinder {
-    radius: f64,
-    length: f64,
+pub(super) struct Cylinder {
+    pub radius: f64,
+    pub length: f64,
 }
 
 impl Shape for Cylinder {
@@ -53,6 +53,10 @@ impl Shape for Cylinder {
     fn around(&self, place: [f64; 2], _: f64) -> f64 {
         let is_under = place[1].abs() <= 0.5 * self.length;
         if is_under { 2.0 * place[0].abs() * self.length } else { f64::INFINITY }
+    }
+
+    fn contact(&self, [x, y]: [f64; 2], tip: f64) -> [f64; 2] {
+        [x * self.radius / (self.radius + tip), y]
     }
 
     fn touching(&self, tip: f64) -> f64 {

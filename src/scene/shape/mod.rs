@@ -121,3 +121,45 @@ fn fits(surface: &Surface, shape: &Arc<dyn Shape>, depth: f64) -> Result<(), Sce
         MOST_ASPERITIES as f64
     )))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::cylinder::Cylinder;
+    use super::paraboloid::Paraboloid;
+    use super::punch::Punch;
+    use super::sphere::Sphere;
+    use super::*;
+
+    /// The gap x²/2R₁ + y²/2R₂ + |r − r_i|²/2R of a tip at r_i is the depth at the contact, and larger around it.
+    #[test]
+    fn tips_meet_a_body_where_the_gap_is_least() {
+        const TIP: f64 = 3.33e-6;
+        type Face = fn([f64; 2]) -> f64;
+        let bodies: [(Box<dyn Shape>, Face); 4] = [
+            (Box::new(Sphere { radius: 10e-6 }), |[x, y]| (x * x + y * y) / 20e-6),
+            (Box::new(Paraboloid { radii: [10e-6, 40e-6] }), |[x, y]| x * x / 20e-6 + y * y / 80e-6),
+            (Box::new(Cylinder { radius: 10e-6, length: 20e-6 }), |[x, _]| x * x / 20e-6),
+            (Box::new(Punch { flat: 1e-6, edge: 0.5e-6 }), |[x, y]| {
+                ((x * x + y * y).sqrt() - 1e-6).max(0.0).powi(2) / 1e-6
+            }),
+        ];
+        for (body, face) in bodies {
+            for place in [[0.9e-6, -1.2e-6], [0.3e-6, 0.2e-6], [-2e-6, 0.0]] {
+                let gap = |[x, y]: [f64; 2]| {
+                    let [dx, dy] = [x - place[0], y - place[1]];
+                    face([x, y]) + (dx * dx + dy * dy) / (2.0 * TIP)
+                };
+                let [x, y] = body.contact(place, TIP);
+                let (least, depth) = (gap([x, y]), body.depth(body.around(place, TIP), TIP));
+                assert!(
+                    (least - depth).abs() < 1e-12 * (least + 1e-12),
+                    "{}: {least:e} {depth:e}",
+                    body.about()
+                );
+                for [a, b] in [[1e-9, 0.0], [-1e-9, 0.0], [0.0, 1e-9], [0.0, -1e-9]] {
+                    assert!(gap([x + a, y + b]) > least, "{}", body.about());
+                }
+            }
+        }
+    }
+}

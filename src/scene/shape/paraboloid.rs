@@ -20,8 +20,8 @@ pub(super) const SHAPE: (&str, &ShapeReader) = (
 
 /// A paraboloid of two principal radii, m, along x and y.
 #[derive(Debug)]
-struct Paraboloid {
-    radii: [f64; 2],
+pub(super) struct Paraboloid {
+    pub radii: [f64; 2],
 }
 
 impl Paraboloid {
@@ -57,6 +57,10 @@ impl Shape for Paraboloid {
     fn around(&self, place: [f64; 2], tip: f64) -> f64 {
         let depth = |k: usize| place[k] * place[k] / (2.0 * (self.radii[k] + tip));
         self.area(depth(0) + depth(1), tip)
+    }
+
+    fn contact(&self, place: [f64; 2], tip: f64) -> [f64; 2] {
+        std::array::from_fn(|k| place[k] * self.radii[k] / (self.radii[k] + tip))
     }
 
     fn touching(&self, tip: f64) -> f64 {

@@ -21,9 +21,9 @@ pub(super) const SHAPE: (&str, &ShapeReader) = (
 
 /// A punch: the radius of its flat end, and that of the section of its edge, m.
 #[derive(Debug)]
-struct Punch {
-    flat: f64,
-    edge: f64,
+pub(super) struct Punch {
+    pub flat: f64,
+    pub edge: f64,
 }
 
 impl Shape for Punch {
@@ -49,6 +49,15 @@ impl Shape for Punch {
 
     fn around(&self, place: [f64; 2], _: f64) -> f64 {
         of_circle(place)
+    }
+
+    fn contact(&self, place: [f64; 2], tip: f64) -> [f64; 2] {
+        let r = (of_circle(place) / PI).sqrt();
+        if r <= self.flat {
+            return place;
+        }
+        let met = self.flat + (r - self.flat) * self.edge / (self.edge + tip);
+        place.map(|x| x * met / r)
     }
 
     /// Most tips touch the flat end.

@@ -16,8 +16,8 @@ pub(super) const SHAPE: (&str, &ShapeReader) = (
 
 /// A sphere of a radius, m.
 #[derive(Debug)]
-struct Sphere {
-    radius: f64,
+pub(super) struct Sphere {
+    pub radius: f64,
 }
 
 impl Shape for Sphere {
@@ -43,6 +43,10 @@ impl Shape for Sphere {
 
     fn around(&self, place: [f64; 2], _: f64) -> f64 {
         of_circle(place)
+    }
+
+    fn contact(&self, place: [f64; 2], tip: f64) -> [f64; 2] {
+        place.map(|x| x * self.radius / (self.radius + tip))
     }
 
     fn touching(&self, tip: f64) -> f64 {

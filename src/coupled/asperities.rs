@@ -126,6 +126,11 @@ impl<'a> Asperities<'a> {
         self.laws[self.number(i)].length
     }
 
+    /// That length of the first asperity, m, infinite where there is none.
+    pub fn first_length(&self) -> f64 {
+        if self.of_each.is_empty() { f64::INFINITY } else { self.length(0) }
+    }
+
     /// The states of asperities that have not touched.
     pub fn none_touched(&self) -> States {
         let count = self.of_each.len();

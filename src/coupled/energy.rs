@@ -112,7 +112,7 @@ impl Solver<'_> {
     /// Whether Newton's method has gone so far, for a step of the surfaces, m, that it may have passed the end of a
     /// branch.
     pub(super) fn has_leapt(&self, step: f64) -> bool {
-        self.passages.longest > (LEAP * step.abs()).max(APART * self.asperities.length(0))
+        self.passages.longest > (LEAP * step.abs()).max(APART * self.asperities.first_length())
     }
 
     /// The state at the present separation on the branch that the surface has left.

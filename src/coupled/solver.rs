@@ -401,7 +401,7 @@ impl<'a> Solver<'a> {
         unsure = largest_magnitude(&self.slopes) * unsure + uncertain;
         self.unsure = if unsure > 0.0 { unsure / largest } else { 0.0 };
         // Where a force does not vary, places still decide who passes.
-        let of_places = PLACES * largest_magnitude(&self.residual) / self.asperities.length(0);
+        let of_places = PLACES * largest_magnitude(&self.residual) / self.asperities.first_length();
         if error == 0.0 { of_places } else { (error / largest).max(of_places) }
     }
 }
@@ -481,7 +481,7 @@ impl Solver<'_> {
         self.pass_all(0.0);
         self.passages.is_moved = false;
         let mut smallest = f64::INFINITY;
-        let near = (NEAR * self.asperities.length(0)).max(2.0 * (d - self.separation).abs());
+        let near = (NEAR * self.asperities.first_length()).max(2.0 * (d - self.separation).abs());
         let (mut step, mut knots, mut has_passed) = (0, 0, true);
         while step < most {
             step += 1;

@@ -189,6 +189,18 @@ fn a_coupled_sphere_is_hertzian() {
     }
 }
 
+/// Spots without asperities have no force, coupled or not: of 0.5 on average 60 % have none.
+#[test]
+fn empty_spots_can_be_coupled() {
+    let folder = Folder::new("");
+    let sparse = scene(SPHERE, "[ensemble]\nreplicas = 100\n[substrate]\ncoupling = \"patch\"\n")
+        .replace("7.39 /um^2", "0.03 /um^2")
+        .replace("[shape]", "asperity_height_std = \"1.6 nm\"\nmean_plane_offset = 0\n[shape]");
+    run(&folder, &sparse, "scene.h5");
+    let forces = values(&folder, "scene.h5", "/replicas/pull_off_force");
+    assert!(forces.iter().any(|force| *force > 0.0), "{forces:?}");
+}
+
 /// Forces between smooth faces: Derjaguin's integral of p = ε₀V²/2(h + t/ε_r)² and A/6πh³ over the area of depths down to the end
 /// of the body. Heights scatter by 5 pm, which adds 3(σ/(h + Z₀))² < 2e-5, and bodies that touch are Z₀ apart. The end of a cylinder is left out: (h/R_m)^(3/2) < 1e-4 of the force.
 #[test]

@@ -1,9 +1,10 @@
-"""Boundary-element solutions of surfaces on a plane that repeats, by the package tamaas, for referee.py.
+"""Boundary-element solutions of surfaces on a plane that repeats, or of one alone, by the package tamaas, for
+referee.py.
 
 tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough
 surface with a flat elastic half-space by conjugate gradients on a regular grid, with the response of the
-substrate in Fourier space. Lengths are in nm and stresses in GPa here, so that forces are in nN; what goes in
-and comes out is in SI units.
+substrate in Fourier space; alone on a half-space it is a convolution over twice the grid. Lengths are in nm
+and stresses in GPa here, so that forces are in nN; what goes in and comes out is in SI units.
 
 Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the
 surface on the grid, half a pixel apart both ways, on three grids, each twice as fine as the one before; from
@@ -55,6 +56,15 @@ def paraboloids(surface, points, shift, reach = np.inf):
     return np.maximum(heights, heights[np.isfinite(heights)].min()), owner
 
 
+def under_sphere(surface, points, shift):
+    """`paraboloids` of a plane in a cell about the middle of a sphere, less the sphere's own. The cell leaves
+    room around them: they repeat, the sphere does not."""
+    cell, middle = surface["cell"], surface["cell"] / 2
+    heights, owner = paraboloids({**surface, "places": np.add(surface["places"], middle)}, points, shift)
+    squares = (((np.arange(points) - shift) * cell / points - middle) / NM) ** 2
+    return heights - (squares[:, None] + squares[None, :]) / (2 * surface["body_radius"] / NM), owner
+
+
 def refined(heights, times):
     """A periodic map on a grid that is finer by a whole number, by its Fourier series."""
     count = len(heights)
@@ -93,6 +103,36 @@ def press(heights, owner, cell, modulus, pressure, tolerance = 1e-10):
     loads = np.bincount(owner.ravel(), traction.ravel()) * pixel**2
     separation = float(np.mean(np.array(model.displacement))) * NM
     return Solution(separation, loads, contact_area(traction > 0, pixel), seconds)
+
+
+def press_alone(heights, owner, cell, modulus, force, work = 0.0, stress = 0.0):
+    """Alone on a half-space under a force in N, the separation being that from the half-space far away; with
+    the adhesion of Maugis if a theoretical stress is given.
+
+    The stress acts where the gap is below work/stress, from nowhere on until these points stay. What is left
+    is a contact without adhesion on heights that are higher by what the stress lifts.
+    """
+    model, pixel, begin = model_of(len(heights), cell, modulus), cell / len(heights), time.perf_counter()
+    tamaas.ModelFactory.registerNonPeriodic(model, "alone")
+    respond, lifted, pulled = model.operators["alone"], np.zeros(heights.shape), np.zeros(heights.shape, bool)
+    tolerance = 1e-7 if stress else 1e-10
+    while True:
+        solver = tamaas.PolonskyKeerRey(model, heights + lifted, tolerance)
+        solver.setIntegralOperator("alone")
+        solver.max_iter = 10000
+        if not solver.solve(force / (GPA * cell**2) + stress / GPA * float(pulled.mean())) <= tolerance:
+            raise ValueError(f"tamaas does not settle at {force} N")
+        near = (np.array(model["gap"]) * NM * stress < work) & (stress > 0)
+        if np.array_equal(near, pulled):
+            break
+        pulled = near
+        respond(pulled * stress / GPA, lifted)
+    sunk = np.zeros(heights.shape)
+    respond(np.array(model.traction), sunk)
+    separation = float(np.mean(np.array(model.displacement) - sunk)) * NM
+    traction = np.array(model.traction) * GPA
+    loads = np.bincount(owner.ravel(), (traction - stress * pulled).ravel()) * pixel**2
+    return Solution(separation, loads, contact_area(traction > 0, pixel), time.perf_counter() - begin)
 
 
 def hold(heights, owner, cell, modulus, work, stress, separation):

@@ -1,12 +1,14 @@
 """Surfaces solved by a boundary-element package that is not ours, tamaas, extrapolated in the grid
 (boundary_elements.py).
 
-Usage: python scripts/referee.py [paraboloids adhesive map times]      writes tests/data/referee.json, 20
-minutes in all
+Usage: python scripts/referee.py [paraboloids adhesive probes map times]      writes tests/data/referee.json,
+30 minutes in all
 
 * `paraboloids`: spheres of one radius on a plane that repeats, under mean pressures;
 * `adhesive`: two and four of them with the adhesion of Maugis (the stress up to the gap work/stress), at
   separations;
+* `probes`: spheres of one radius under a large one, alone on a half-space, under forces, in one state with
+  adhesion;
 * `map`: the shipped map without its tilt, refined by its Fourier series, and its summits;
 * `times`: what tamaas took, by grid, at the error of the total force.
 
@@ -41,6 +43,15 @@ SPHERES = {
     "four": {"cell": 6e-7, "places": [[1.2e-7, 1.1e-7], [4e-7, 1.4e-7], [2.1e-7, 3.6e-7], [4.6e-7, 4.1e-7]],
              "heights": [0.0, -1e-10, 5e-11, -5e-11]},
 }
+# Tips of R/R_m = 0.33 and 0.01 in a square under the middle of a sphere, in a cell that is wider; by force.
+PROBES = {
+    "coarse": {"cell": 1.6e-6, "body_radius": 1e-5, "radius": 3.33e-6, "std": 1.6e-9, "seed": 32,
+               "square": (10, 9e-7, 1.84e-7), "points": 128, "forces": [3e-6, 1e-5],
+               "adhesive_forces": [5e-6]},
+    "fine": {"cell": 2.4e-6, "body_radius": 5e-5, "radius": 5e-7, "std": 2e-9, "seed": 34,
+             "square": (60, 1.8e-6, 1e-7), "points": 192, "forces": [3e-5, 1.2e-4, 3.5e-4],
+             "adhesive_forces": []},
+}
 MAP_PRESSURES = [2e6, 1e7, 5e7, 2e8]
 
 
@@ -54,6 +65,24 @@ def surfaces():
     twelve = {"cell": twelve["cell"], "places": twelve["x"], "heights": twelve["z"],
               "radii": [twelve["radius"]] * len(twelve["z"])}
     return {"twelve": twelve, **{name: drawn[name] for name in ("thirty", "two hundred", "one")}}
+
+
+def probe(cell, body_radius, radius, std, seed, square, **_):
+    """Paraboloids on a plane, by their places from the middle of the sphere over it."""
+    rng, (count, side, distance) = np.random.Generator(np.random.PCG64(seed)), square
+    places = np.round(np.subtract(hard_core(rng, count, side, distance), side / 2), 12).tolist()
+    heights = np.round(std * rng.standard_normal(count), 15).tolist()
+    return {"cell": cell, "body_radius": body_radius, "places": places, "heights": heights,
+            "radii": [radius] * count}
+
+
+def contacts_of(surface):
+    """What the sphere meets, alone on a half-space: the gap d + r^2/2R_m - z + |r - r_i|^2/2R of a paraboloid
+    at r_i is that of one of the radius 1/(1/R + 1/R_m) at r_i R_m/(R_m + R), lower by r_i^2/2(R_m + R)."""
+    places, tips, body = (np.array(surface[name], Long) for name in ("places", "radii", "body_radius"))
+    depths = np.sum(places**2, 1) / (2 * (body + tips))
+    return {**surface, "cell": None, "places": places * (body / (body + tips))[:, None],
+            "heights": np.array(surface["heights"], Long) - depths, "radii": 1 / (1 / tips + 1 / body)}
 
 
 def level_map():
@@ -129,6 +158,27 @@ def adhesive():
                 lambda points, shift: be.paraboloids(surface, points, shift), 128, ADHESIVE_ORDER))
         material = {"reduced_modulus": MODULUS, "work_of_adhesion": 0.09, "theoretical_stress": STRESS}
         rows[name] = {**surface, **material, "states": states}
+    return rows
+
+
+def probes():
+    import boundary_elements as be
+
+    rows = {}
+    for name, given in PROBES.items():
+        surface, states = probe(**given), {"states": [], "adhesive_states": []}
+        for kind, forces, order, adhesion in (
+            ("states", given["forces"], ORDER, ()),
+            ("adhesive_states", given["adhesive_forces"], ADHESIVE_ORDER, (0.09, STRESS)),
+        ):
+            for force in forces:
+                print(name, kind, force, file=sys.stderr, flush=True)
+                states[kind].append(three_grids(
+                    lambda heights, owner, f=force, adhesion=adhesion: be.press_alone(
+                        heights, owner, surface["cell"], MODULUS, f, *adhesion),
+                    lambda points, shift: be.under_sphere(surface, points, shift), given["points"], order))
+        material = {"reduced_modulus": MODULUS, "work_of_adhesion": 0.09, "theoretical_stress": STRESS}
+        rows[name] = {**surface, **material, **states}
     return rows
 
 
@@ -258,6 +308,7 @@ def write_asperities(path, surface):
 
 
 SCENE = """format = 1
+{shape}
 [material]
 reduced_modulus = "85.29 GPa"
 hardness = "250 GPa"
@@ -275,42 +326,67 @@ h = {{ from = "{low!r} m", to = "{high!r} m", count = 40 }}
 replicas = 1
 seed = 1
 """
-SUBSTRATE = '[substrate]\ncoupling = "periodic"\nloads_at = ["{low!r} m"]\n{more}\n'
+SUBSTRATE = '[substrate]\ncoupling = "{coupling}"\nloads_at = ["{low!r} m"]\n{more}\n'
+SPHERE = '[shape]\nbody = "sphere"\nradius = "{body_radius!r} m"'
+MAP_CELLS = 4  # a probe is for maps that are wider than what it reaches
 
 
 def program_states(program, surface, separations, law = "gw", substrate = ""):
     """The program's results for a surface at separations, one run each down to it: force, area, and if
-    coupled the load of each asperity.
+    coupled the load of each asperity. Under a sphere it is alone on a half-space.
 
     `substrate` is more of the table, None is without.
     """
+    # The program wants summits above the mean plane.
+    lift, sphere = max(0.0, 1e-9 - float(np.mean(surface["heights"]))), "body_radius" in surface
+    surface = {**surface, "heights": [z + lift for z in surface["heights"]]}
+    high = max(surface["heights"]) + 1e-9
+    text_of = SCENE + ("" if substrate is None else SUBSTRATE)
+    fields = {"shape": SPHERE.format(**surface) if sphere else "", "law": law, "high": high,
+              "more": substrate, "coupling": "patch" if sphere else "periodic"}
+    if sphere:
+        apart = {**fields, "low": high, "high": high + 1e-9, "more": ""}
+        surface = landed(program, surface, (SCENE + SUBSTRATE).format(**apart))
+    scenes = [text_of.format(**fields, low=separation + lift) for separation in separations]
+    return [run_of(program, surface, scene) for scene in scenes]
+
+
+def landed(program, surface, scene):
+    """The surface on a map where the first probe lands on the middle of its places: on a lattice of
+    asperities, each of a height of its own, a run shows where it lands."""
+    side, tip, body = MAP_CELLS * surface["cell"], surface["radii"][0], surface["body_radius"]
+    lattice = np.stack(np.divmod(np.arange(256), 16), 1) * side / 16
+    heights = 1e-9 + 1e-12 * np.arange(256)
+    known = {"cell": side, "places": lattice, "heights": heights, "radii": [tip] * 256}
+    *contact, height = run_of(program, known, scene)["first"]
+    place = np.array(contact) * (body + tip) / body  # of the tip that meets the sphere there
+    own = np.argmin(np.abs(height + np.sum(place**2) / (2 * (body + tip)) - heights))
+    return {**surface, "cell": side, "places": (np.array(surface["places"]) + lattice[own] - place) % side}
+
+
+def run_of(program, surface, scene):
+    """Results of the program at the lowest separation of a scene; under a sphere also `first`, the place from
+    the middle and the height of its first contact."""
     import h5py
 
-    # The program wants summits above the mean plane.
-    states, lift = [], max(0.0, 1e-9 - float(np.mean(surface["heights"])))
-    surface = {**surface, "heights": [z + lift for z in surface["heights"]]}
     with tempfile.TemporaryDirectory() as folder:
-        scene, result = Path(folder) / "scene.toml", Path(folder) / "run.h5"
+        path, result = Path(folder) / "scene.toml", Path(folder) / "run.h5"
         write_asperities(Path(folder) / "asperities.h5", surface)
-        for separation in separations:
-            high = max(surface["heights"]) + 1e-9
-            text_of = SCENE.format(law=law, low=separation + lift, high=high)
-            scene.write_text(text_of
-                             + ("" if substrate is None
-                                else SUBSTRATE.format(low=separation + lift, more=substrate)))
-            result.unlink(missing_ok=True)
-            run = subprocess.run([program, "run", scene, "-o", result], capture_output=True, text=True)
-            if run.returncode != 0:
-                raise ValueError(run.stderr.strip())
-            with h5py.File(result) as file:
-                states.append({name: float(file["ensemble"][f"{name}_mean"][0])
-                               for name in ("external_force", "contact_area")})
-                if substrate is not None:
-                    states[-1]["loads"] = file["asperities/external_force"][0]
-    return states
+        path.write_text(scene)
+        run = subprocess.run([program, "run", path, "-o", result], capture_output=True, text=True)
+        if run.returncode != 0:
+            raise ValueError(run.stderr.strip())
+        with h5py.File(result) as file:
+            found = {name: float(file["ensemble"][f"{name}_mean"][0])
+                     for name in ("external_force", "contact_area")}
+            if "asperities" in file:
+                one, middle = file["asperities"], np.sqrt(file.attrs["nominal_area"] / np.pi)
+                found["loads"] = one["external_force"][0]
+                found["first"] = one["x"][0] - middle, one["y"][0] - middle, one["height"][0]
+    return found
 
 
-PARTS = {"paraboloids": paraboloids, "adhesive": adhesive, "map": whole_map, "times": times}
+PARTS = {"paraboloids": paraboloids, "adhesive": adhesive, "probes": probes, "map": whole_map, "times": times}
 
 
 def main():

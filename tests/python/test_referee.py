@@ -12,7 +12,16 @@ from program import PROGRAM, ROOT
 
 sys.path.insert(0, str(ROOT / "scripts"))
 from coupled_asperities import LAWS, Asperities, Long, State, green_matrix, solve, solve_contact, stability  # noqa: E402
-from referee import MODULUS, ORDER, adhesive_state, program_states, states_of, three_grids  # noqa: E402
+from referee import (  # noqa: E402
+    ADHESIVE_ORDER,
+    MODULUS,
+    ORDER,
+    adhesive_state,
+    contacts_of,
+    program_states,
+    states_of,
+    three_grids,
+)
 
 DATA = ROOT / "tests" / "data"
 COUPLING, LIMITS, BEM, REFEREE = (
@@ -102,15 +111,16 @@ def test_two_origins_say_the_same():
         assert 0.9 < (point / row["force"] - 1) / (-LIMITS["lattice"]["order_three"] * ratio) < 2.5
 
 
-@pytest.mark.parametrize("part, law", [("paraboloids", "gw"), ("adhesive", "md_kim")])
+@pytest.mark.parametrize("part, law", [("paraboloids", "gw"), ("adhesive", "md_kim"), ("probes", "gw")])
 def test_the_program_has_the_independent_force_and_area(part, law):
     """To the roundings of its separations, which are a nanometre higher than those of the surface."""
-    name = {"paraboloids": "thirty", "adhesive": "four"}[part]
+    name = {"paraboloids": "thirty", "adhesive": "four", "probes": "fine"}[part]
     surface = REFEREE[part][name]
     separations = [row["separation"] for row in surface["states"]]
-    if part == "paraboloids":
-        expected = states_of(surface, separations, "independent")
-        areas = [float(np.sum(np.pi * np.array(surface["radii"]) * np.maximum(state.approach, 0))) for state in expected]
+    if part != "adhesive":
+        met = contacts_of(surface) if part == "probes" else surface
+        expected = states_of(met, separations, "independent")
+        areas = [float(np.sum(np.pi * np.array(met["radii"]) * np.maximum(state.approach, 0))) for state in expected]
     else:
         expected = [adhesive_state(surface, separation, False) for separation in separations]
         areas = None
@@ -132,6 +142,33 @@ def test_the_program_has_the_loads_of_the_referee(name):
         largest = max(row["loads"])
         assert np.max(np.abs(found["loads"] - row["loads"])) < 1e-3 * largest
         assert np.max(np.abs(found["loads"] - dense.force.astype(float))) < 1e-9 * largest
+
+
+@pytest.mark.parametrize("kernel, error", [("point", 1.2e-3), ("contact", 4.2e-3)])
+@pytest.mark.parametrize("name", ["coarse", "fine"])
+def test_the_program_has_the_probes_of_the_referee(name, kernel, error):
+    """Rough spheres: each load, and their sum relative to it, to what contacts leave out; loads of point forces to 1e-9."""
+    surface = REFEREE["probes"][name]
+    separations = [row["separation"] for row in surface["states"]]
+    found = program_states(PROGRAM, surface, separations, "gw", f'kernel = "{kernel}"\ntolerance = 1e-10')
+    dense = states_of(contacts_of(surface), separations, kernel)
+    for row, own, state in zip(surface["states"], found, dense):
+        largest = max(row["loads"])
+        assert np.max(np.abs(own["loads"] - row["loads"])) < error * largest
+        assert own["external_force"] == pytest.approx(row["force"], rel=error)
+        if kernel == "point":
+            assert np.max(np.abs(own["loads"] - state.force.astype(float))) < 1e-9 * largest
+
+
+def test_the_program_has_the_adhesive_probe_of_the_referee():
+    """Point forces with the adhesion of Maugis under a sphere, to what separations round off; the referee to 0.5 %."""
+    surface = REFEREE["probes"]["coarse"]
+    (row,) = surface["adhesive_states"]
+    (found,) = program_states(PROGRAM, surface, [row["separation"]], "md_kim", "tolerance = 1e-10")
+    state = adhesive_state(contacts_of(surface), row["separation"])
+    assert np.max(np.abs(found["loads"] - state.force.astype(float))) < 1e-9 * row["force"]
+    assert np.max(np.abs(found["loads"] - row["loads"])) < 5e-3 * max(row["loads"])
+    assert found["external_force"] == pytest.approx(row["force"], rel=5e-3)
 
 
 @pytest.mark.parametrize("name", ["two", "four"])
@@ -159,13 +196,21 @@ def test_the_program_has_the_summits_of_the_map(tops):
 
 
 def test_the_referee_says_it_again(elements):
-    """One small surface on three grids, and the twelve paraboloids on one."""
+    """One small surface and a rough sphere on three grids, and the twelve paraboloids on one."""
     one = REFEREE["paraboloids"]["one"]
     row = one["states"][1]
     again = three_grids(lambda heights, owner: elements.press(heights, owner, one["cell"], MODULUS, row["pressure"]),
                         lambda points, shift: elements.paraboloids(one, points, shift), 128, ORDER)
     assert again["separation"] == pytest.approx(row["separation"], rel=1e-7)
     assert again["area"] == pytest.approx(row["area"], rel=1e-3)
+    probe = REFEREE["probes"]["coarse"]
+    adhesion = probe["work_of_adhesion"], probe["theoretical_stress"]
+    for (row, *_), points, order, adhesion, error in [(probe["states"], 64, ORDER, (), 1e-4),
+                                                      (probe["adhesive_states"], 32, ADHESIVE_ORDER, adhesion, 5e-3)]:
+        again = three_grids(
+            lambda heights, owner: elements.press_alone(heights, owner, probe["cell"], MODULUS, row["force"], *adhesion),
+            lambda points, shift: elements.under_sphere(probe, points, shift), points, order)
+        assert again["separation"] == pytest.approx(row["separation"], rel=error)
     twelve, state = REFEREE["paraboloids"]["twelve"], BEM["states"][0]
     found = elements.press(*elements.paraboloids(twelve, BEM["grid"], 0.0), BEM["cell"], MODULUS, state["pressure"], 1e-12)
     assert found.separation == pytest.approx(state["bem_mean_displacement"], rel=1e-9)

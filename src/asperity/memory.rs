@@ -286,15 +286,19 @@ fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Seg
 
 /// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
 fn pieces(law: &dyn Law, path: Path, regimes: Range<usize>) -> Vec<Segment> {
-    let end = law.boundaries().get(law.regimes().len() - 1).map_or(f64::INFINITY, |end| end.interference);
-    let is_last = regimes.end >= law.regimes().len();
-    let own = regimes.flat_map(|regime| law.pieces_of(regime, None)).map(|piece| Segment {
-        source: Source::Law(path, piece.regime),
-        lower: piece.lower,
-        upper: piece.upper,
-        next: [None; 2],
-        smoothness: piece.smoothness,
-    });
+    let count = law.regimes().len();
+    let end = law.boundaries().get(count - 1).map_or(f64::INFINITY, |end| end.interference);
+    let is_last = regimes.end >= count;
+    let own =
+        (regimes.start..regimes.end.min(count)).flat_map(|regime| law.pieces_of(regime, None)).map(|piece| {
+            Segment {
+                source: Source::Law(path, piece.regime),
+                lower: piece.lower,
+                upper: piece.upper,
+                next: [None; 2],
+                smoothness: piece.smoothness,
+            }
+        });
     let mut own: Vec<Segment> = own.collect();
     if end.is_finite() && is_last {
         let (lower, upper, next) = (end, f64::INFINITY, [None; 2]);

@@ -151,13 +151,14 @@ impl Law for Table {
     }
 
     fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
+        let Some(part) = self.parts.get(regime) else { return Vec::new() };
         let end = |place: &Place| lane.map_or(place.interference, |lane| place.of(lane));
         let mut lower = self.places[..regime].iter().map(end).fold(f64::NEG_INFINITY, f64::max);
         let upper = self.places.get(regime).map_or(f64::INFINITY, end);
         if !(lower < upper) {
             return Vec::new();
         }
-        let (mut ends, smoothness) = self.parts[regime].smoothness(lane, lower..upper);
+        let (mut ends, smoothness) = part.smoothness(lane, lower..upper);
         ends.push(upper);
         let piece = |(end, smoothness)| {
             let lower = std::mem::replace(&mut lower, end);

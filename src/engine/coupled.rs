@@ -16,11 +16,17 @@ use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::f64::consts::PI;
 
-/// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again, and how often at most.
+/// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again; how often at most, and how
+/// often where the curve jumps to its smallest force.
 const PARTS: usize = 8;
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 6;
+const ROUNDS_AT_JUMP: usize = 3;
+/// Halvings of the ways to a pull-off that the samples miss.
+const HALVINGS: i32 = 6;
 /// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
 const SMOOTH: f64 = 1e-4;
+/// Share of a pull-off up to which samples may miss it.
+const MISSED: f64 = 0.01;
 
 /// The half-space under the asperities of the surfaces of a job.
 #[derive(Clone, Copy)]
@@ -62,13 +68,44 @@ struct CoupledSurface<'a> {
     highest: f64,
     /// Where the first contact is there on approach, and the last on retraction, h in m.
     contacts: (f64, f64),
-    /// The states before the smallest sample on approach and on retraction, and, if surfaces turn back at
-    /// preloads, at each separation of the approach.
-    before: [Option<Snapshot>; 2],
+    /// Where the pull-off is looked for on approach and on retraction, and, if surfaces turn back at preloads, the states at
+    /// each separation of the approach.
+    starts: [Starts; 2],
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
     recorded: Option<Recorded<'a>>,
+}
+
+/// Samples of a way between the neighbours of which the pull-off is looked for.
+#[derive(Default)]
+struct Starts {
+    /// The separation h, m, of the pull-off of independent asperities, if the separations miss it; NaN if not.
+    missed: f64,
+    /// The state before the smallest sample, with its force, N, and before the one nearest to what is missed, with its
+    /// distance, m.
+    before: [Option<(f64, Snapshot)>; 2],
+}
+
+impl Starts {
+    fn new(missed: f64) -> Self {
+        Self { missed, ..Self::default() }
+    }
+
+    /// What is least of a sample (h, m, and force, N) where the pull-off is looked for.
+    fn scores(&self, (h, force): (f64, f64)) -> [f64; 2] {
+        [force, (h - self.missed).abs()]
+    }
+
+    /// Takes the next sample of the way, with the state before it.
+    fn see(&mut self, sample: (f64, f64), state: &Snapshot) {
+        let scores = self.scores(sample);
+        for (before, score) in self.before.iter_mut().zip(scores) {
+            if score < before.as_ref().map_or(f64::INFINITY, |(least, _)| *least) {
+                *before = Some((score, state.clone()));
+            }
+        }
+    }
 }
 
 /// The asperities of a surface that are recorded one by one.
@@ -100,6 +137,22 @@ impl Independent {
         }
         replica
     }
+
+    /// The separations h, m, of its pull-offs on approach and on retraction, or on its one way, where samples miss them; else NaN.
+    fn missed(&self, job: &Job<'_>) -> [f64; 2] {
+        let last = (self.kept.pull_off_force, self.kept.pull_off_separation);
+        let first = self
+            .kept
+            .cycle
+            .as_ref()
+            .map_or(last, |cycle| (cycle.approach_pull_off_force, cycle.approach_pull_off_separation));
+        let external = self.curves.total[Quantity::ExternalForce.index()].chunks(job.separations.len());
+        let mut ways = external.zip([first, last]).map(|(external, (pull_off, place))| {
+            let sampled = -external.iter().copied().fold(f64::INFINITY, f64::min);
+            if sampled < (1.0 - MISSED) * pull_off { place } else { f64::NAN }
+        });
+        [(); 2].map(|()| ways.next().unwrap_or(f64::NAN))
+    }
 }
 
 /// A job whose asperities are coupled through a half-space. When `ends` is true nothing is solved any more,
@@ -121,7 +174,7 @@ impl CoupledJob<'_> {
         keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
     ) -> (Replica, Curves) {
         let Self { job, substrate, ends } = self;
-        let replica = independent.by_lines(job);
+        let (replica, missed) = (independent.by_lines(job), independent.missed(job));
         let Independent { index, curves: of_independent, .. } = independent;
         let side = match job.surface.heights.depths() {
             Some(depths) => depths.side(),
@@ -146,7 +199,7 @@ impl CoupledJob<'_> {
             regimes: vec![RegimeSums::default(); r],
             highest: heights.last().copied().unwrap_or(f64::NAN),
             contacts: (f64::NAN, f64::NAN),
-            before: [None, None],
+            starts: missed.map(Starts::new),
             approach: Vec::new(),
             turn: None,
             recorded,
@@ -283,14 +336,13 @@ impl CoupledSurface<'_> {
         coupled: &mut CoupledCurves,
     ) {
         let keeps_all = first == 0 && !self.job.protocol.loading.preload.is_empty();
-        let (mut smallest, s) = (f64::INFINITY, self.job.separations.len());
+        let way = first / self.job.separations.len();
         for k in separations {
-            let before = self.solver.snapshot();
-            let force = self.go(self.job.separations[k]);
+            let (h, before) = (self.job.separations[k], self.solver.snapshot());
+            let force = self.go(h);
             self.record(first + k, curves, coupled);
-            if let Some(before_way) = self.before.get_mut(first / s).filter(|_| force < smallest) {
-                smallest = force;
-                *before_way = Some(before);
+            if let Some(starts) = self.starts.get_mut(way) {
+                starts.see((h, force), &before);
             }
             if keeps_all {
                 self.approach.push(self.solver.snapshot());
@@ -342,39 +394,68 @@ impl CoupledSurface<'_> {
         coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
-    /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the
-    /// state at the sample before it: that of the parabola through three places where the force is smooth.
-    fn zoom(&mut self, samples: &[(f64, f64)], before: &Snapshot) -> Extremum {
-        let at = smallest(&samples.iter().map(|sample| sample.1).collect::<Vec<f64>>());
+    /// The smallest force of samples, in the order of the way, and between the neighbours of the smallest; where independent
+    /// asperities are pulled off between samples, near that place, too.
+    fn zoom(&mut self, samples: &[(f64, f64)], starts: &Starts) -> Extremum {
+        let at = |which: usize| {
+            smallest(&samples.iter().map(|sample| starts.scores(*sample)[which]).collect::<Vec<f64>>())
+        };
+        let [lowest, nearest] = &starts.before;
+        let (_, before) = lowest.as_ref().expect("it has been through all samples");
+        let found = self.zoom_at(samples, at(0), before);
+        let Some((_, before)) = nearest else { return found };
+        self.solver.restore(before);
+        let [first, last] = [at(1).saturating_sub(1), (at(1) + 1).min(samples.len() - 1)].map(|i| samples[i]);
+        let halved = |end: (f64, f64), i: i32| starts.missed + (end.0 - starts.missed) * 0.5_f64.powi(i);
+        let inwards = (1..=HALVINGS).map(|i| halved(first, i)).chain([starts.missed]);
+        let places = inwards.chain((1..=HALVINGS).rev().map(|i| halved(last, i)));
+        let (mut closer, mut samples) = (Starts::new(f64::NAN), vec![first]);
+        for place in places {
+            let before = self.solver.snapshot();
+            let sample = (place, self.go(place));
+            closer.see(sample, &before);
+            samples.push(sample);
+        }
+        samples.push(last);
+        let other = self.zoom(&samples, &closer);
+        if other.value < found.value { other } else { found }
+    }
+
+    /// The smallest force between the neighbours of one of samples, in the order of the way, from the state at the sample
+    /// before it: that of the parabola through three places where the force is smooth.
+    fn zoom_at(&mut self, samples: &[(f64, f64)], at: usize, before: &Snapshot) -> Extremum {
         let mut best = samples[at];
         if at == 0 || at + 1 == samples.len() {
             return Extremum { place: best.0, value: best.1, at_edge: true };
         }
         let (mut ends, mut from) = ([samples[at - 1], samples[at + 1]], before.clone());
-        for _ in 0..ROUNDS {
+        for round in 1..=ROUNDS {
             self.solver.restore(&from);
             let [first, last] = ends.map(|(place, _)| place);
             let mut forces = vec![ends[0]];
-            let mut found = None;
+            let (mut found, mut nearest) = (None, f64::INFINITY);
             for j in 1..PARTS {
                 let before = self.solver.snapshot();
                 let place = first + (last - first) * j as f64 / PARTS as f64;
                 let force = self.go(place);
                 forces.push((place, force));
-                // The last smallest sample is in the middle.
                 if force <= best.1 {
                     best = (place, force);
-                    found = Some((j, before));
-                } else if j == PARTS / 2 && found.is_none() {
-                    found = Some((j, before));
+                    (found, nearest) = (Some((j, before)), 0.0);
+                } else if (place - best.0).abs() < nearest {
+                    (found, nearest) = (Some((j, before)), (place - best.0).abs());
                 }
             }
             forces.push(ends[1]);
-            let (j, closer) = found.expect("the middle is one of them");
+            let (j, closer) = found.expect("one is the nearest");
             (from, ends) = (closer, [forces[j - 1], forces[j + 1]]);
-            if ends.iter().all(|(_, force)| force - best.1 <= SMOOTH * best.1.abs()) {
+            let is_close = |(_, force): &(f64, f64)| force - best.1 <= SMOOTH * best.1.abs();
+            if ends.iter().all(is_close) {
                 let [places, forces] = [[ends[0].0, best.0, ends[1].0], [ends[0].1, best.1, ends[1].1]];
                 return Extremum { at_edge: false, ..minimum(&places, &forces) };
+            }
+            if round >= ROUNDS_AT_JUMP && ends.iter().any(is_close) {
+                break;
             }
         }
         Extremum { place: best.0, value: best.1, at_edge: false }
@@ -394,8 +475,8 @@ impl Summed for CoupledSurface<'_> {
         let samples = self.job.samples(external_force);
         let is_inward = self.job.protocol.loading.ways.0;
         let samples = if is_inward { samples.into_iter().rev().collect() } else { samples };
-        let before = self.before[0].clone().expect("it has been through all separations");
-        self.zoom(&samples, &before)
+        let starts = std::mem::take(&mut self.starts[0]);
+        self.zoom(&samples, &starts)
     }
 
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
@@ -409,21 +490,24 @@ impl Summed for CoupledSurface<'_> {
 
     fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
         if from == self.job.separations[0] && self.turn.is_none() {
-            let before = self.before[1].clone().expect("it has been through all separations");
-            return self.zoom(samples, &before);
+            let starts = Starts::new(self.starts[1].missed);
+            let starts = std::mem::replace(&mut self.starts[1], starts);
+            return self.zoom(samples, &starts);
         }
         let turn = self.turn.clone().expect("the surface has been pulled back from there");
         self.solver.restore(&turn);
         let smallest = samples.iter().fold(f64::INFINITY, |least: f64, sample| least.min(sample.1));
-        let mut before = turn;
-        for (h, force) in samples {
-            if *force == smallest {
+        let (mut starts, mut before) = (Starts::new(self.starts[1].missed), turn);
+        for sample in samples {
+            starts.see(*sample, &before);
+            let is_last = starts.before[0].as_ref().is_some_and(|(force, _)| *force == smallest);
+            if is_last && !(sample.0 < starts.missed) {
                 break;
             }
-            self.go(*h);
+            self.go(sample.0);
             before = self.solver.snapshot();
         }
-        self.zoom(samples, &before)
+        self.zoom(samples, &starts)
     }
 
     fn stiffest(&mut self, _from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {

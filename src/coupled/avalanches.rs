@@ -29,6 +29,17 @@ pub struct Avalanches {
     pub of_class: [u32; CLASSES],
 }
 
+impl Avalanches {
+    /// The avalanches of this step and a further one.
+    pub fn and(self, further: Self) -> Self {
+        Self {
+            count: self.count + further.count,
+            largest: self.largest.max(further.largest),
+            of_class: std::array::from_fn(|class| self.of_class[class] + further.of_class[class]),
+        }
+    }
+}
+
 /// The avalanches of events in their order. `is_lasting` says whether an asperity has not gone back;
 /// `distance` is between two asperities, in any unit.
 pub fn avalanches(
@@ -85,5 +96,8 @@ mod tests {
         // One of 4 asperities and one of 2.
         assert_eq!((count, largest, &of_class[..4]), (2, 4, &[0, 1, 1, 0][..]));
         assert_eq!(avalanches(&[], |_| true, distance), Avalanches::default());
+        let both =
+            avalanches(&events[..1], |_| true, distance).and(avalanches(&events, |i| i != 30, distance));
+        assert_eq!((both.count, both.largest, &both.of_class[..4]), (3, 4, &[1, 1, 1, 0][..]));
     }
 }

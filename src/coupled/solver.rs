@@ -79,6 +79,13 @@ pub struct Snapshot {
     is_stable: bool,
 }
 
+impl Snapshot {
+    /// Whether it is a stable state.
+    pub fn is_stable(&self) -> bool {
+        self.is_stable
+    }
+}
+
 /// Surfaces whose asperities are coupled.
 pub struct Solver<'a> {
     pub(super) asperities: Asperities<'a>,

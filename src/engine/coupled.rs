@@ -53,6 +53,9 @@ pub struct Substrate<'a> {
     pub energy: Option<f64>,
 }
 
+/// Halvings of a step to a separation at which no stable state is found.
+const SHORTER: u32 = 3;
+
 /// A surface that is moved from separation to separation.
 struct CoupledSurface<'a> {
     job: &'a Job<'a>,
@@ -60,8 +63,10 @@ struct CoupledSurface<'a> {
     solver: Solver<'a>,
     /// m.
     side: f64,
-    /// The outcome at the last separation that was reached.
+    /// The outcome at the last separation that was reached, and the energy, J, that the parts of the step to it before its
+    /// last lost.
     settled: Settled,
+    lost_before: f64,
     /// The unit of energy, J, where that is known.
     energy: Option<f64>,
     regimes: Vec<RegimeSums>,
@@ -195,6 +200,7 @@ impl CoupledJob<'_> {
             solver,
             side,
             settled: Settled::default(),
+            lost_before: 0.0,
             energy: substrate.energy,
             regimes: vec![RegimeSums::default(); r],
             highest: heights.last().copied().unwrap_or(f64::NAN),
@@ -353,9 +359,24 @@ impl CoupledSurface<'_> {
     /// Goes to a separation h, m; the external force there, N.
     fn go(&mut self, h: f64) -> f64 {
         if !(self.ends)() {
-            self.settled = self.solver.settle(self.job.surface.asperity_separation(h));
+            self.lost_before = 0.0;
+            self.settled = self.reach(self.job.surface.asperity_separation(h), SHORTER);
         }
         self.job.surface.external_force(h, self.solver.external_force())
+    }
+
+    /// Goes to d, m; in shorter steps where one from a stable state does not lead to another.
+    fn reach(&mut self, d: f64, halvings: u32) -> Settled {
+        let before = self.solver.snapshot();
+        let settled = self.solver.settle(d);
+        if settled.is_converged || halvings == 0 || !before.is_stable() || (self.ends)() {
+            return settled;
+        }
+        self.solver.restore(&before);
+        let half = self.reach(0.5 * (self.solver.separation() + d), halvings - 1);
+        self.lost_before += self.solver.energy_lost();
+        let rest = self.reach(d, halvings - 1);
+        Settled { avalanches: half.avalanches.and(rest.avalanches), ..rest }
     }
 
     /// Hands the present state over as one of the curves.
@@ -385,7 +406,7 @@ impl CoupledSurface<'_> {
         coupled.largest_avalanche[state] = avalanches.largest as f64;
         let sizes = coupled.avalanche_sizes.iter_mut().zip(avalanches.of_class);
         sizes.for_each(|(sum, count)| *sum += u64::from(count));
-        let lost = self.energy.map_or(f64::NAN, |_| self.solver.energy_lost());
+        let lost = self.energy.map_or(f64::NAN, |_| self.lost_before + self.solver.energy_lost());
         coupled.energy_lost[state] = lost;
         if let Some(unit) = self.energy.filter(|_| lost.is_finite() && lost != 0.0) {
             coupled.energy_classes[energy_class(lost / unit)] += 1;

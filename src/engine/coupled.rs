@@ -83,7 +83,6 @@ struct CoupledSurface<'a> {
 }
 
 /// Samples of a way between the neighbours of which the pull-off is looked for.
-#[derive(Default)]
 struct Starts {
     /// The separation h, m, of the pull-off of independent asperities, if the separations miss it; NaN if not.
     missed: f64,
@@ -94,7 +93,7 @@ struct Starts {
 
 impl Starts {
     fn new(missed: f64) -> Self {
-        Self { missed, ..Self::default() }
+        Self { missed, before: [None, None] }
     }
 
     /// What is least of a sample (h, m, and force, N) where the pull-off is looked for.
@@ -415,6 +414,13 @@ impl CoupledSurface<'_> {
         coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
+    /// The smallest force on a way over the separations of the job, of which samples are given in its order.
+    fn zoom_on(&mut self, way: usize, samples: &[(f64, f64)]) -> Extremum {
+        let seen = Starts::new(self.starts[way].missed);
+        let starts = std::mem::replace(&mut self.starts[way], seen);
+        self.zoom(samples, &starts)
+    }
+
     /// The smallest force of samples, in the order of the way, and between the neighbours of the smallest; where independent
     /// asperities are pulled off between samples, near that place, too.
     fn zoom(&mut self, samples: &[(f64, f64)], starts: &Starts) -> Extremum {
@@ -424,9 +430,10 @@ impl CoupledSurface<'_> {
         let [lowest, nearest] = &starts.before;
         let (_, before) = lowest.as_ref().expect("it has been through all samples");
         let found = self.zoom_at(samples, at(0), before);
-        let Some((_, before)) = nearest else { return found };
-        self.solver.restore(before);
         let [first, last] = [at(1).saturating_sub(1), (at(1) + 1).min(samples.len() - 1)].map(|i| samples[i]);
+        let is_between = (first.0 - starts.missed) * (last.0 - starts.missed) <= 0.0;
+        let Some((_, before)) = nearest.as_ref().filter(|_| is_between) else { return found };
+        self.solver.restore(before);
         let halved = |end: (f64, f64), i: i32| starts.missed + (end.0 - starts.missed) * 0.5_f64.powi(i);
         let inwards = (1..=HALVINGS).map(|i| halved(first, i)).chain([starts.missed]);
         let places = inwards.chain((1..=HALVINGS).rev().map(|i| halved(last, i)));
@@ -496,8 +503,7 @@ impl Summed for CoupledSurface<'_> {
         let samples = self.job.samples(external_force);
         let is_inward = self.job.protocol.loading.ways.0;
         let samples = if is_inward { samples.into_iter().rev().collect() } else { samples };
-        let starts = std::mem::take(&mut self.starts[0]);
-        self.zoom(&samples, &starts)
+        self.zoom_on(0, &samples)
     }
 
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
@@ -511,9 +517,7 @@ impl Summed for CoupledSurface<'_> {
 
     fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
         if from == self.job.separations[0] && self.turn.is_none() {
-            let starts = Starts::new(self.starts[1].missed);
-            let starts = std::mem::replace(&mut self.starts[1], starts);
-            return self.zoom(samples, &starts);
+            return self.zoom_on(1, samples);
         }
         let turn = self.turn.clone().expect("the surface has been pulled back from there");
         self.solver.restore(&turn);

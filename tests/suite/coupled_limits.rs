@@ -228,3 +228,27 @@ fn energies_lost_are_counted_by_classes() {
     }
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
 }
+
+/// The step over which case III snaps leads to no stable state: shorter ones do, to one in which most of 9870 asperities touch and
+/// whose loss is that of steps twice as long, which another solver (eb52178) makes at once: 113.3 pJ, within 2 %.
+#[test]
+#[ignore = "slow: twenty seconds"]
+fn a_step_without_stable_state_is_halved() {
+    let case = std::fs::read_to_string("configs/coupled/case_iii.toml").unwrap();
+    let line = |line| match str::split(line, ['=', ' ']).next().unwrap() {
+        "loads_at" | "[sweep]" | "substrate.coupling" => "",
+        "[substrate]" => "[substrate]\ncoupling = \"patch\"",
+        "h_star" => "h_star = { from = 6.05, to = 6.65, count = 13 }",
+        _ => line,
+    };
+    let scene: Vec<&str> = case.lines().map(line).collect();
+    let folder = Folder::new(&scene.join("\n"));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "run.h5"]), 0);
+    let file = unlocked::open(folder.path("run.h5"));
+    let value =
+        |name: &str| file.dataset(&format!("/replicas/{name}")).unwrap().read_raw::<f64>().unwrap()[0];
+    assert_eq!(value("unsettled_count"), 0.0);
+    assert!(value("largest_avalanche") > 9000.0, "{}", value("largest_avalanche"));
+    let lost = value("energy_lost");
+    assert!((lost / 113.3e-12 - 1.0).abs() < 0.02, "{lost:e}");
+}

@@ -343,8 +343,8 @@ impl CoupledSurface<'_> {
         let keeps_all = first == 0 && !self.job.protocol.loading.preload.is_empty();
         let way = first / self.job.separations.len();
         for k in separations {
-            let (h, before) = (self.job.separations[k], self.solver.snapshot());
-            let force = self.go(h);
+            let h = self.job.separations[k];
+            let (force, before) = self.go(h);
             self.record(first + k, curves, coupled);
             if let Some(starts) = self.starts.get_mut(way) {
                 starts.see((h, force), &before);
@@ -355,26 +355,27 @@ impl CoupledSurface<'_> {
         }
     }
 
-    /// Goes to a separation h, m; the external force there, N.
-    fn go(&mut self, h: f64) -> f64 {
+    /// Goes to a separation h, m; the external force there, N, and the state before.
+    fn go(&mut self, h: f64) -> (f64, Snapshot) {
+        let before = self.solver.snapshot();
         if !(self.ends)() {
             self.lost_before = 0.0;
-            self.settled = self.reach(self.job.surface.asperity_separation(h), SHORTER);
+            self.settled = self.reach(self.job.surface.asperity_separation(h), &before, SHORTER);
         }
-        self.job.surface.external_force(h, self.solver.external_force())
+        (self.job.surface.external_force(h, self.solver.external_force()), before)
     }
 
-    /// Goes to d, m; in shorter steps where one from a stable state does not lead to another.
-    fn reach(&mut self, d: f64, halvings: u32) -> Settled {
-        let before = self.solver.snapshot();
+    /// Goes to d, m, from the present state; in shorter steps where one from a stable state does not lead to another.
+    fn reach(&mut self, d: f64, before: &Snapshot, halvings: u32) -> Settled {
         let settled = self.solver.settle(d);
         if settled.is_converged || halvings == 0 || !before.is_stable() || (self.ends)() {
             return settled;
         }
-        self.solver.restore(&before);
-        let half = self.reach(0.5 * (self.solver.separation() + d), halvings - 1);
+        self.solver.restore(before);
+        let half = self.reach(0.5 * (self.solver.separation() + d), before, halvings - 1);
         self.lost_before += self.solver.energy_lost();
-        let rest = self.reach(d, halvings - 1);
+        let halfway = self.solver.snapshot();
+        let rest = self.reach(d, &halfway, halvings - 1);
         Settled { avalanches: half.avalanches.and(rest.avalanches), ..rest }
     }
 
@@ -439,10 +440,9 @@ impl CoupledSurface<'_> {
         let places = inwards.chain((1..=HALVINGS).rev().map(|i| halved(last, i)));
         let (mut closer, mut samples) = (Starts::new(f64::NAN), vec![first]);
         for place in places {
-            let before = self.solver.snapshot();
-            let sample = (place, self.go(place));
-            closer.see(sample, &before);
-            samples.push(sample);
+            let (force, before) = self.go(place);
+            closer.see((place, force), &before);
+            samples.push((place, force));
         }
         samples.push(last);
         let other = self.zoom(&samples, &closer);
@@ -463,9 +463,8 @@ impl CoupledSurface<'_> {
             let mut forces = vec![ends[0]];
             let (mut found, mut nearest) = (None, f64::INFINITY);
             for j in 1..PARTS {
-                let before = self.solver.snapshot();
                 let place = first + (last - first) * j as f64 / PARTS as f64;
-                let force = self.go(place);
+                let (force, before) = self.go(place);
                 forces.push((place, force));
                 if force <= best.1 {
                     best = (place, force);
@@ -512,7 +511,7 @@ impl Summed for CoupledSurface<'_> {
         self.solver.restore(&self.approach[passed.max(1) - 1]);
         self.go(from);
         self.turn = Some(self.solver.snapshot());
-        separations.iter().map(|h| self.go(*h)).collect()
+        separations.iter().map(|h| self.go(*h).0).collect()
     }
 
     fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {

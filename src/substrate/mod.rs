@@ -71,7 +71,11 @@ impl Coupling {
     pub fn square(self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let apart = |k: usize| {
             let apart: f64 = a[k] - b[k];
-            if self == Self::Periodic { apart - apart.round() } else { apart }
+            match self {
+                Self::Periodic if apart > 0.5 => apart - 1.0,
+                Self::Periodic if apart < -0.5 => apart + 1.0,
+                _ => apart,
+            }
         };
         let [x, y] = std::array::from_fn(apart);
         x * x + y * y

@@ -8,9 +8,9 @@
 //! one could remember to be to a side.
 
 use super::asperities::{Rest, SLOPE_STEP};
+use super::half_space::CLOSEST;
 use super::solver::Solver;
-use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeMap;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;
@@ -258,39 +258,51 @@ impl Solver<'_> {
 
     /// The members of a knot, and the asperities near them that give way most to their forces, or all others.
     pub(super) fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
-        let Self { half_space, states, slopes, .. } = self;
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
         if !is_local {
-            let others = (0..slopes.len()).filter(|i| !of.contains(i)).collect::<Vec<_>>();
+            let others = (0..self.heights.len()).filter(|i| !of.contains(i)).collect::<Vec<_>>();
             return of.into_iter().chain(others).collect();
         }
-        let mut gives_way: BTreeMap<usize, f64> = BTreeMap::new();
-        for &i in &of {
-            for j in half_space.near(i).filter(|j| !of.contains(j)) {
-                let is_at_rest = states.resting.contains_key(&(j as u32));
-                let by = slopes[j].abs() * half_space.influence(i, j).powi(2);
-                let most = gives_way.entry(j).or_default();
-                *most = most.max(if is_at_rest { f64::INFINITY } else { by });
-            }
-        }
-        let mut others: Vec<(usize, f64)> = gives_way.into_iter().filter(|(_, by)| *by > 0.0).collect();
-        others.sort_by(|a, b| b.1.total_cmp(&a.1));
-        of.into_iter().chain(others.into_iter().take(NEIGHBOURS).map(|(j, _)| j)).collect()
+        self.giving_way(&of, NEIGHBOURS)
+    }
+
+    /// Some asperities, and behind them at most `most` near them that give way most to their forces.
+    pub(super) fn giving_way(&self, of: &[usize], most: usize) -> Vec<usize> {
+        let Self { half_space, states, slopes, .. } = self;
+        let is_at_rest = |j: usize| states.resting.contains_key(&(j as u32));
+        of.iter().copied().chain(half_space.giving_way(of, (slopes, is_at_rest), most)).collect()
     }
 
     /// Steps of Newton's method, m, of the asperities `near` while all others stay, and their responses to
     /// each of some of them, m/N.
     pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let Self { half_space, slopes, states, residual, .. } = self;
-        let influence = |k: usize, l: usize| half_space.influence(near[k], l);
-        let matrix = DMatrix::from_fn(near.len(), near.len(), |k, l| {
-            let own = k == l && !states.resting.contains_key(&(near[k] as u32));
-            f64::from(u8::from(own)) + influence(k, near[l]) * slopes[near[l]]
-        });
-        let matrix = matrix.lu();
-        let steps = matrix.solve(&DVector::from_fn(near.len(), |k, _| -residual[near[k]]))?;
+        let influence = |k: usize, l: usize| self.half_space.influence(near[k], l);
+        let matrix = self.matrix(near, |k, l| influence(k, near[l]));
+        let steps = matrix.solve(&DVector::from_fn(near.len(), |k, _| -self.residual[near[k]]))?;
         let responses = matrix.solve(&DMatrix::from_fn(near.len(), of.len(), |k, l| -influence(k, of[l])))?;
         Some((steps, responses))
+    }
+
+    /// 1 + G K of some asperities, of which `influence` is G, m/N.
+    fn matrix(&self, of: &[usize], influence: impl Fn(usize, usize) -> f64) -> LU<f64, Dyn, Dyn> {
+        let entry = |k: usize, l: usize| {
+            let own = k == l && !self.states.resting.contains_key(&(of[k] as u32));
+            f64::from(u8::from(own)) + influence(k, l) * self.slopes[of[l]]
+        };
+        DMatrix::from_fn(of.len(), of.len(), entry).lu()
+    }
+
+    /// The distance by which the foot of an asperity is lowered when it pushes, m/N: `yielding`, where others give way to
+    /// the first order, with the closest ones to all orders; none where these have no response.
+    pub(super) fn yielding_closely(&self, i: usize, yielding: f64) -> Option<f64> {
+        let Self { half_space, slopes, .. } = self;
+        let near = self.giving_way(&[i], CLOSEST).split_off(1);
+        let influence: Vec<f64> = near.iter().map(|j| half_space.influence(i, *j)).collect();
+        let matrix = self.matrix(&near, |k, l| half_space.influence(near[k], near[l]));
+        let lowered = matrix.solve(&DVector::from_column_slice(&influence))?;
+        let terms = near.iter().zip(influence.iter().zip(lowered.iter()));
+        let further: f64 = terms.map(|(j, (own, lowered))| slopes[*j] * own * (own - lowered)).sum();
+        Some(yielding + further)
     }
 
     /// Steps and responses by a system of all.

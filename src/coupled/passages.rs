@@ -161,7 +161,7 @@ impl Solver<'_> {
 
     /// Lets an asperity at δ, m, beyond an end of its segment pass, if it may; whether it did.
     fn pass_one(&mut self, i: usize, delta: f64, is_trigger: bool) -> bool {
-        let Self { asperities, half_space, states, slopes, passages, mean_slope, .. } = self;
+        let Self { asperities, states, passages, .. } = self;
         let upwards = delta >= asperities.segment(states, i).upper;
         if passages.counts[i] >= PASSAGES {
             passages.frozen += 1;
@@ -180,17 +180,22 @@ impl Solver<'_> {
         let jump = ends[1] - ends[0];
         let mut does_lose = is_hysteretic;
         if jump != 0.0 {
-            let yielding = half_space.yielding(i, slopes, *mean_slope);
+            let way_back = if is_hysteretic { asperities.width_of_hysteresis(states, i) } else { 0.0 };
+            let least = (delta - asperities.place(i, place)).abs() + way_back;
+            let mut yielding = self.half_space.yielding(i, &self.slopes, self.mean_slope);
+            if jump * yielding > least {
+                yielding = self.yielding_closely(i, yielding).unwrap_or(yielding);
+            }
             does_lose |= jump < 0.0 && yielding > 0.0;
             let share = if upwards { 0.0 } else { 1.0 };
             let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
-            let way_back = if is_hysteretic { asperities.width_of_hysteresis(states, i) } else { 0.0 };
-            if jump * yielding > (delta - asperities.place(i, place)).abs() + way_back {
-                states.resting.insert(i as u32, rest);
+            if jump * yielding > least {
+                self.states.resting.insert(i as u32, rest);
                 return true;
             }
-            passages.went_over(i as u32, rest);
+            self.passages.went_over(i as u32, rest);
         }
+        let Self { states, passages, .. } = self;
         passages.counts[i] += 1;
         states.segments[i] = to;
         if is_hysteretic {

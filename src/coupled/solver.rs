@@ -30,7 +30,7 @@ use std::f64::consts::PI;
 /// Smallest residual of the system of a Newton step, where asperities have just passed and elsewhere, and the largest.
 const RESIDUALS: [f64; 3] = [0.05, 2e-3, 0.1];
 /// The share of the tolerance of loads that the system aims at.
-const AIM: f64 = 0.1;
+const AIM: f64 = 0.03;
 /// Most products for a system.
 const MOST_PRODUCTS: usize = 40;
 /// Residual of systems that decide on stability.
@@ -38,6 +38,8 @@ const DECISIVE: f64 = 1e-3;
 /// Shares of the tolerance of loads that residuals, and the error of rough sums, may have: neighbours add to both.
 const EXACT: f64 = 0.3;
 const UNSURE: f64 = 0.1;
+/// Share of the bound of the error by rough sums from which on accurate ones are taken: most errors are far smaller.
+const KNOWN: f64 = 0.1;
 /// Most Newton steps at a separation.
 const STEPS: usize = 60;
 /// Newton steps after which a surface without stable state is let fall.
@@ -493,7 +495,8 @@ impl Solver<'_> {
         while step < most {
             step += 1;
             let mut error = self.evaluate(d);
-            if self.unsure > UNSURE * self.tolerance && error <= self.unsure.max(EXACT * self.tolerance) {
+            let known = (KNOWN * self.unsure).max(EXACT * self.tolerance);
+            if self.unsure > UNSURE * self.tolerance && error <= known {
                 self.half_space.know(&self.external);
                 error = self.displace(d);
             }

@@ -3,15 +3,15 @@
 //! # Formula
 //! Unknown are the changes of loads, y = K Δδ, so that residuals are errors of loads: (1 + s + K G) y = −K r, s a shift, by GMRES.
 //! Then Δδ = −(r + G y)/(1 + s). An asperity at rest at a jump has 0 in the place of 1 + s: its δ is known, and y its unknown.
-//! Next to nothing is then on its diagonal: the others yield to it by their response alone, g_ii − Σ_j K_j g_ij² = 1/K_i. It
-//! is eliminated to this order before each product, with the near asperities j: y_i = b_i − K_i Σ_j g_ij b_j,
-//! y_j = b_j − K_j g_ij y_i.
+//! Next to nothing is then on its diagonal: the others yield to it by their response alone. It is eliminated before each
+//! product, in a block with the near asperities that give way most to it, as if this block were alone.
 
 use super::asperities::Rest;
-use super::half_space::HalfSpace;
+use super::half_space::{CLOSEST, HalfSpace};
 use crate::math::gmres;
 use crate::math::linalg::smallest_real_part;
-use std::collections::BTreeMap;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A system.
 pub struct System<'a> {
@@ -45,10 +45,11 @@ pub struct Memory {
     displacements: Vec<Vec<f64>>,
 }
 
-/// An asperity at rest with the asperities near it, and their influences, m/N.
-struct Eliminated {
-    asperity: usize,
-    near: Vec<(u32, f64)>,
+/// Asperities at rest with the near ones that yield to them most.
+struct Block {
+    members: Vec<u32>,
+    /// 1 + s + K G of the members.
+    matrix: LU<f64, Dyn, Dyn>,
 }
 
 impl System<'_> {
@@ -63,14 +64,14 @@ impl System<'_> {
     ) -> f64 {
         let Self { slopes, resting, shift } = *self;
         let Memory { gmres, right, loads, displacements } = memory;
-        let eliminated = self.eliminated(half_space);
+        let blocks = self.blocks(half_space);
         right.clear();
         right.extend(residual.iter().zip(slopes).map(|(r, slope)| -slope * r));
         loads.resize(right.len(), 0.0);
         let mut products = 0;
         let solved = gmres.solve(right, step, (accuracy.residual, accuracy.products), |v, out| {
             loads.copy_from_slice(v);
-            self.eliminate(&eliminated, loads);
+            self.eliminate(&blocks, loads);
             if displacements.len() == products {
                 displacements.push(Vec::new());
             }
@@ -84,7 +85,7 @@ impl System<'_> {
             resting.keys().for_each(|&i| out[i as usize] -= (1.0 + shift) * loads[i as usize]);
             products += 1;
         });
-        self.eliminate(&eliminated, step);
+        self.eliminate(&blocks, step);
         let at_rest: Vec<f64> = resting.iter().map(|(&i, rest)| step[i as usize] / rest.stiffness).collect();
         step.iter_mut().zip(residual).for_each(|(step, r)| *step = -r);
         for (weight, lowered) in solved.weights.iter().zip(&*displacements) {
@@ -95,28 +96,46 @@ impl System<'_> {
         smallest_real_part(&solved.hessenberg) - shift
     }
 
-    /// The asperities at rest with those near them.
-    fn eliminated(&self, half_space: &HalfSpace) -> Vec<Eliminated> {
-        let of = |&i: &u32| {
-            let i = i as usize;
-            let others = half_space.near(i).filter(|j| !self.resting.contains_key(&(*j as u32)));
-            let near = others.map(|j| (j as u32, half_space.influence(i, j))).collect();
-            Eliminated { asperity: i, near }
-        };
-        self.resting.keys().map(of).collect()
+    /// Blocks of the asperities at rest, each of which is in one at most.
+    fn blocks(&self, half_space: &HalfSpace) -> Vec<Block> {
+        let (mut taken, mut blocks) = (BTreeSet::<u32>::new(), Vec::new());
+        for &first in self.resting.keys() {
+            if taken.contains(&first) {
+                continue;
+            }
+            let is_at_rest = |j: usize| self.resting.contains_key(&(j as u32));
+            let near = half_space.giving_way(&[first as usize], (self.slopes, is_at_rest), CLOSEST);
+            let free = near.into_iter().map(|j| j as u32).filter(|j| !taken.contains(j));
+            let members: Vec<u32> = std::iter::once(first).chain(free).collect();
+            taken.extend(&members);
+            // A determinant below 0 would change the sign of an eigenvalue, and hide that a state is unstable.
+            let of_order = |is_first| self.matrix(half_space, &members, is_first);
+            let found = [false, true].into_iter().map(of_order).find(|matrix| matrix.determinant() > 0.0);
+            blocks.extend(found.map(|matrix| Block { members, matrix }));
+        }
+        blocks
     }
 
-    /// Makes loads of right-hand sides, to the first order in those at rest.
-    fn eliminate(&self, eliminated: &[Eliminated], loads: &mut [f64]) {
-        for Eliminated { asperity, near } in eliminated {
-            let lowered: f64 = near.iter().map(|(j, influence)| influence * loads[*j as usize]).sum();
-            loads[*asperity] -= self.slopes[*asperity] * lowered;
-        }
-        for Eliminated { asperity, near } in eliminated {
-            let load = loads[*asperity];
-            near.iter().for_each(|(j, influence)| {
-                loads[*j as usize] -= self.slopes[*j as usize] * influence * load;
-            });
+    /// 1 + s + K G of some asperities; to the first order in those at rest, or whole.
+    fn matrix(&self, half_space: &HalfSpace, of: &[u32], is_first_order: bool) -> LU<f64, Dyn, Dyn> {
+        let is_at_rest = |k: usize| self.resting.contains_key(&of[k]);
+        let entry = |k: usize, l: usize| {
+            if is_first_order && k != l && !is_at_rest(k) && !is_at_rest(l) {
+                return 0.0;
+            }
+            let own = if k == l && !is_at_rest(k) { 1.0 + self.shift } else { 0.0 };
+            own + self.slopes[of[k] as usize] * half_space.influence(of[k] as usize, of[l] as usize)
+        };
+        DMatrix::from_fn(of.len(), of.len(), entry).lu()
+    }
+
+    /// Makes loads of right-hand sides, as if blocks were alone.
+    fn eliminate(&self, blocks: &[Block], loads: &mut [f64]) {
+        for Block { members, matrix } in blocks {
+            let mut own = DVector::from_iterator(members.len(), members.iter().map(|i| loads[*i as usize]));
+            if matrix.solve_mut(&mut own) {
+                members.iter().zip(own.iter()).for_each(|(i, load)| loads[*i as usize] = *load);
+            }
         }
     }
 }

@@ -297,6 +297,9 @@ impl Solver<'_> {
     pub(super) fn yielding_closely(&self, i: usize, yielding: f64) -> Option<f64> {
         let Self { half_space, slopes, .. } = self;
         let near = self.giving_way(&[i], CLOSEST).split_off(1);
+        if near.is_empty() {
+            return Some(yielding);
+        }
         let influence: Vec<f64> = near.iter().map(|j| half_space.influence(i, *j)).collect();
         let matrix = self.matrix(&near, |k, l| half_space.influence(near[k], near[l]));
         let lowered = matrix.solve(&DVector::from_column_slice(&influence))?;

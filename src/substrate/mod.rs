@@ -72,8 +72,7 @@ impl Coupling {
         let apart = |k: usize| {
             let apart: f64 = a[k] - b[k];
             match self {
-                Self::Periodic if apart > 0.5 => apart - 1.0,
-                Self::Periodic if apart < -0.5 => apart + 1.0,
+                Self::Periodic if apart.abs() > 0.5 => apart - apart.signum(),
                 _ => apart,
             }
         };

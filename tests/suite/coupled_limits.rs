@@ -229,8 +229,9 @@ fn energies_lost_are_counted_by_classes() {
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
 }
 
-/// The step over which case III snaps leads to no stable state: shorter ones do, to one in which most of 9870 asperities touch and
-/// whose loss is that of steps twice as long, which another solver (eb52178) makes at once: 113.3 pJ, within 2 %.
+/// The step over which case III snaps leads to no stable state: shorter ones do. Another solver (eb52178, which summed all
+/// asperities at every step) makes it at once: 5036 asperities in one avalanche, 112.849 pJ, −11.9337 mN. The order of
+/// simultaneous passages differs.
 #[test]
 #[ignore = "slow: twenty seconds"]
 fn a_step_without_stable_state_is_halved() {
@@ -248,7 +249,11 @@ fn a_step_without_stable_state_is_halved() {
     let value =
         |name: &str| file.dataset(&format!("/replicas/{name}")).unwrap().read_raw::<f64>().unwrap()[0];
     assert_eq!(value("unsettled_count"), 0.0);
-    assert!(value("largest_avalanche") > 9000.0, "{}", value("largest_avalanche"));
-    let lost = value("energy_lost");
-    assert!((lost / 113.3e-12 - 1.0).abs() < 0.02, "{lost:e}");
+    let force = file.dataset("/ensemble/external_force_mean").unwrap().read_raw::<f64>().unwrap()[0];
+    let found = [value("largest_avalanche"), value("energy_lost"), force];
+    for ((found, expected), most) in
+        found.into_iter().zip([5036.0, 112.849e-12, -11.9337e-3]).zip([0.05, 1e-3, 5e-4])
+    {
+        assert!((found / expected - 1.0).abs() < most, "{found:e} {expected:e}");
+    }
 }

@@ -12,9 +12,6 @@ const ROUGH: f64 = 1e-3;
 /// Error of sums over their tolerance, at most.
 const BOUND: f64 = 10.0;
 
-/// Most neighbours of an asperity at rest that give way to its force to all orders.
-pub const CLOSEST: usize = 24;
-
 /// Sums over asperities, to full accuracy and to a few digits.
 pub struct Sums {
     fine: DisplacementSums,
@@ -217,38 +214,6 @@ impl HalfSpace {
     /// The asperities near one, with it.
     pub fn near(&self, i: usize) -> impl Iterator<Item = usize> {
         self.sums.rough.around(self.places[i]).0.map(|j| j as usize)
-    }
-
-    /// The asperities near some that give way most to their forces, to the first order in their slopes, N/m, at
-    /// most `most`: others at rest first.
-    pub fn giving_way(
-        &self,
-        of: &[usize],
-        (slopes, is_at_rest): (&[f64], impl Fn(usize) -> bool),
-        most: usize,
-    ) -> Vec<usize> {
-        let mut others: Vec<(f64, usize)> = Vec::new();
-        for &i in of {
-            for j in self.near(i).filter(|j| !of.contains(j)) {
-                let influence = self.influence(i, j);
-                let by = if is_at_rest(j) { f64::INFINITY } else { slopes[j].abs() * influence * influence };
-                if by > 0.0 {
-                    others.push((by, j));
-                }
-            }
-        }
-        if of.len() > 1 {
-            // Of one that is near several the largest.
-            others.sort_unstable_by(|a, b| a.1.cmp(&b.1).then(b.0.total_cmp(&a.0)));
-            others.dedup_by_key(|(_, j)| *j);
-        }
-        let falling = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-        if others.len() > most {
-            others.select_nth_unstable_by(most, falling);
-            others.truncate(most);
-        }
-        others.sort_unstable_by(falling);
-        others.into_iter().map(|(_, j)| j).collect()
     }
 
     /// The distance by which the foot of one asperity is lowered, m/N, by a near other, or its repetitions,

@@ -8,9 +8,9 @@
 //! one could remember to be to a side.
 
 use super::asperities::{Rest, SLOPE_STEP};
-use super::half_space::CLOSEST;
 use super::solver::Solver;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use super::systems::{CLOSEST, System};
+use nalgebra::{DMatrix, DVector};
 
 /// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;
@@ -263,49 +263,40 @@ impl Solver<'_> {
             let others = (0..self.heights.len()).filter(|i| !of.contains(i)).collect::<Vec<_>>();
             return of.into_iter().chain(others).collect();
         }
-        self.giving_way(&of, NEIGHBOURS)
+        let near = self.unshifted().giving_way(&self.half_space, &of, NEIGHBOURS);
+        of.into_iter().chain(near).collect()
     }
 
-    /// Some asperities, and behind them at most `most` near them that give way most to their forces.
-    pub(super) fn giving_way(&self, of: &[usize], most: usize) -> Vec<usize> {
-        let Self { half_space, states, slopes, .. } = self;
-        let is_at_rest = |j: usize| states.resting.contains_key(&(j as u32));
-        of.iter().copied().chain(half_space.giving_way(of, (slopes, is_at_rest), most)).collect()
+    /// The system of the present state.
+    fn unshifted(&self) -> System<'_> {
+        System { slopes: &self.slopes, resting: &self.states.resting, shift: 0.0 }
     }
 
     /// Steps of Newton's method, m, of the asperities `near` while all others stay, and their responses to
     /// each of some of them, m/N.
     pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let influence = |k: usize, l: usize| self.half_space.influence(near[k], l);
-        let matrix = self.matrix(near, |k, l| influence(k, near[l]));
+        // 1 + G K: G is symmetric.
+        let matrix = self.unshifted().matrix(&self.half_space, near, false).transpose().lu();
         let steps = matrix.solve(&DVector::from_fn(near.len(), |k, _| -self.residual[near[k]]))?;
         let responses = matrix.solve(&DMatrix::from_fn(near.len(), of.len(), |k, l| -influence(k, of[l])))?;
         Some((steps, responses))
     }
 
-    /// 1 + G K of some asperities, of which `influence` is G, m/N.
-    fn matrix(&self, of: &[usize], influence: impl Fn(usize, usize) -> f64) -> LU<f64, Dyn, Dyn> {
-        let entry = |k: usize, l: usize| {
-            let own = k == l && !self.states.resting.contains_key(&(of[k] as u32));
-            f64::from(u8::from(own)) + influence(k, l) * self.slopes[of[l]]
-        };
-        DMatrix::from_fn(of.len(), of.len(), entry).lu()
-    }
-
     /// The distance by which the foot of an asperity is lowered when it pushes, m/N: `yielding`, where others give way to
-    /// the first order, with the closest ones to all orders; none where these have no response.
-    pub(super) fn yielding_closely(&self, i: usize, yielding: f64) -> Option<f64> {
-        let Self { half_space, slopes, .. } = self;
-        let near = self.giving_way(&[i], CLOSEST).split_off(1);
+    /// the first order, with the closest ones to all orders.
+    pub(super) fn yielding_closely(&self, i: usize, yielding: f64) -> f64 {
+        let (half_space, system) = (&self.half_space, self.unshifted());
+        let near = system.giving_way(half_space, &[i], CLOSEST);
         if near.is_empty() {
-            return Some(yielding);
+            return yielding;
         }
-        let influence: Vec<f64> = near.iter().map(|j| half_space.influence(i, *j)).collect();
-        let matrix = self.matrix(&near, |k, l| half_space.influence(near[k], near[l]));
-        let lowered = matrix.solve(&DVector::from_column_slice(&influence))?;
+        let influence = DVector::from_iterator(near.len(), near.iter().map(|j| half_space.influence(i, *j)));
+        let matrix = system.matrix(half_space, &near, false).transpose().lu();
+        let Some(lowered) = matrix.solve(&influence) else { return yielding };
         let terms = near.iter().zip(influence.iter().zip(lowered.iter()));
-        let further: f64 = terms.map(|(j, (own, lowered))| slopes[*j] * own * (own - lowered)).sum();
-        Some(yielding + further)
+        let further: f64 = terms.map(|(j, (own, lowered))| self.slopes[*j] * own * (own - lowered)).sum();
+        yielding + further
     }
 
     /// Steps and responses by a system of all.

@@ -184,7 +184,7 @@ impl Solver<'_> {
             let least = (delta - asperities.place(i, place)).abs() + way_back;
             let mut yielding = self.half_space.yielding(i, &self.slopes, self.mean_slope);
             if jump * yielding > least {
-                yielding = self.yielding_closely(i, yielding).unwrap_or(yielding);
+                yielding = self.yielding_closely(i, yielding);
             }
             does_lose |= jump < 0.0 && yielding > 0.0;
             let share = if upwards { 0.0 } else { 1.0 };

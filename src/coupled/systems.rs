@@ -7,11 +7,14 @@
 //! product, in a block with the near asperities that give way most to it, as if this block were alone.
 
 use super::asperities::Rest;
-use super::half_space::{CLOSEST, HalfSpace};
+use super::half_space::HalfSpace;
 use crate::math::gmres;
 use crate::math::linalg::smallest_real_part;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Most neighbours of an asperity at rest that give way to its force to all orders.
+pub const CLOSEST: usize = 24;
 
 /// A system.
 pub struct System<'a> {
@@ -47,7 +50,7 @@ pub struct Memory {
 
 /// Asperities at rest with the near ones that yield to them most.
 struct Block {
-    members: Vec<u32>,
+    members: Vec<usize>,
     /// 1 + s + K G of the members.
     matrix: LU<f64, Dyn, Dyn>,
 }
@@ -98,43 +101,68 @@ impl System<'_> {
 
     /// Blocks of the asperities at rest, each of which is in one at most.
     fn blocks(&self, half_space: &HalfSpace) -> Vec<Block> {
-        let (mut taken, mut blocks) = (BTreeSet::<u32>::new(), Vec::new());
+        let (mut taken, mut blocks) = (BTreeSet::<usize>::new(), Vec::new());
         for &first in self.resting.keys() {
-            if taken.contains(&first) {
+            if taken.contains(&(first as usize)) {
                 continue;
             }
-            let is_at_rest = |j: usize| self.resting.contains_key(&(j as u32));
-            let near = half_space.giving_way(&[first as usize], (self.slopes, is_at_rest), CLOSEST);
-            let free = near.into_iter().map(|j| j as u32).filter(|j| !taken.contains(j));
-            let members: Vec<u32> = std::iter::once(first).chain(free).collect();
+            let near = self.giving_way(half_space, &[first as usize], CLOSEST);
+            let free = near.into_iter().filter(|j| !taken.contains(j));
+            let members: Vec<usize> = std::iter::once(first as usize).chain(free).collect();
             taken.extend(&members);
             // A determinant below 0 would change the sign of an eigenvalue, and hide that a state is unstable.
-            let of_order = |is_first| self.matrix(half_space, &members, is_first);
+            let of_order = |is_first| self.matrix(half_space, &members, is_first).lu();
             let found = [false, true].into_iter().map(of_order).find(|matrix| matrix.determinant() > 0.0);
             blocks.extend(found.map(|matrix| Block { members, matrix }));
         }
         blocks
     }
 
-    /// 1 + s + K G of some asperities; to the first order in those at rest, or whole.
-    fn matrix(&self, half_space: &HalfSpace, of: &[u32], is_first_order: bool) -> LU<f64, Dyn, Dyn> {
-        let is_at_rest = |k: usize| self.resting.contains_key(&of[k]);
-        let entry = |k: usize, l: usize| {
-            if is_first_order && k != l && !is_at_rest(k) && !is_at_rest(l) {
+    /// The asperities near some that give way most to their forces, to the first order in their slopes, at most `most`:
+    /// others at rest first.
+    pub fn giving_way(&self, half_space: &HalfSpace, of: &[usize], most: usize) -> Vec<usize> {
+        let mut others: Vec<(f64, usize)> = Vec::new();
+        for &i in of {
+            for j in half_space.near(i).filter(|j| !of.contains(j)) {
+                let influence = half_space.influence(i, j);
+                let by = self.slopes[j].abs() * influence * influence;
+                let by = if self.is_at_rest(j) { f64::INFINITY } else { by };
+                if by > 0.0 {
+                    others.push((by, j));
+                }
+            }
+        }
+        // Of one that is near several the largest.
+        others.sort_unstable_by(|a, b| a.1.cmp(&b.1).then(b.0.total_cmp(&a.0)));
+        others.dedup_by_key(|(_, j)| *j);
+        others.sort_by(|a, b| b.0.total_cmp(&a.0));
+        others.into_iter().map(|(_, j)| j).take(most).collect()
+    }
+
+    /// 1 + s + K G of some asperities, or without the influence of the ones not at rest on each other: to the first
+    /// order.
+    pub fn matrix(&self, half_space: &HalfSpace, of: &[usize], is_first_order: bool) -> DMatrix<f64> {
+        DMatrix::from_fn(of.len(), of.len(), |k, l| {
+            let (i, j) = (of[k], of[l]);
+            let is_free = !self.is_at_rest(i);
+            if is_first_order && i != j && is_free && !self.is_at_rest(j) {
                 return 0.0;
             }
-            let own = if k == l && !is_at_rest(k) { 1.0 + self.shift } else { 0.0 };
-            own + self.slopes[of[k] as usize] * half_space.influence(of[k] as usize, of[l] as usize)
-        };
-        DMatrix::from_fn(of.len(), of.len(), entry).lu()
+            let own = if i == j && is_free { 1.0 + self.shift } else { 0.0 };
+            own + self.slopes[i] * half_space.influence(i, j)
+        })
+    }
+
+    fn is_at_rest(&self, i: usize) -> bool {
+        self.resting.contains_key(&(i as u32))
     }
 
     /// Makes loads of right-hand sides, as if blocks were alone.
     fn eliminate(&self, blocks: &[Block], loads: &mut [f64]) {
         for Block { members, matrix } in blocks {
-            let mut own = DVector::from_iterator(members.len(), members.iter().map(|i| loads[*i as usize]));
+            let mut own = DVector::from_iterator(members.len(), members.iter().map(|i| loads[*i]));
             if matrix.solve_mut(&mut own) {
-                members.iter().zip(own.iter()).for_each(|(i, load)| loads[*i as usize] = *load);
+                members.iter().zip(own.iter()).for_each(|(i, load)| loads[*i] = *load);
             }
         }
     }

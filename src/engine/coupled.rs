@@ -461,16 +461,16 @@ impl CoupledSurface<'_> {
             self.solver.restore(&from);
             let [first, last] = ends.map(|(place, _)| place);
             let mut forces = vec![ends[0]];
-            let (mut found, mut nearest, before) = (None, f64::INFINITY, best.1);
+            let (mut found, mut nearest) = (None, f64::INFINITY);
             for j in 1..PARTS {
                 let place = first + (last - first) * j as f64 / PARTS as f64;
-                let (force, state) = self.go(place);
+                let (force, before) = self.go(place);
                 forces.push((place, force));
                 if force <= best.1 {
                     best = (place, force);
-                    (found, nearest) = (Some((j, state)), 0.0);
+                    (found, nearest) = (Some((j, before)), 0.0);
                 } else if (place - best.0).abs() < nearest {
-                    (found, nearest) = (Some((j, state)), (place - best.0).abs());
+                    (found, nearest) = (Some((j, before)), (place - best.0).abs());
                 }
             }
             forces.push(ends[1]);
@@ -481,8 +481,7 @@ impl CoupledSurface<'_> {
                 let [places, forces] = [[ends[0].0, best.0, ends[1].0], [ends[0].1, best.1, ends[1].1]];
                 return Extremum { at_edge: false, ..minimum(&places, &forces) };
             }
-            let is_lower = before - best.1 > SMOOTH * best.1.abs();
-            if round >= ROUNDS_AT_JUMP && (ends.iter().any(is_close) || !is_lower) {
+            if round >= ROUNDS_AT_JUMP && ends.iter().any(is_close) {
                 break;
             }
         }

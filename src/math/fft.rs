@@ -6,10 +6,14 @@
 //! `libm`. A library that takes them from the sine of the C library has other bits on processors with fused
 //! multiplication, because that sine has.
 
+use super::chunks::in_chunks;
 use super::instruction_set::InstructionSet;
 use super::real::Real;
 use std::f64::consts::PI;
+use std::ops::Range;
 
+/// Columns of a block.
+const WIDTH: usize = 64;
 /// cos 72°, cos 144°, sin 72° and sin 144°.
 const PENTAGON: [f64; 4] =
     [0.309_016_994_374_947_4, -0.809_016_994_374_947_4, 0.951_056_516_295_153_6, 0.587_785_252_292_473_1];
@@ -84,40 +88,80 @@ impl<T: Real> Transform<T> {
         Self { length, stages }
     }
 
-    /// Transforms `columns` columns of `data`, row by row of it, forward: Σ x e^(−2πi jk/n). `scratch` has as
-    /// many numbers.
-    pub fn forward(&self, columns: usize, data: &mut Complex<T>, scratch: &mut Complex<T>) {
-        let (mut left, mut stride) = (self.length, columns);
-        for stage in &self.stages {
-            InstructionSet::current().run(
-                #[inline(always)]
-                || pass(stage, left / stage.radix, stride, data, scratch),
-            );
+    /// Transforms columns of `data` forward: Σ x e^(−2πi jk/n), in [`Blocks`] of up to `width` columns. `scratch` has as
+    /// many numbers. Other threads of the pool may take blocks.
+    pub fn forward(&self, width: usize, data: &mut Complex<T>, scratch: &mut Complex<T>, is_shared: bool) {
+        let parts = [&mut data.re[..], &mut data.im, &mut scratch.re, &mut scratch.im];
+        in_chunks((self.length * width, is_shared), 0, parts, &|_, [re, im, re_scratch, im_scratch]| {
+            let (mut from, mut to) = ([re, im], [re_scratch, im_scratch]);
+            let (mut left, mut stride) = (self.length, from[0].len() / self.length);
+            for stage in &self.stages {
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || pass(stage, left / stage.radix, stride, &from, &mut to),
+                );
+                std::mem::swap(&mut from, &mut to);
+                left /= stage.radix;
+                stride *= stage.radix;
+            }
+        });
+        if self.stages.len() % 2 == 1 {
             data.swap(scratch);
-            left /= stage.radix;
-            stride *= stage.radix;
         }
     }
 
     /// Transforms columns with the opposite sign in the exponent, not divided by the length.
-    pub fn backward(&self, columns: usize, data: &mut Complex<T>, scratch: &mut Complex<T>) {
+    pub fn backward(&self, width: usize, data: &mut Complex<T>, scratch: &mut Complex<T>, is_shared: bool) {
         std::mem::swap(&mut data.re, &mut data.im);
-        self.forward(columns, data, scratch);
+        self.forward(width, data, scratch, is_shared);
         std::mem::swap(&mut data.re, &mut data.im);
+    }
+}
+
+/// The places of numbers in rows and columns that come in blocks of columns, row by row in each: they stay in the cache.
+#[derive(Clone, Copy, Debug)]
+struct Blocks {
+    rows: usize,
+    columns: usize,
+}
+
+impl Blocks {
+    fn at(self, row: usize, column: usize) -> usize {
+        let begin = column - column % WIDTH;
+        begin * self.rows + row * WIDTH.min(self.columns - begin) + column - begin
+    }
+
+    fn count(self) -> usize {
+        self.rows * self.columns
+    }
+
+    /// The columns of blocks.
+    fn of_blocks(self) -> impl Iterator<Item = Range<usize>> {
+        (0..self.columns).step_by(WIDTH).map(move |begin| begin..(begin + WIDTH).min(self.columns))
+    }
+
+    fn resize<T: Real>(self, data: &mut Complex<T>) {
+        [&mut data.re, &mut data.im].into_iter().for_each(|part| part.resize(self.count(), T::zero()));
     }
 }
 
 /// One stage: groups p of `radix` slices each a stride wide.
 #[inline(always)]
-fn pass<T: Real>(stage: &Stage<T>, groups: usize, stride: usize, from: &Complex<T>, to: &mut Complex<T>) {
+fn pass<T: Real>(
+    stage: &Stage<T>,
+    groups: usize,
+    stride: usize,
+    [from_re, from_im]: &[&mut [T]; 2],
+    [re, im]: &mut [&mut [T]; 2],
+) {
     let radix = stage.radix;
     for p in 0..groups {
         let source = |t: usize| {
             let begin = stride * (p + groups * t);
-            (&from.re[begin..begin + stride], &from.im[begin..begin + stride])
+            (&from_re[begin..begin + stride], &from_im[begin..begin + stride])
         };
         let out = radix * stride * p..radix * stride * (p + 1);
-        let out = (&mut to.re[out.clone()], &mut to.im[out]);
+        let out = (&mut re[out.clone()], &mut im[out]);
         let factors = &stage.factors[(radix - 1) * p..(radix - 1) * (p + 1)];
         match radix {
             2 => butterfly::<T, 2>([source(0), source(1)], factors, out, |x| {
@@ -222,7 +266,8 @@ pub struct Convolution<T = f64> {
     inner: usize,
     side: usize,
     transform: Transform<T>,
-    /// Transform of the kernel over side², by wave numbers along the columns 0..=side/2, then along the rows.
+    /// Transform of the kernel over side², by wave numbers along the columns 0..=side/2, and along the rows, in blocks as
+    /// transforms of rows are.
     spectrum: Vec<T>,
 }
 
@@ -238,81 +283,90 @@ impl<T: Real> Convolution<T> {
     /// Convolutions with the kernel whose transform at the wave numbers (along the rows, along the columns),
     /// both of 0..side, is given.
     pub fn new(inner: usize, side: usize, spectrum: impl Fn(usize, usize) -> f64) -> Self {
-        let half = side / 2 + 1;
         let norm = 1.0 / (side as f64 * side as f64);
-        let spectrum =
-            (0..side).flat_map(|x| (0..half).map(move |y| (x, y))).map(|(x, y)| T::of(norm * spectrum(x, y)));
+        let at = |x, y| T::of(norm * spectrum(x, y));
+        let blocks = Blocks { rows: side, columns: side / 2 + 1 };
+        let of_rows = blocks.of_blocks().flat_map(|block| (0..side).map(move |x| (x, block.clone())));
+        let spectrum = of_rows.flat_map(|(x, block)| block.map(move |y| (x, y))).map(|(x, y)| at(x, y));
         Self { inner, side, transform: Transform::new(side), spectrum: spectrum.collect() }
     }
 
-    /// Convolves a grid of `inner` rows and columns, `inner` even, in its place.
-    pub fn apply(&self, grid: &mut [T], memory: &mut ConvolutionScratch<T>) {
+    /// Convolves a grid of `inner` rows and columns, `inner` even, in its place. Other threads of the pool may take parts.
+    pub fn apply(&self, grid: &mut [T], memory: &mut ConvolutionScratch<T>, is_shared: bool) {
         let Self { inner, side, .. } = *self;
         let (half, pairs) = (side / 2 + 1, inner / 2);
+        let (of_pairs, of_rows) =
+            (Blocks { rows: side, columns: pairs }, Blocks { rows: side, columns: half });
         let ConvolutionScratch { pairs: z, rows, scratch } = memory;
-        for part in [&mut z.re, &mut z.im] {
-            part.resize(side * pairs, T::zero());
-            part[inner * pairs..].fill(T::zero());
-        }
-        for part in [&mut rows.re, &mut rows.im] {
-            part.resize(side * half, T::zero());
-            part[inner * half..].fill(T::zero());
-        }
-        for y in 0..inner {
-            let (left, right) = grid[y * inner..(y + 1) * inner].split_at(pairs);
-            z.re[y * pairs..(y + 1) * pairs].copy_from_slice(left);
-            z.im[y * pairs..(y + 1) * pairs].copy_from_slice(right);
-        }
-        self.transform_within(side * pairs, pairs, z, scratch, false);
+        of_pairs.resize(z);
+        of_rows.resize(rows);
+        let size = (WIDTH * side, is_shared);
+        let width = |part: &[T]| part.len() / side;
+        // Two real columns come as one complex one.
+        in_chunks(size, 0, [&mut z.re, &mut z.im], &|block, [re, im]| {
+            let width = width(re);
+            for (part, first) in [(re, block * WIDTH), (im, pairs + block * WIDTH)] {
+                let (given, rest) = part.split_at_mut(inner * width);
+                for (row, given) in grid.chunks_exact(inner).zip(given.chunks_exact_mut(width)) {
+                    given.copy_from_slice(&row[first..first + width]);
+                }
+                rest.fill(T::zero());
+            }
+        });
+        of_pairs.resize(scratch);
+        self.transform.forward(WIDTH, z, scratch, is_shared);
         let of_two = T::of(0.5);
-        // The transforms of two real columns that came as one complex one.
-        for y in 0..half {
-            let mirrored = (side - y) % side;
-            for c in 0..pairs {
-                let (a, b) = (y * pairs + c, mirrored * pairs + c);
-                let (left, right) = (c * half + y, (c + pairs) * half + y);
-                rows.re[left] = of_two * (z.re[a] + z.re[b]);
-                rows.im[left] = of_two * (z.im[a] - z.im[b]);
-                rows.re[right] = of_two * (z.im[a] + z.im[b]);
-                rows.im[right] = of_two * (z.re[b] - z.re[a]);
+        in_chunks(size, 0, [&mut rows.re, &mut rows.im], &|block, [re, im]| {
+            let width = width(re);
+            for columns in of_pairs.of_blocks() {
+                for (k, y) in (block * WIDTH..).take(width).enumerate() {
+                    let [a, b] = [y, (side - y) % side].map(|y| of_pairs.at(y, columns.start));
+                    for (j, c) in columns.clone().enumerate() {
+                        let (a, b, left, right) = (a + j, b + j, c * width + k, (c + pairs) * width + k);
+                        re[left] = of_two * (z.re[a] + z.re[b]);
+                        im[left] = of_two * (z.im[a] - z.im[b]);
+                        re[right] = of_two * (z.im[a] + z.im[b]);
+                        im[right] = of_two * (z.re[b] - z.re[a]);
+                    }
+                }
             }
-        }
-        self.transform_within(side * half, half, rows, scratch, false);
-        for part in [&mut rows.re, &mut rows.im] {
-            part.iter_mut().zip(&self.spectrum).for_each(|(value, factor)| *value *= *factor);
-        }
-        self.transform_within(side * half, half, rows, scratch, true);
-        for y in 0..side {
-            let (from, sign) = if y < half { (y, T::one()) } else { (side - y, -T::one()) };
-            for c in 0..pairs {
-                let (left, right) = (c * half + from, (c + pairs) * half + from);
-                z.re[y * pairs + c] = rows.re[left] - sign * rows.im[right];
-                z.im[y * pairs + c] = sign * rows.im[left] + rows.re[right];
+            re[inner * width..].fill(T::zero());
+            im[inner * width..].fill(T::zero());
+        });
+        of_rows.resize(scratch);
+        self.transform.forward(WIDTH, rows, scratch, is_shared);
+        in_chunks(size, 0, [&mut rows.re, &mut rows.im], &|block, parts| {
+            for part in parts {
+                let factors = &self.spectrum[block * WIDTH * side..];
+                part.iter_mut().zip(factors).for_each(|(value, factor)| *value *= *factor);
             }
-        }
-        self.transform_within(side * pairs, pairs, z, scratch, true);
-        for y in 0..inner {
-            let (left, right) = grid[y * inner..(y + 1) * inner].split_at_mut(pairs);
-            left.copy_from_slice(&z.re[y * pairs..(y + 1) * pairs]);
-            right.copy_from_slice(&z.im[y * pairs..(y + 1) * pairs]);
-        }
-    }
-
-    /// Transforms `count` numbers in columns, with scratch that may be longer.
-    fn transform_within(
-        &self,
-        count: usize,
-        columns: usize,
-        data: &mut Complex<T>,
-        scratch: &mut Complex<T>,
-        is_backward: bool,
-    ) {
-        scratch.re.resize(count, T::zero());
-        scratch.im.resize(count, T::zero());
-        if is_backward {
-            self.transform.backward(columns, data, scratch);
-        } else {
-            self.transform.forward(columns, data, scratch);
+        });
+        self.transform.backward(WIDTH, rows, scratch, is_shared);
+        in_chunks(size, 0, [&mut z.re, &mut z.im], &|block, [re, im]| {
+            let width = width(re);
+            for columns in of_rows.of_blocks() {
+                for (j, c) in (block * WIDTH..).take(width).enumerate() {
+                    let [left, right] = [c, c + pairs].map(|c| of_rows.at(c, columns.start));
+                    for (k, y) in columns.clone().enumerate() {
+                        let (left, right) = (left + k, right + k);
+                        re[y * width + j] = rows.re[left] - rows.im[right];
+                        im[y * width + j] = rows.im[left] + rows.re[right];
+                        if y > 0 && 2 * y < side {
+                            re[(side - y) * width + j] = rows.re[left] + rows.im[right];
+                            im[(side - y) * width + j] = rows.re[right] - rows.im[left];
+                        }
+                    }
+                }
+            }
+        });
+        of_pairs.resize(scratch);
+        self.transform.backward(WIDTH, z, scratch, is_shared);
+        for (y, row) in grid.chunks_exact_mut(inner).enumerate() {
+            for columns in of_pairs.of_blocks() {
+                let (begin, width) = (of_pairs.at(y, columns.start), columns.len());
+                row[columns.clone()].copy_from_slice(&z.re[begin..begin + width]);
+                row[pairs + columns.start..pairs + columns.end].copy_from_slice(&z.im[begin..begin + width]);
+            }
         }
     }
 }
@@ -336,7 +390,7 @@ mod tests {
                 im: (0..count).map(|i| number(i + count)).collect(),
             };
             let (given, mut scratch) = (data.clone(), Complex::zeros(count));
-            transform.forward(columns, &mut data, &mut scratch);
+            transform.forward(columns, &mut data, &mut scratch, false);
             for k in 0..length {
                 for c in 0..columns {
                     let (mut re, mut im) = (0.0, 0.0);
@@ -350,7 +404,7 @@ mod tests {
                     assert!((data.re[i] - re).abs() + (data.im[i] - im).abs() < 1e-13, "{length}");
                 }
             }
-            transform.backward(columns, &mut data, &mut scratch);
+            transform.backward(columns, &mut data, &mut scratch, false);
             let n = length as f64;
             assert!((0..count).all(|i| (data.re[i] / n - given.re[i]).abs() < 1e-14));
         }
@@ -366,7 +420,7 @@ mod tests {
             let convolution = Convolution::new(inner, side, spectrum);
             let given: Vec<f64> = (0..inner * inner).map(number).collect();
             let mut grid = given.clone();
-            convolution.apply(&mut grid, &mut ConvolutionScratch::default());
+            convolution.apply(&mut grid, &mut ConvolutionScratch::default(), false);
             let at = |x: isize, y: isize| {
                 let wrap = |i: isize| i.rem_euclid(side as isize) as usize;
                 let (x, y) = (wrap(x), wrap(y));

@@ -1,6 +1,7 @@
 //! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
 
 pub mod chebyshev;
+pub mod chunks;
 pub mod clenshaw_curtis;
 pub mod control_variates;
 pub mod counting_sort;

@@ -9,6 +9,7 @@
 //! transform is one on a grid.
 
 use super::{Coupling, Influence};
+use crate::math::chunks::in_chunks;
 use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::real::Real;
@@ -23,6 +24,8 @@ const NODES: usize = 64;
 /// Grid points over which the kernel of a square alone keeps its values beyond where it is needed, and fewest
 /// over which it goes to nothing.
 const MARGIN: (usize, usize) = (16, 64);
+/// Points whose displacements one thread reads at a time.
+const CHUNK: usize = 1024;
 /// Columns of a window that are taken together.
 const LANES: usize = 8;
 
@@ -135,30 +138,32 @@ impl<T: Real> Far<T> {
         }
     }
 
-    /// Fills `displacements` with those by the smooth part.
-    pub fn displace(&mut self, loads: &[T], displacements: &mut [T]) {
+    /// Fills `displacements` with those by the smooth part. Other threads of the pool may take parts.
+    pub fn displace(&mut self, loads: &[T], displacements: &mut [T], is_shared: bool) {
         self.grid.fill(T::zero());
         match self.window.width.div_ceil(LANES) {
-            1 => self.displace_by::<1>(loads, displacements),
-            2 => self.displace_by::<2>(loads, displacements),
-            3 => self.displace_by::<3>(loads, displacements),
+            1 => self.displace_by::<1>(loads, displacements, is_shared),
+            2 => self.displace_by::<2>(loads, displacements, is_shared),
+            3 => self.displace_by::<3>(loads, displacements, is_shared),
             _ => unreachable!("a window for 1e-16 has 23 columns"),
         }
     }
 
     /// The displacements with windows of `GROUPS` groups of columns.
-    fn displace_by<const GROUPS: usize>(&mut self, loads: &[T], displacements: &mut [T]) {
+    fn displace_by<const GROUPS: usize>(&mut self, loads: &[T], displacements: &mut [T], is_shared: bool) {
         InstructionSet::current().run(
             #[inline(always)]
             || self.spread::<GROUPS>(loads),
         );
         self.fold();
-        self.convolution.apply(&mut self.inner, &mut self.scratch);
+        self.convolution.apply(&mut self.inner, &mut self.scratch, is_shared);
         self.unfold();
-        InstructionSet::current().run(
-            #[inline(always)]
-            || self.read::<GROUPS>(displacements),
-        );
+        in_chunks((CHUNK, is_shared), 0, [displacements], &|number, [displacements]| {
+            InstructionSet::current().run(
+                #[inline(always)]
+                || self.read::<GROUPS>(number * CHUNK, displacements),
+            );
+        });
     }
 
     #[inline(always)]
@@ -182,9 +187,10 @@ impl<T: Real> Far<T> {
     }
 
     #[inline(always)]
-    fn read<const GROUPS: usize>(&self, displacements: &mut [T]) {
-        let weights = self.weights.chunks_exact(GROUPS * LANES + self.window.width);
-        for ((place, weights), displacement) in self.places.iter().zip(weights).zip(displacements) {
+    fn read<const GROUPS: usize>(&self, first: usize, displacements: &mut [T]) {
+        let count = GROUPS * LANES + self.window.width;
+        let weights = self.weights[first * count..].chunks_exact(count);
+        for ((place, weights), displacement) in self.places[first..].iter().zip(weights).zip(displacements) {
             let (columns, rows) = groups::<T, GROUPS>(weights);
             // Columns are summed over the rows first, which every vector does alike.
             let mut sums = [[T::zero(); LANES]; GROUPS];
@@ -328,11 +334,11 @@ fn alone<T: Real>(
 fn in_both_ways(
     side: usize,
     data: &mut Complex,
-    transform: fn(&Transform, usize, &mut Complex, &mut Complex),
+    transform: fn(&Transform, usize, &mut Complex, &mut Complex, bool),
 ) {
     let (own, mut scratch) = (Transform::new(side), Complex::zeros(side * side));
     for _ in 0..2 {
-        transform(&own, side, data, &mut scratch);
+        transform(&own, side, data, &mut scratch, false);
         for part in [&mut data.re, &mut data.im] {
             for y in 0..side {
                 for x in 0..y {

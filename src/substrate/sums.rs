@@ -78,7 +78,7 @@ impl<T: Real> DisplacementSums<T> {
             close.iter_mut().zip(&*loads).for_each(|(u, load)| *u = -self.own * *load);
             near.add(loads, close);
         };
-        let mut far = || far.displace(loads, smooth);
+        let mut far = || far.displace(loads, smooth, self.is_shared);
         if self.is_shared {
             rayon::join(near, far);
         } else {

@@ -71,6 +71,16 @@ pub struct Settled {
     pub avalanches: Avalanches,
 }
 
+/// What Newton's method found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Search {
+    Stable,
+    /// There is no stable state nearby.
+    Unstable,
+    /// Asperities still go to and fro.
+    Undecided,
+}
+
 /// A state of a surface.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
@@ -263,11 +273,23 @@ impl<'a> Solver<'a> {
 
     /// Goes to the separation d, m, from the present state.
     pub fn settle(&mut self, d: f64) -> Settled {
+        self.settle_by(d, &[Search::Unstable, Search::Undecided])
+    }
+
+    /// Goes to the separation d, m, but falls only if there is no stable state nearby: where asperities go to and fro,
+    /// a fall takes far longer than shorter steps, which may help.
+    pub fn try_to_settle(&mut self, d: f64) -> Settled {
+        self.settle_by(d, &[Search::Unstable])
+    }
+
+    /// Goes to a separation, and falls after some outcomes of the search.
+    fn settle_by(&mut self, d: f64, falls_after: &[Search]) -> Settled {
         let (before, from) = (self.snapshot(), self.separation);
         self.passages.step();
         self.extrapolate(d);
-        let is_near = self.search(d, HOPELESS);
-        let is_converged = is_near || self.fall_from(&before, d);
+        let found = self.search(d, HOPELESS);
+        let is_near = found == Search::Stable;
+        let is_converged = is_near || falls_after.contains(&found) && self.fall_from(&before, d);
         if is_near {
             self.path = Some(before.clone());
         }
@@ -483,9 +505,9 @@ impl Solver<'_> {
         states.resting.len() < count
     }
 
-    /// Newton's method with at most `most` steps; whether it came to a stable state.
+    /// Newton's method with at most `most` steps.
     // Each way out of a step stands where the method has it: the order of them is the method.
-    fn search(&mut self, d: f64, most: usize) -> bool {
+    fn search(&mut self, d: f64, most: usize) -> Search {
         self.passages.begin(self.heights.len(), false);
         self.pass_all(0.0);
         self.passages.is_moved = false;
@@ -508,7 +530,11 @@ impl Solver<'_> {
                 if smallest <= 0.0 && !self.states.resting.is_empty() {
                     smallest = self.stability_without_rests();
                 }
-                return !(smallest <= 0.0) && self.passages.frozen == 0;
+                return match (smallest <= 0.0, self.passages.frozen) {
+                    (true, _) => Search::Unstable,
+                    (false, 0) => Search::Stable,
+                    _ => Search::Undecided,
+                };
             }
             if std::mem::take(&mut self.passages.is_knot) {
                 let is_worth = self.untie();
@@ -536,13 +562,13 @@ impl Solver<'_> {
             let is_free = |i: &usize| !self.states.resting.contains_key(&(*i as u32));
             let longest = largest((0..self.heights.len()).filter(is_free).map(|i| self.memory.step[i]));
             if !(longest < near) {
-                return false;
+                return Search::Unstable;
             }
             self.passages.longest = self.passages.longest.max(longest);
             self.advance(1.0);
             has_passed = self.pass_all(UNCERTAIN * longest);
         }
-        false
+        Search::Undecided
     }
 
     /// Lets asperities pass until none does; whether there were any.

@@ -367,8 +367,9 @@ impl CoupledSurface<'_> {
 
     /// Goes to d, m, from the present state; in shorter steps where one from a stable state does not lead to another.
     fn reach(&mut self, d: f64, before: &Snapshot, halvings: u32) -> Settled {
-        let settled = self.solver.settle(d);
-        if settled.is_converged || halvings == 0 || !before.is_stable() || (self.ends)() {
+        let may_halve = halvings > 0 && before.is_stable();
+        let settled = if may_halve { self.solver.try_to_settle(d) } else { self.solver.settle(d) };
+        if settled.is_converged || !may_halve || (self.ends)() {
             return settled;
         }
         self.solver.restore(before);

@@ -4,7 +4,7 @@
 //! u' = G f − u, from the last stable state to the next, by linearly implicit steps (pseudo-transient continuation;
 //! Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
-use super::{DECISIVE, STEPS, Snapshot, Solver, largest_magnitude};
+use super::{DECISIVE, STEPS, Search, Snapshot, Solver, largest_magnitude};
 
 /// Longest step, in lengths over which laws vary.
 const LONGEST: f64 = 0.3;
@@ -26,7 +26,7 @@ impl Solver<'_> {
         self.passages.step();
         let is_converged = IDLE.into_iter().any(|idle| {
             self.fall(d, idle);
-            self.search(d, STEPS)
+            self.search(d, STEPS) == Search::Stable
         });
         self.forget();
         is_converged

@@ -1,7 +1,16 @@
 //! Work on parts of slices that several threads share.
 
-/// Hands over chunks of slices with their numbers, in halves to several threads of the pool or one after the other.
+/// Hands over chunks of slices of one length, with their numbers, to several threads of the pool or one after the other.
 pub fn in_chunks<T: Send, const N: usize>(
+    (size, is_shared): (usize, bool),
+    slices: [&mut [T]; N],
+    of: &(impl Fn(usize, [&mut [T]; N]) + Sync),
+) {
+    in_halves((size, is_shared), 0, slices, of);
+}
+
+/// Hands over chunks, the first of which has a number, by halves.
+fn in_halves<T: Send, const N: usize>(
     (size, is_shared): (usize, bool),
     first: usize,
     slices: [&mut [T]; N],
@@ -17,8 +26,8 @@ pub fn in_chunks<T: Send, const N: usize>(
         *slice = rest;
         left
     });
-    let left = || in_chunks((size, is_shared), first, left, of);
-    let right = || in_chunks((size, is_shared), first + middle, right, of);
+    let left = || in_halves((size, is_shared), first, left, of);
+    let right = || in_halves((size, is_shared), first + middle, right, of);
     if is_shared {
         rayon::join(left, right);
     } else {

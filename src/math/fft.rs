@@ -35,6 +35,10 @@ impl<T: Real> Complex<T> {
         Self { re: vec![T::zero(); count], im: vec![T::zero(); count] }
     }
 
+    fn resize(&mut self, count: usize) {
+        [&mut self.re, &mut self.im].into_iter().for_each(|part| part.resize(count, T::zero()));
+    }
+
     fn swap(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.re, &mut other.re);
         std::mem::swap(&mut self.im, &mut other.im);
@@ -88,11 +92,12 @@ impl<T: Real> Transform<T> {
         Self { length, stages }
     }
 
-    /// Transforms columns of `data` forward: Σ x e^(−2πi jk/n), in [`Blocks`] of up to `width` columns. `scratch` has as
-    /// many numbers. Other threads of the pool may take blocks.
+    /// Transforms columns of `data` forward: Σ x e^(−2πi jk/n), in [`Blocks`] of up to `width` columns. Other threads of
+    /// the pool may take blocks.
     pub fn forward(&self, width: usize, data: &mut Complex<T>, scratch: &mut Complex<T>, is_shared: bool) {
+        scratch.resize(data.re.len());
         let parts = [&mut data.re[..], &mut data.im, &mut scratch.re, &mut scratch.im];
-        in_chunks((self.length * width, is_shared), 0, parts, &|_, [re, im, re_scratch, im_scratch]| {
+        in_chunks((self.length * width, is_shared), parts, &|_, [re, im, re_scratch, im_scratch]| {
             let (mut from, mut to) = ([re, im], [re_scratch, im_scratch]);
             let (mut left, mut stride) = (self.length, from[0].len() / self.length);
             for stage in &self.stages {
@@ -138,10 +143,6 @@ impl Blocks {
     /// The columns of blocks.
     fn of_blocks(self) -> impl Iterator<Item = Range<usize>> {
         (0..self.columns).step_by(WIDTH).map(move |begin| begin..(begin + WIDTH).min(self.columns))
-    }
-
-    fn resize<T: Real>(self, data: &mut Complex<T>) {
-        [&mut data.re, &mut data.im].into_iter().for_each(|part| part.resize(self.count(), T::zero()));
     }
 }
 
@@ -298,12 +299,12 @@ impl<T: Real> Convolution<T> {
         let (of_pairs, of_rows) =
             (Blocks { rows: side, columns: pairs }, Blocks { rows: side, columns: half });
         let ConvolutionScratch { pairs: z, rows, scratch } = memory;
-        of_pairs.resize(z);
-        of_rows.resize(rows);
+        z.resize(of_pairs.count());
+        rows.resize(of_rows.count());
         let size = (WIDTH * side, is_shared);
         let width = |part: &[T]| part.len() / side;
         // Two real columns come as one complex one.
-        in_chunks(size, 0, [&mut z.re, &mut z.im], &|block, [re, im]| {
+        in_chunks(size, [&mut z.re, &mut z.im], &|block, [re, im]| {
             let width = width(re);
             for (part, first) in [(re, block * WIDTH), (im, pairs + block * WIDTH)] {
                 let (given, rest) = part.split_at_mut(inner * width);
@@ -313,10 +314,9 @@ impl<T: Real> Convolution<T> {
                 rest.fill(T::zero());
             }
         });
-        of_pairs.resize(scratch);
         self.transform.forward(WIDTH, z, scratch, is_shared);
         let of_two = T::of(0.5);
-        in_chunks(size, 0, [&mut rows.re, &mut rows.im], &|block, [re, im]| {
+        in_chunks(size, [&mut rows.re, &mut rows.im], &|block, [re, im]| {
             let width = width(re);
             for columns in of_pairs.of_blocks() {
                 for (k, y) in (block * WIDTH..).take(width).enumerate() {
@@ -333,16 +333,15 @@ impl<T: Real> Convolution<T> {
             re[inner * width..].fill(T::zero());
             im[inner * width..].fill(T::zero());
         });
-        of_rows.resize(scratch);
         self.transform.forward(WIDTH, rows, scratch, is_shared);
-        in_chunks(size, 0, [&mut rows.re, &mut rows.im], &|block, parts| {
+        in_chunks(size, [&mut rows.re, &mut rows.im], &|block, parts| {
             for part in parts {
                 let factors = &self.spectrum[block * WIDTH * side..];
                 part.iter_mut().zip(factors).for_each(|(value, factor)| *value *= *factor);
             }
         });
         self.transform.backward(WIDTH, rows, scratch, is_shared);
-        in_chunks(size, 0, [&mut z.re, &mut z.im], &|block, [re, im]| {
+        in_chunks(size, [&mut z.re, &mut z.im], &|block, [re, im]| {
             let width = width(re);
             for columns in of_rows.of_blocks() {
                 for (j, c) in (block * WIDTH..).take(width).enumerate() {
@@ -359,7 +358,6 @@ impl<T: Real> Convolution<T> {
                 }
             }
         });
-        of_pairs.resize(scratch);
         self.transform.backward(WIDTH, z, scratch, is_shared);
         for (y, row) in grid.chunks_exact_mut(inner).enumerate() {
             for columns in of_pairs.of_blocks() {
@@ -413,7 +411,7 @@ mod tests {
     /// A kernel that shifts both ways at once, by the sum that defines a convolution.
     #[test]
     fn convolutions_are_their_sums() {
-        for (inner, side) in [(8, 8), (6, 12), (10, 20), (12, 30)] {
+        for (inner, side) in [(8, 8), (6, 12), (10, 20), (12, 30), (150, 160)] {
             // k(x, y) = (δ₀ + 0.5 δ₁ + 0.5 δ₋₁)(x) (δ₀ + 0.25 δ₂ + 0.25 δ₋₂)(y).
             let cosine = |k: usize, by: usize| (2.0 * PI * (k * by) as f64 / side as f64).cos();
             let spectrum = |x, y| (1.0 + cosine(x, 1)) * (1.0 + 0.5 * cosine(y, 2));
@@ -421,6 +419,9 @@ mod tests {
             let given: Vec<f64> = (0..inner * inner).map(number).collect();
             let mut grid = given.clone();
             convolution.apply(&mut grid, &mut ConvolutionScratch::default(), false);
+            let mut by_many = given.clone();
+            convolution.apply(&mut by_many, &mut ConvolutionScratch::default(), true);
+            assert_eq!(grid, by_many);
             let at = |x: isize, y: isize| {
                 let wrap = |i: isize| i.rem_euclid(side as isize) as usize;
                 let (x, y) = (wrap(x), wrap(y));

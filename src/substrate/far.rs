@@ -158,7 +158,7 @@ impl<T: Real> Far<T> {
         self.fold();
         self.convolution.apply(&mut self.inner, &mut self.scratch, is_shared);
         self.unfold();
-        in_chunks((CHUNK, is_shared), 0, [displacements], &|number, [displacements]| {
+        in_chunks((CHUNK, is_shared), [displacements], &|number, [displacements]| {
             InstructionSet::current().run(
                 #[inline(always)]
                 || self.read::<GROUPS>(number * CHUNK, displacements),

@@ -10,7 +10,7 @@
 use super::asperities::{Rest, SLOPE_STEP};
 use super::solver::Solver;
 use super::systems::{CLOSEST, System};
-use nalgebra::{DMatrix, DVector};
+use crate::math::linalg::Lu;
 
 /// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;
@@ -69,14 +69,13 @@ pub fn untied(
     (still, yielding): (&[f64], &[f64]),
     mut law: impl FnMut(usize, u8, f64) -> [f64; 2],
 ) -> Option<Untied> {
-    let yielding = DMatrix::from_row_slice(choices.len(), choices.len(), yielding);
     let mut best: Option<([usize; 3], Untied)> = None;
     let mut numbers = vec![0; choices.len()];
     loop {
         let chosen: Vec<Choice> = numbers.iter().zip(choices).map(|(number, own)| own[*number]).collect();
         // A law with a root has two solutions: from either end of a segment one is found.
         for side in 0..2 {
-            let found = stand(&chosen, side, (still, &yielding), &mut law);
+            let found = stand(&chosen, side, (still, yielding), &mut law);
             if let Some((cost, untied)) = found.and_then(|untied| Some((cost(&chosen, &untied)?, untied)))
                 && best.as_ref().is_none_or(|(least, _)| cost < *least)
             {
@@ -93,11 +92,11 @@ pub fn untied(
 
 /// The state in which members are where they are chosen to be, or beyond their ends, by Newton's method from
 /// one side of segments.
-// One step of the method: rows, solution and end all take its matrices.
+// One step of the method: rows, solution and end all take its equations.
 fn stand(
     chosen: &[Choice],
     side: usize,
-    (still, yielding): (&[f64], &DMatrix<f64>),
+    (still, yielding): (&[f64], &[f64]),
     law: &mut impl FnMut(usize, u8, f64) -> [f64; 2],
 ) -> Option<Untied> {
     let count = chosen.len();
@@ -109,39 +108,36 @@ fn stand(
     let mut places: Vec<f64> = chosen.iter().map(begin).collect();
     for _ in 0..STEPS {
         // f + K Y f = f(δ) + K (c − δ) at the last δ, or Y f = c − δ of one at rest.
-        let (mut matrix, mut right) = (yielding.clone(), DVector::from_column_slice(still));
-        let mut slopes = DVector::zeros(count);
+        let (mut factors, mut right) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for (k, choice) in chosen.iter().enumerate() {
-            let mut row = matrix.row_mut(k);
-            match *choice {
+            let (own, factor, equals) = match *choice {
                 Choice::At { place, .. } => {
-                    let scale = 1.0 / row.amax();
-                    row *= scale;
-                    right[k] = scale * (right[k] - place);
+                    let scale = 1.0 / largest(&yielding[k * count..][..count]);
+                    (0.0, scale, scale * (still[k] - place))
                 }
                 Choice::In { segment, .. } => {
                     let [force, slope] = law(k, segment, places[k]);
-                    slopes[k] = slope;
-                    row *= slope;
-                    row[k] += 1.0;
-                    right[k] = force + slope * (right[k] - places[k]);
+                    (1.0, slope, force + slope * (still[k] - places[k]))
                 }
-            }
+            };
+            factors.push([own, factor]);
+            right.push(equals);
         }
-        let forces = matrix.lu().solve(&right)?;
-        let driven = yielding * &forces;
-        let found = DVector::from_column_slice(still) - &driven;
-        let moved = (0..count).fold(0.0, |most: f64, k| most.max((found[k] - places[k]).abs()));
-        places.copy_from_slice(found.as_slice());
-        if moved <= STILL * driven.amax() {
-            let others = DMatrix::identity(count, count) + yielding * DMatrix::from_diagonal(&slopes);
-            let yielding = others.lu().solve(yielding)?.diagonal().as_slice().to_vec();
-            return Some(Untied {
-                choices: Vec::new(),
-                places,
-                forces: forces.as_slice().to_vec(),
-                yielding,
-            });
+        let response = |k: usize, l: usize| yielding[k * count + l];
+        let diagonal = |k: usize, l: usize, own: f64| if k == l { own } else { 0.0 };
+        let of_forces = |k, l| response(k, l) * factors[k][1] + diagonal(k, l, factors[k][0]);
+        let forces = Lu::new(count, of_forces).solved(right)?;
+        let drives = |k: usize| (0..count).map(|l| response(k, l) * forces[l]).sum();
+        let driven: Vec<f64> = (0..count).map(drives).collect();
+        let moved = (0..count).fold(0.0, |most: f64, k| most.max((still[k] - driven[k] - places[k]).abs()));
+        places = still.iter().zip(&driven).map(|(still, driven)| still - driven).collect();
+        if moved <= STILL * largest(&driven) {
+            // 1 + Y K, where those at rest have no slope.
+            let of_others = |k, l| response(k, l) * (factors[l][0] * factors[l][1]) + diagonal(k, l, 1.0);
+            let others = Lu::new(count, of_others);
+            let own = |k: usize| Some(others.solved((0..count).map(|l| response(l, k)).collect())?[k]);
+            let yielding = (0..count).map(own).collect::<Option<_>>()?;
+            return Some(Untied { choices: Vec::new(), places, forces, yielding });
         }
     }
     None
@@ -163,6 +159,11 @@ fn cost(chosen: &[Choice], untied: &Untied) -> Option<[usize; 3]> {
         }
     }
     Some(cost)
+}
+
+/// The largest of some numbers, without their signs.
+fn largest(of: &[f64]) -> f64 {
+    of.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
 /// Share of the upper of two forces in one between, N.
@@ -218,20 +219,20 @@ impl Solver<'_> {
         let Some((steps, responses)) = responses else { return self.passages.untied(first) };
         let loads: Vec<f64> = of.iter().map(|i| self.external[*i]).collect();
         let at = |k: usize| {
-            let by_loads = loads.iter().enumerate().map(|(l, load)| responses[(k, l)] * load);
+            let by_loads = loads.iter().zip(&responses).map(|(load, response)| response[k] * load);
             self.interference[of[k]] + steps[k] - by_loads.sum::<f64>()
         };
         let still: Vec<f64> = (0..count).map(at).collect();
-        // Row by row, as the columns of what is transposed.
-        let yielding = (-responses.rows(0, count)).transpose();
+        let yielding: Vec<f64> = (0..count).flat_map(|k| responses.iter().map(move |by| -by[k])).collect();
         let law = |k: usize, segment: u8, delta: f64| self.load_and_slope(of[k], segment, delta);
-        let Some(untied) = untied(choices, (&still, yielding.as_slice()), law) else {
+        let Some(untied) = untied(choices, (&still, &yielding), law) else {
             // The next knot has its turn.
             return self.passages.untied(first);
         };
-        let changes =
-            DVector::from_iterator(count, untied.forces.iter().zip(&loads).map(|(force, load)| force - load));
-        for (i, step) in near.iter().zip((steps + responses * changes).iter()) {
+        let changes: Vec<f64> = untied.forces.iter().zip(&loads).map(|(force, load)| force - load).collect();
+        for (k, (i, step)) in near.iter().zip(steps).enumerate() {
+            let step =
+                step + changes.iter().zip(&responses).map(|(by, lowered)| lowered[k] * by).sum::<f64>();
             match self.states.resting.get_mut(&(*i as u32)) {
                 Some(rest) => rest.share += rest.stiffness * step / (rest.ends[1] - rest.ends[0]),
                 None => self.interference[*i] += step,
@@ -244,7 +245,7 @@ impl Solver<'_> {
                     let rest = rests.iter().find(|rest| rest.ends == forces).expect("choices are of rests");
                     let share = share(&forces, untied.forces[k]);
                     // By itself it may not yield at all.
-                    let by_others = yielding.column(k).amax();
+                    let by_others = largest(&yielding[k * count..][..count]);
                     let own = untied.yielding[k].abs().max(LEAST * by_others).copysign(untied.yielding[k]);
                     self.states.resting.insert(*i, Rest { share, stiffness: 1.0 / own, ..*rest });
                     rest.segments[usize::from(share >= 0.5)]
@@ -274,12 +275,12 @@ impl Solver<'_> {
 
     /// Steps of Newton's method, m, of the asperities `near` while all others stay, and their responses to
     /// each of some of them, m/N.
-    pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let influence = |k: usize, l: usize| self.half_space.influence(near[k], l);
-        // 1 + G K: G is symmetric.
-        let matrix = self.unshifted().matrix(&self.half_space, near, false).transpose().lu();
-        let steps = matrix.solve(&DVector::from_fn(near.len(), |k, _| -self.residual[near[k]]))?;
-        let responses = matrix.solve(&DMatrix::from_fn(near.len(), of.len(), |k, l| -influence(k, of[l])))?;
+    pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let system = self.unshifted();
+        let matrix = system.transposed(&self.half_space, near);
+        let steps = matrix.solved(near.iter().map(|i| -self.residual[*i]).collect())?;
+        let influence = |j: usize| near.iter().map(move |i| -self.half_space.influence(*i, j)).collect();
+        let responses = of.iter().map(|j| matrix.solved(influence(*j))).collect::<Option<_>>()?;
         Some((steps, responses))
     }
 
@@ -291,17 +292,18 @@ impl Solver<'_> {
         if near.is_empty() {
             return yielding;
         }
-        let influence = DVector::from_iterator(near.len(), near.iter().map(|j| half_space.influence(i, *j)));
-        let matrix = system.matrix(half_space, &near, false).transpose().lu();
-        let Some(lowered) = matrix.solve(&influence) else { return yielding };
-        let terms = near.iter().zip(influence.iter().zip(lowered.iter()));
+        let influence: Vec<f64> = near.iter().map(|j| half_space.influence(i, *j)).collect();
+        let Some(lowered) = system.transposed(half_space, &near).solved(influence.clone()) else {
+            return yielding;
+        };
+        let terms = near.iter().zip(influence.iter().zip(&lowered));
         let further: f64 = terms.map(|(j, (own, lowered))| self.slopes[*j] * own * (own - lowered)).sum();
         yielding + further
     }
 
     /// Steps and responses by a system of all.
-    pub(super) fn global(&mut self, near: &[usize], of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
-        let column = |step: &[f64]| DVector::from_iterator(near.len(), near.iter().map(|i| step[*i]));
+    pub(super) fn global(&mut self, near: &[usize], of: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let column = |step: &[f64]| near.iter().map(|i| step[*i]).collect();
         self.system(0.0, SYSTEM);
         let steps = column(&self.memory.step);
         let mut unit = vec![0.0; self.heights.len()];
@@ -312,7 +314,7 @@ impl Solver<'_> {
             self.system(0.0, SYSTEM);
             column(&self.memory.step)
         };
-        (steps, DMatrix::from_columns(&of.iter().map(response).collect::<Vec<_>>()))
+        (steps, of.iter().map(response).collect())
     }
 
     /// The asperities that went to and fro, those first that did so most often, with the jumps that are still theirs.

@@ -9,8 +9,7 @@
 use super::asperities::Rest;
 use super::half_space::HalfSpace;
 use crate::math::gmres;
-use crate::math::linalg::smallest_real_part;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use crate::math::linalg::{Lu, smallest_real_part};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most neighbours of an asperity at rest that give way to its force to all orders.
@@ -52,7 +51,7 @@ pub struct Memory {
 struct Block {
     members: Vec<usize>,
     /// 1 + s + K G of the members.
-    matrix: LU<f64, Dyn, Dyn>,
+    matrix: Lu,
 }
 
 impl System<'_> {
@@ -111,7 +110,7 @@ impl System<'_> {
             let members: Vec<usize> = std::iter::once(first as usize).chain(free).collect();
             taken.extend(&members);
             // A determinant below 0 would change the sign of an eigenvalue, and hide that a state is unstable.
-            let of_order = |is_first| self.matrix(half_space, &members, is_first).lu();
+            let of_order = |is_first| Lu::new(members.len(), self.matrix(half_space, &members, is_first));
             let found = [false, true].into_iter().map(of_order).find(|matrix| matrix.determinant() > 0.0);
             blocks.extend(found.map(|matrix| Block { members, matrix }));
         }
@@ -139,10 +138,15 @@ impl System<'_> {
         others.into_iter().map(|(_, j)| j).take(most).collect()
     }
 
-    /// 1 + s + K G of some asperities, or without the influence of the ones not at rest on each other: to the first
-    /// order.
-    pub fn matrix(&self, half_space: &HalfSpace, of: &[usize], is_first_order: bool) -> DMatrix<f64> {
-        DMatrix::from_fn(of.len(), of.len(), |k, l| {
+    /// Elements of 1 + s + K G of some asperities, or without the influence of the ones not at rest on each
+    /// other: to the first order.
+    pub fn matrix(
+        &self,
+        half_space: &HalfSpace,
+        of: &[usize],
+        is_first_order: bool,
+    ) -> impl Fn(usize, usize) -> f64 {
+        move |k, l| {
             let (i, j) = (of[k], of[l]);
             let is_free = !self.is_at_rest(i);
             if is_first_order && i != j && is_free && !self.is_at_rest(j) {
@@ -150,7 +154,13 @@ impl System<'_> {
             }
             let own = if i == j && is_free { 1.0 + self.shift } else { 0.0 };
             own + self.slopes[i] * half_space.influence(i, j)
-        })
+        }
+    }
+
+    /// 1 + s + G K of some asperities: G is symmetric.
+    pub fn transposed(&self, half_space: &HalfSpace, of: &[usize]) -> Lu {
+        let element = self.matrix(half_space, of, false);
+        Lu::new(of.len(), |k, l| element(l, k))
     }
 
     fn is_at_rest(&self, i: usize) -> bool {
@@ -160,9 +170,8 @@ impl System<'_> {
     /// Makes loads of right-hand sides, as if blocks were alone.
     fn eliminate(&self, blocks: &[Block], loads: &mut [f64]) {
         for Block { members, matrix } in blocks {
-            let mut own = DVector::from_iterator(members.len(), members.iter().map(|i| loads[*i]));
-            if matrix.solve_mut(&mut own) {
-                members.iter().zip(own.iter()).for_each(|(i, load)| loads[*i] = *load);
+            if let Some(own) = matrix.solved(members.iter().map(|i| loads[*i]).collect()) {
+                members.iter().zip(own).for_each(|(i, load)| loads[*i] = load);
             }
         }
     }

@@ -11,9 +11,7 @@ use super::height_integral::AtSeparation;
 use super::node_table::Normal;
 use crate::asperity::{Lanes, Law, Quantity, Responses, SolverStats};
 use crate::math::extrema::maximum;
-use gauss_quad::GaussHermite;
-use std::f64::consts::{PI, SQRT_2};
-use std::num::NonZeroUsize;
+use crate::math::gauss::normal;
 use std::sync::LazyLock;
 
 /// Least distance of the mean height from the end of the first piece, σ_s.
@@ -82,14 +80,6 @@ fn responses(
 
 /// The rules, which are found once.
 fn rules() -> &'static [Rule; 2] {
-    static RULES: LazyLock<[Rule; 2]> = LazyLock::new(|| {
-        NODES.map(|nodes| {
-            let rule = GaussHermite::new(NonZeroUsize::new(nodes).expect("a rule has nodes"));
-            let pairs = rule.as_node_weight_pairs().iter();
-            let mut rule: Rule = pairs.map(|(x, weight)| (SQRT_2 * x, weight / PI.sqrt())).collect();
-            rule.sort_by(|a, b| a.0.total_cmp(&b.0));
-            rule
-        })
-    });
+    static RULES: LazyLock<[Rule; 2]> = LazyLock::new(|| NODES.map(normal));
     &RULES
 }

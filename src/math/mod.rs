@@ -8,6 +8,7 @@ pub mod counting_sort;
 pub mod exponential;
 pub mod extrema;
 pub mod fft;
+pub mod gauss;
 pub mod gmres;
 pub mod instruction_set;
 pub mod interpolation;

@@ -1,7 +1,6 @@
 //! Adaptive Gauss-Legendre quadrature of vector-valued functions.
 
-use gauss_quad::GaussLegendre;
-use std::num::NonZeroUsize;
+use super::gauss::legendre;
 use std::sync::LazyLock;
 
 /// Nodes of a panel.
@@ -44,8 +43,7 @@ pub struct Integral<const N: usize> {
 
 impl Default for Rule {
     fn default() -> Self {
-        let rule = GaussLegendre::new(NonZeroUsize::new(NODES).expect("a rule has nodes"));
-        let pairs = rule.as_node_weight_pairs();
+        let pairs = legendre(NODES);
         Self { nodes: std::array::from_fn(|i| pairs[i].0), weights: std::array::from_fn(|i| pairs[i].1) }
     }
 }

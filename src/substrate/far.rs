@@ -11,11 +11,11 @@
 use super::{Coupling, Influence};
 use crate::math::chunks::in_chunks;
 use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
+use crate::math::gauss::legendre;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::real::Real;
-use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
-use std::num::NonZeroUsize;
+use std::sync::LazyLock;
 
 /// Grid points over those that the shortest wave needs.
 const OVERSAMPLING: f64 = 1.5;
@@ -54,10 +54,9 @@ impl Window {
     /// Transforms of φ in grid points, by the wave number of `0..=most` of a grid of `side`.
     fn transforms(self, most: usize, side: usize) -> Vec<f64> {
         let half = 0.5 * self.width as f64;
-        let rule = GaussLegendre::new(NonZeroUsize::new(NODES).expect("a rule has nodes"));
-        let pairs = rule.as_node_weight_pairs().iter();
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| legendre(NODES));
         let nodes: Vec<(f64, f64)> =
-            pairs.map(|&(t, weight)| (half * t, half * weight * self.value(t))).collect();
+            RULE.iter().map(|&(t, weight)| (half * t, half * weight * self.value(t))).collect();
         let at = |m: usize| {
             let k = 2.0 * PI * m as f64 / side as f64;
             nodes.iter().map(|(t, weight)| weight * libm::cos(k * t)).sum()

@@ -80,3 +80,22 @@ impl MeanPlaneForce for Electrostatic {
         format!("voltage, {}: {apart}", si(self.voltage, "V"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 V of either sign over 4 nm and a dielectric that is worth 2 nm: 5e8 V/m; over the dielectric alone, where the
+    /// gap is closed, 1.5e9 V/m. The square of the voltage, and with it the strength, has no sign.
+    #[test]
+    fn the_field_is_a_magnitude() {
+        for voltage in [3.0, -3.0] {
+            let electrostatic = Electrostatic { voltage, dielectric: 2e-9 };
+            for (gap, field) in [(4e-9, 5e8), (0.0, 1.5e9), (-1e-9, 1.5e9)] {
+                assert!((electrostatic.field(gap) / field - 1.0).abs() < 1e-14, "{voltage} {gap}");
+                let pressure = 0.5 * VACUUM_PERMITTIVITY * field * field;
+                assert!((electrostatic.at(gap).pressure / pressure - 1.0).abs() < 1e-14, "{voltage} {gap}");
+            }
+        }
+    }
+}

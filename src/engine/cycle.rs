@@ -157,6 +157,8 @@ fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, approach: &[f64], prel
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::asperity::{LawParameters, Loop, Path, model};
+    use crate::surface::Surface;
 
     /// F_s = 1 N and P = 3 N over 2 nm on either way: 16e-9 J in all, of which SUM_ROUNDING is 7e-23 J. The
     /// places are off by up to 2e-23 m, which takes nothing where no force changes.
@@ -173,5 +175,79 @@ mod tests {
         for loss in [0.0, 4e-14, -4e-14] {
             assert_eq!(lost(loss), 0.0, "{loss}");
         }
+    }
+
+    /// F of the approach less that of the retraction is 6, 2, 0 and −1 N at 0, 1, 3 and 7 nm: trapezoids of 4, 2 and
+    /// −2 N nm, each alone, and 4e-9 J in all.
+    #[test]
+    fn every_interval_dissipates_its_trapezoid() {
+        let (separations, none) = ([0.0, 1e-9, 3e-9, 7e-9], [0.0; 4]);
+        let (approach, retraction) = ([6.0, 3.0, 1.0, 0.0], [0.0, 1.0, 1.0, 1.0]);
+        let lost = |from: usize, to: usize| {
+            let way = |contact| [&none[from..to], contact];
+            let ways = [way(&approach[from..to]), way(&retraction[from..to])];
+            dissipated(&separations[from..to], ways, SUM_ROUNDING, 1e-9)
+        };
+        for (from, to, energy) in [(0, 2, 4e-9), (1, 3, 2e-9), (2, 4, -2e-9), (0, 4, 4e-9)] {
+            assert!((lost(from, to) / energy - 1.0).abs() < 1e-14, "{from} {to}: {:e}", lost(from, to));
+        }
+    }
+
+    /// A surface whose force on the way back is the separation less ten, from wherever it turns.
+    struct Line {
+        /// The separations that were asked for, from each turn.
+        asked: Vec<Vec<f64>>,
+    }
+
+    impl Summed for Line {
+        fn highest(&self) -> f64 {
+            f64::NAN
+        }
+
+        fn contacts(&mut self, _: &Loop) -> (f64, f64) {
+            (f64::NAN, f64::NAN)
+        }
+
+        fn pull_off(&mut self, _: &[f64]) -> Extremum {
+            unreachable!("it is that of the retraction")
+        }
+
+        fn retraction(&mut self, _: f64, separations: &[f64]) -> Vec<f64> {
+            self.asked.push(separations.to_vec());
+            separations.iter().map(|h| h - 10.0).collect()
+        }
+
+        fn retraction_pull_off(&mut self, _: f64, samples: &[(f64, f64)]) -> Extremum {
+            Extremum { value: samples[0].1, place: samples[0].0, at_edge: true }
+        }
+
+        fn stiffest(&mut self, _: Option<f64>, _: &[(f64, f64)], _: f64) -> Extremum {
+            unreachable!("nobody asks for it")
+        }
+    }
+
+    /// F falls from 5 N at h = 0 to −1 at 3: 2 N are reached at h = 3/2, on the way back from which come 2, 3 and 4; 3 N
+    /// are reached at 1 itself, which does not come again; 5 N at 0. Of separations before the turn no force is known.
+    #[test]
+    fn a_retraction_after_a_preload_goes_through_every_separation() {
+        let parameters = LawParameters::scaled(1.0, Path::Approach).unwrap();
+        let law = model("hertz").unwrap().law(&parameters).unwrap();
+        let (surface, separations) = (Surface::uniform(1.0, 1.0, 1, 1.0), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        let loading = Loading { ways: (true, true), kept: 5, ..Loading::default() };
+        let protocol = Protocol { loading, ..Protocol::default() };
+        let job = Job { protocol, ..Job::new(law.as_ref(), &surface, &separations, 8, 1) };
+        let mut line = Line { asked: Vec::new() };
+        let mut numbers = |preload| after_preload(&job, &mut line, &[5.0, 3.0, 1.0, -1.0, 0.0], preload);
+        let between = numbers(2.0);
+        assert_eq!(between[..3], [1.5, 8.5, 1.5]);
+        assert!(between[3].is_nan() && between[4].is_nan());
+        assert_eq!(between[5..], [-8.0, -7.0, -6.0]);
+        let at = numbers(3.0);
+        assert_eq!((at[0], &at[5..]), (1.0, &[-8.0, -7.0, -6.0][..]));
+        let innermost = numbers(5.0);
+        assert_eq!((innermost[0], &innermost[4..]), (0.0, &[-9.0, -8.0, -7.0, -6.0][..]));
+        assert!(numbers(6.0).len() == 8 && numbers(6.0).iter().all(|number| number.is_nan()));
+        let expected: [&[f64]; 3] = [&[1.5, 2.0, 3.0, 4.0], &[1.0, 2.0, 3.0, 4.0], &separations];
+        assert_eq!(line.asked, expected);
     }
 }

@@ -193,3 +193,34 @@ impl<'a> Snaps<'a> {
         holding(self.pull_offs(turn).into_iter(), force)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1, 2 and 6 N: mean 3, variance 7; the 95 % interval is Student's of two degrees of freedom
+    /// (scipy.stats.t.ppf(0.975, 2)). One force has no scatter, and none has no mean.
+    #[test]
+    fn pull_offs_have_the_interval_of_student() {
+        let three = PulledOff::of(vec![1.0, 2.0, 6.0]);
+        assert_eq!((three.count, three.mean), (3, 3.0));
+        assert!((three.std - 7_f64.sqrt()).abs() < 1e-14);
+        let error = (7.0_f64 / 3.0).sqrt();
+        assert!((three.standard_error - error).abs() < 1e-14);
+        for (end, sign) in three.interval.into_iter().zip([-1.0, 1.0]) {
+            assert!(((end - 3.0) / error - sign * 4.302652729749462).abs() < 1e-7, "{:?}", three.interval);
+        }
+        let (one, none) = (PulledOff::of(vec![5.0]), PulledOff::of(Vec::new()));
+        assert!(one.mean == 5.0 && one.std.is_nan() && one.interval.iter().all(|end| end.is_nan()));
+        assert!(none.count == 0 && none.mean.is_nan() && none.standard_error.is_nan());
+    }
+
+    /// Of 1, 2 and 3 N, one holds harder than 2 N: what is as strong as the device is let go.
+    #[test]
+    fn what_holds_is_stronger_than_the_device() {
+        for (force, holding_count) in [(0.5, 3), (2.0, 1), (3.0, 0)] {
+            let counts = holding([1.0, 2.0, 3.0].into_iter(), force);
+            assert_eq!((counts.known, counts.snap, counts.unstopped), (3, holding_count, 0), "{force}");
+        }
+    }
+}

@@ -288,4 +288,35 @@ mod tests {
         assert_eq!(one[0].controlled_mean, 5.0);
         assert!(one[0].standard_error.is_nan() && one[0].controlled_standard_error.is_nan());
     }
+
+    /// Three parts of the four corners a, b = ±1 of a square, with y = 5 + c a + d b, c = 1, 2 and 6, d = 2, 0 and 1; a
+    /// third control is constant, a fourth is a + b. The slopes that correct a part are the mean c and d of the other two,
+    /// and leave −3, −3/2 and 9/2 of c, 3/2, −3/2 and 0 of d. So Σr² = 4 (63/2 + 9/2) = 144 in all, of 12 samples: the
+    /// square of the standard error is 144/(11 · 12). Plain: 4 (41 + 5)/(11 · 12). Everything is symmetric about 5, so
+    /// both intervals are Student's: of 11 degrees of freedom, and of 9 after two slopes, since the third and fourth
+    /// control have none (scipy.stats.t.ppf(0.975, ·)).
+    #[test]
+    fn two_slopes_leave_two_degrees_of_freedom_less() {
+        let row = |i: usize| {
+            let (a, b) = ([1.0, -1.0][i / 3 % 2], [1.0, -1.0][i / 6]);
+            [a, b, 4.0, a + b, 5.0 + [1.0, 2.0, 6.0][i % 3] * a + [2.0, 0.0, 1.0][i % 3] * b]
+        };
+        let rows: Vec<[f64; 5]> = (0..12).map(row).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(<[f64; 5]>::as_slice).collect();
+        let [mean] = controlled_means(&parts(&rows, 3), &[0.0, 0.0, 4.0, 0.0])[..] else { panic!() };
+        let plain = (mean.mean, mean.standard_error, mean.interval, 184.0, 2.200_985_160_082_949);
+        let controlled = (
+            mean.controlled_mean,
+            mean.controlled_standard_error,
+            mean.controlled_interval,
+            144.0,
+            2.262_157_162_740_991_5,
+        );
+        for (mean, standard_error, interval, squares, quantile) in [plain, controlled] {
+            let error = (squares / (11.0 * 12.0_f64)).sqrt();
+            assert!((mean - 5.0).abs() < 1e-14 && (standard_error / error - 1.0).abs() < 1e-13, "{squares}");
+            let [low, high] = interval.map(|end| (end - 5.0) / error);
+            assert!((low + quantile).abs() < 1e-7 && (high - quantile).abs() < 1e-7, "{low} {high}");
+        }
+    }
 }

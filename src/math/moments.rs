@@ -392,4 +392,17 @@ mod tests {
         );
         assert!((error([3.0, 3.0, 3.0 + 1e-6]) - 1e-6 / 3.0).abs() < 1e-12);
     }
+
+    /// Two groups of two, with the means 2 and 6, of the mean 4 and the variance 8; of the fifth number a group would
+    /// need another. Groups of three: one, of mean 3; groups of six: none.
+    #[test]
+    fn an_incomplete_group_does_not_count() {
+        let numbers = [1.0, 3.0, 5.0, 7.0, 1000.0];
+        let pairs = Moments::of_groups(&numbers, 2);
+        assert_eq!((pairs.count(), pairs.mean()[0]), (2, 4.0));
+        assert!((pairs.std()[0] - 8_f64.sqrt()).abs() < 1e-15, "{:?}", pairs.std());
+        let triple = Moments::of_groups(&numbers, 3);
+        assert_eq!((triple.count(), triple.mean()[0]), (1, 3.0));
+        assert_eq!(Moments::of_groups(&numbers, 6).count(), 0);
+    }
 }

@@ -83,4 +83,13 @@ mod tests {
         }
         assert!(exact_interval(0, 0).0.is_nan() && exact_interval(0, 0).1.is_nan());
     }
+
+    /// One outcome agrees with none. Two that agree: a share that differs with both alike in 1 of 20 cases is
+    /// 1 − √0.05. Where there is a standard error nothing is said.
+    #[test]
+    fn two_samples_can_agree() {
+        assert!(agreeing(0, f64::NAN).is_nan() && agreeing(1, f64::NAN).is_nan());
+        assert!((agreeing(2, f64::NAN) - (1.0 - 0.05_f64.sqrt())).abs() < 1e-14);
+        assert!(agreeing(2, 0.5).is_nan() && agreeing(2, 0.0).is_nan());
+    }
 }

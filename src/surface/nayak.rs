@@ -223,4 +223,25 @@ mod tests {
         check(&|d| d[1] * d[1], 1.0);
         check(&|d| d[1] * (d[0] - mean_deviate()), slope * variance);
     }
+
+    /// Of m₄ = 3/2 the unit of curvature is 1/m, so that R = 1/v, down to the flattest. Of the rough surface the mean
+    /// of 1/R over the law of v, by quadrature, is E\[κ\] = 8/(3√π) √m₄.
+    #[test]
+    fn radii_are_one_over_the_curvature() {
+        let unit = Spectrum { m0: 1.0, m2: 0.5, m4: 1.5 };
+        for (v, radius) in [(0.5, 2.0), (4.0, 0.25), (FLATTEST, 1000.0 / 3.0), (0.0, 1000.0 / 3.0)] {
+            assert!((unit.radius_of(v) / radius - 1.0).abs() < 1e-14, "{v}: {}", unit.radius_of(v));
+        }
+        let spectrum = spectrum();
+        let breaks: Vec<f64> = (0..=24).map(|i| 0.5 * f64::from(i)).collect();
+        let curvature = Rule::shared()
+            .integrate(&breaks, 1e-14, |places, values: &mut [[f64; 1]; NODES]| {
+                for (value, v) in values.iter_mut().zip(places) {
+                    *value = [density(*v) / spectrum.radius_of(*v)];
+                }
+            })
+            .value[0];
+        let expected = 8.0 / (3.0 * PI.sqrt()) * spectrum.m4.sqrt();
+        assert!((curvature / expected - 1.0).abs() < 1e-13, "{curvature} {expected}");
+    }
 }

@@ -395,4 +395,33 @@ mod tests {
             }
         }
     }
+
+    /// Gamma radii of the shape 1/900 are below the least in most draws, log-normal ones of ς = 4 beyond the range in
+    /// some: they count as the ends.
+    #[test]
+    fn radii_are_within_their_range() {
+        for law in [Radii::Gamma(30.0), Radii::LogNormal(3000.0)] {
+            let (mut heights, mut radii) = (vec![0.0; 2000], vec![0.0; 2000]);
+            let streams = (&mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4));
+            law.draw(MEAN, &Heights::gaussian(1e-9), streams, &mut heights, &mut radii);
+            let (least, most) = (MEAN * RADIUS_RANGE.0, MEAN * RADIUS_RANGE.1);
+            assert!(radii.iter().all(|radius| (least..=most).contains(radius)), "{law:?}");
+            assert!(radii.contains(&least), "{law:?}");
+        }
+    }
+
+    /// Scores of −3, 0 and 3 are the lowest, the middle and the highest of three asperities; of two equal heights the
+    /// sharper one comes first, in whatever order they were measured.
+    #[test]
+    fn measured_asperities_are_ranked_by_height_and_radius() {
+        for measured in [[[1.0, 3.0], [0.0, 5.0], [1.0, 2.0]], [[1.0, 2.0], [1.0, 3.0], [0.0, 5.0]]] {
+            let mut scores = [-3.0, 0.0, 3.0].into_iter();
+            let (mut heights, mut radii) = ([0.0; 3], [0.0; 3]);
+            let streams = (&mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4));
+            let law = (MEAN, &Heights::gaussian(1e-9));
+            let next = || scores.next().unwrap();
+            Radii::Measured(measured.into()).draw_by(law, next, streams, &mut heights, &mut radii);
+            assert_eq!((heights, radii), ([0.0, 1.0, 1.0], [5.0, 2.0, 3.0]));
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Scenes of eight lines: what they take by default, and the range of separations that follows from a surface.
 
-use crate::common::program::{Folder, assert_exit, text};
+use crate::common::program::{Folder, QUICK, assert_exit, text};
 use stiction::Scene;
 
 const SMALLEST: &str = "[material]\nyoungs_modulus = \"160 GPa\"\npoisson_ratio = 0.22\nhardness = \"11 GPa\"\n\
@@ -125,4 +125,38 @@ fn listed_defaults_are_what_a_scene_takes() {
             .collect();
         assert_eq!(own(&dotted.join("\n")), own(&scene), "{std}");
     }
+}
+
+/// The span of the secant is the equilibrium spacing of 0.2 nm, but no more than what the separations allow, which may be
+/// given.
+#[test]
+fn the_span_of_the_secant_lies_within_the_separations() {
+    let scene = |separations: &str| {
+        let given = "h_star = { from = -1.0, to = 8.0, count = 91 }";
+        Scene::parse(&QUICK.replace(given, &format!("h = [\"0 nm\", {separations}")))
+    };
+    for (separations, span) in [
+        ("\"1 nm\"]", 0.2e-9),
+        ("\"0.125 nm\"]", 0.125e-9),
+        ("\"0.125 nm\"]\nstiffness_span = \"0.125 nm\"", 0.125e-9),
+        ("\"1 nm\"]\nstiffness_span = \"0.125 nm\"", 0.125e-9),
+    ] {
+        assert_eq!(scene(separations).unwrap().stiffness_span, span, "{separations}");
+    }
+    let beyond = scene("\"0.125 nm\"]\nstiffness_span = \"0.126 nm\"").unwrap_err().to_string();
+    assert!(beyond.contains("the separations reach over 125 pm only"), "{beyond}");
+}
+
+/// The tallest of 5000 tips is above 5.069 σ_s in one patch of a thousand (-scipy.stats.norm.ppf(1e-3/5000)). The pull of
+/// such a tip ends where 1.8 nm of lubricant and nine times the equilibrium spacing of 0.3 nm are behind it; h is 3 nm more:
+/// h* = (5.069 · 7 + 1.8 + 2.7 + 3)/8 = 5.373, and to the next tenth 5.4.
+#[test]
+fn the_range_ends_behind_the_tallest_tip_of_a_thousand_patches() {
+    let scene = SMALLEST.replace("[surface]\n", "equilibrium_spacing = \"0.3 nm\"\n[surface]\n")
+        + "asperity_height_std = \"7 nm\"\nmean_plane_offset = \"3 nm\"\nlubricant_thickness = \"1.8 nm\"\n\
+           [model]\nlaw = \"hybrid\"\n";
+    let scene = Scene::parse(&scene).unwrap();
+    assert_eq!(scene.surface.asperity_count, 5000);
+    let last = scene.separations.last().unwrap();
+    assert!((last / (5.4 * 8e-9) - 1.0).abs() < 1e-12, "{last:e}");
 }

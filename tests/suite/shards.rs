@@ -478,3 +478,13 @@ fn what_a_scene_takes_from_files_is_found_again() {
     assert_exit(&merge(&folder, &names, &["--scene", "elsewhere/scene.toml"]), 0);
     assert_merged_is(&folder, "whole.h5");
 }
+
+/// The third of four shards of 83 replicas has batches 5 to 7 of 0 to 10, of 8 replicas each, and its file says which.
+#[test]
+fn a_shard_names_its_replicas() {
+    let folder = Folder::new(&scene());
+    shard(&folder, 3, 4, &["-o", "3.h5"]);
+    let file = unlocked::open(folder.path("3.h5"));
+    let replicas: Vec<u64> = file.dataset("replicas/replica").unwrap().read_raw().unwrap();
+    assert_eq!(replicas, (40..64).collect::<Vec<u64>>());
+}

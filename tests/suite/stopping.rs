@@ -479,3 +479,39 @@ fn a_share_of_a_negative_mean_is_positive() {
     assert!(mean < -10e-9 && error < 0.1 * mean.abs(), "{mean:e} {error:e}");
     assert!((attained.largest / (0.1 * mean.abs()) - 1.0).abs() < 1e-12 && attained.is_met(), "{attained:?}");
 }
+
+/// Without a number the first look comes after 64 groups, or after all there may be; a number is rounded up to whole groups
+/// of every scheme, which are of 8 replicas at most.
+#[test]
+fn the_first_look_is_after_whole_groups() {
+    for (keys, least) in [
+        ("", 64),
+        ("sampling = \"antithetic\"", 128),
+        ("sampling = \"stratified\"", 512),
+        ("sampling = \"stratified\"\nmax_replicas = 200", 200),
+        ("min_replicas = 30", 32),
+        ("min_replicas = 30\nmax_replicas = 31", 31),
+    ] {
+        let stopping = stiction::Scene::parse(&scene(&pull_off(0.02), keys)).unwrap().stopping.unwrap();
+        assert_eq!(stopping.min_replicas, least, "{keys}");
+    }
+}
+
+/// Each target has the mean, the standard error and the interval of its own estimate, which differ.
+#[test]
+fn a_target_has_the_interval_of_its_estimate() {
+    let target = |estimate: &str| {
+        let target = "quantity = \"pull_off_force\", relative_standard_error = 0.5, estimate";
+        format!("{{ {target} = \"{estimate}\" }}")
+    };
+    let targets = format!("[{}, {}]", target("plain"), target("controlled"));
+    let folder = Folder::new(&scene(&targets, "min_replicas = 64\nmax_replicas = 64"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let of = |name: &str| values(&folder.path("scene.h5"), &format!("/ensemble/{name}"));
+    for (name, length) in [("mean", 1), ("standard_error", 1), ("interval", 2)] {
+        let own =
+            ["scalar", "scalar_controlled"].map(|means| of(&format!("{means}_{name}"))[..length].to_vec());
+        assert_eq!(of(&format!("target_{name}")), own.concat(), "{name}");
+        assert_ne!(own[0], own[1], "{name}");
+    }
+}

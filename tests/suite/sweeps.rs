@@ -243,7 +243,7 @@ fn differences_below_their_rounding_are_none() {
     let forces = values("/replicas/pull_off_force");
     let (first, others) = forces.split_at(forces.len() / 3);
     assert!(others.iter().zip(first.iter().cycle()).any(|(other, first)| other != first), "nothing to round");
-    for name in ["pull_off_force", "pull_off_separation"] {
+    for name in ["pull_off_force", "pull_off_separation", "peak_secant_stiffness"] {
         assert_eq!(values(&format!("/differences/{name}_mean")), [0.0; 3], "{name}");
         for none in ["standard_error", "variance_ratio"] {
             assert!(values(&format!("/differences/{name}_{none}")).iter().all(|one| one.is_nan()), "{name}");
@@ -637,4 +637,19 @@ fn points_end_at_their_own_targets() {
     let mean = pairs.iter().sum::<f64>() / pairs.len() as f64;
     let told = read(&all, "/differences/pull_off_force_mean")[1];
     assert!((told / mean - 1.0).abs() < 1e-12, "{told:e} {mean:e}");
+}
+
+/// The ends of a range are the doubles that are given, which its formula gives to rounding only: 3 · (49/3) is not 49 there.
+#[test]
+fn ranges_end_where_they_say() {
+    assert!(0.03 * (0.49 / 0.03) != 0.49 && 7e-9 + (38e-9 - 7e-9) != 38e-9);
+    for (key, from, to, spacing, ends) in [
+        ("material.work_of_adhesion", "0.03 J/m^2", "0.49 J/m^2", "log", [0.03, 0.49]),
+        ("surface.lubricant_thickness", "7 nm", "38 nm", "linear", [7e-9, 38e-9]),
+    ] {
+        let range =
+            format!("{key} = {{ from = \"{from}\", to = \"{to}\", count = 4, spacing = \"{spacing}\" }}");
+        let values = &sweep(&swept(&range)).axes[0].values;
+        assert_eq!([values[0], values[3]], ends, "{key}");
+    }
 }

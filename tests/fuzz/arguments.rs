@@ -46,7 +46,7 @@ fn every_number_is_used_or_refused() {
     let _alone = super::alone();
     let folder = Folder::new("");
     let (mut used, mut refused) = (0, 0);
-    for case in 0..cases(300) {
+    for case in 0..cases(100) {
         let mut rng = ChaCha8Rng::seed_from_u64(case);
         // Most numbers are ordinary ones, so that some commands are carried out.
         let mut number = |usual: &[&'static str]| {
@@ -92,5 +92,5 @@ fn every_number_is_used_or_refused() {
             code => panic!("{arguments:?}: exit code {code:?}, {error}"),
         }
     }
-    assert!(used > 30 && refused > 30, "{used} used, {refused} refused");
+    assert!(used > 10 && refused > 10, "{used} used, {refused} refused");
 }

@@ -173,7 +173,7 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
     places.sort_by(f64::total_cmp);
     let mut work = 0.0;
     for pair in places.windows(2).filter(|pair| pair[1] - pair[0] > 1e-9 * pair[1]) {
-        const PARTS: usize = 256;
+        const PARTS: usize = 96;
         let width = (pair[1] - pair[0]) / PARTS as f64;
         for i in 0..PARTS {
             // Gauss's two points, away from the ends.
@@ -202,7 +202,7 @@ fn loops_dissipate() {
             assert!(below > 0.1, "case {name} has a fold: {below}");
         }
         let mut last = below.max(0.0);
-        for x in [1.001, 1.01, 1.03, 1.06, 1.1, 1.5, 3.0, 10.0] {
+        for x in [1.001, 1.03, 1.1, 3.0, 10.0] {
             let own = dissipated(&cycle, x * end, -15e-9) / unit;
             assert!(own >= last - 1e-3, "case {name} {x}: {own} after {last}");
             last = own;

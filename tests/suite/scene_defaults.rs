@@ -51,7 +51,7 @@ fn the_range_that_follows_from_a_surface_holds_its_pull_off() {
     let skewed = format!("{smooth}heights = {{ law = \"weibull\", shape = 1.5 }}\n");
     let few = rough.replace("100 um^2", "1 um^2");
     for scene_text in [rough, smooth, soft, skewed, few] {
-        let scene = Scene { replicas: 40, ..Scene::parse(&scene_text).unwrap() };
+        let scene = Scene { replicas: 12, ..Scene::parse(&scene_text).unwrap() };
         let result = stiction::run(&scene).unwrap();
         let ensemble = result.ensemble();
         let largest = ensemble.replicas.iter().map(|replica| replica.pull_off_force).fold(0.0, f64::max);
@@ -75,9 +75,7 @@ fn the_range_that_follows_from_a_surface_holds_its_pull_off() {
 /// Elastic loads of Greenwood and Williamson alone reach a preload, as those of contacts that flow do.
 #[test]
 fn the_range_reaches_the_preload() {
-    for (preload, area, replicas) in
-        [("1 uN", 100, 8), ("100 uN", 100, 8), ("5 mN", 100, 8), ("2 uN", 10, 300)]
-    {
+    for (preload, area, replicas) in [("1 uN", 100, 2), ("5 mN", 100, 2), ("2 uN", 10, 100)] {
         let surface = SMALLEST.replace("\"100 um", &format!("\"{area} um"));
         let scene = format!(
             "{surface}[model]\nhistory = \"loop\"\n[instability]\npreload = \"{preload}\"\n[ensemble]\nreplicas = {replicas}\n"
@@ -94,7 +92,7 @@ fn the_range_reaches_the_preload() {
 /// The defaults that are listed, written into the scene, give the bits of the scene without them.
 #[test]
 fn listed_defaults_are_what_a_scene_takes() {
-    for std in ["8 nm", "4.1 nm", "5.3 nm", "7 nm", "9.7 nm", "13 nm"] {
+    for std in ["8 nm", "4.1 nm", "13 nm"] {
         let scene = SMALLEST.replace("8 nm", std);
         let folder = Folder::new(&scene);
         let output = text(&folder.stiction(&["check", "scene.toml"]).stdout);

@@ -119,7 +119,7 @@ fn what_does_not_fit_is_refused() {
         ),
         (
             "curves",
-            sized(739.0, 10_000, 10_000_000).replace("curves = false", "curves = true"),
+            sized(739.0, 2_000, 50_000_000).replace("curves = false", "curves = true"),
             &["of disk", "--replicas", "can be had"],
         ),
     ];

@@ -222,7 +222,7 @@ fn loops_dissipate() {
         let below = dissipated(&cycle, 0.9 * end, -40e-9) / unit;
         assert!(below > 0.0, "{below}");
         let mut last = below;
-        for x in [1.01, 1.5, 3.0, 10.0, 40.0] {
+        for x in [1.01, 3.0, 40.0] {
             let own = dissipated(&cycle, x * end, -40e-9) / unit;
             assert!(own >= last - 1e-3 * below, "{x}: {own} after {last}");
             last = own;

@@ -33,6 +33,8 @@ fn defaults_are_what_holds_without_the_key() {
             "solver.summation" => text.replace("solver.tolerance = 1e-9\n", ""),
             _ => text,
         };
+        // Films are solved at every separation.
+        let text = text.replace("count = 91", "count = 3");
         let own = line(&text, key).unwrap();
         let given = text.replace(own, &format!("{} = {default}\n", own.split(" = ").next().unwrap()));
         let [absent, given] = [text.replace(own, ""), given].map(|text| said(folder.path(), &text));

@@ -266,6 +266,7 @@ mod tests {
             _ => "",
         };
         let scene = include_str!("../../configs/paper/case_iii_delta_a.toml")
+            .replace("count = 181", "count = 5")
             .replace("[ensemble]", "[solver]\nsummation = \"moments\"\n\n[ensemble]")
             .replace("[surface]\n", &format!("[surface]\n{of_law}"));
         let own = key.name.split_once('.').unwrap_or_default().0;

@@ -607,7 +607,7 @@ fn a_loop_that_gives_out_energy_is_no_result() {
         .replace("from = -1.0, to = 8.0, count = 91", "from = 1.5, to = 6.0, count = 91");
     let words = "no result: a loop cannot give out energy";
     let joined = scene.replace("history = \"approach\"", "history = \"loop\"\nunloading = \"secant\"");
-    let summary = Folder::new(&joined).stiction(&["run", "scene.toml", "--replicas", "8"]);
+    let summary = Folder::new(&joined).stiction(&["run", "scene.toml"]);
     assert_exit(&summary, 0);
     let summary = unbroken(&text(&summary.stdout));
     assert!(
@@ -616,7 +616,7 @@ fn a_loop_that_gives_out_energy_is_no_result() {
     );
     let own = scene.replace("law = \"hybrid\"\nhistory = \"approach\"", "history = \"loop\"");
     let folder = Folder::new(&own);
-    let summary = folder.stiction(&["run", "scene.toml", "--replicas", "8"]);
+    let summary = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&summary, 0);
     let summary = unbroken(&text(&summary.stdout));
     assert!(summary.contains("md_plastic on loop"), "{summary}");

@@ -106,7 +106,7 @@ fn independent_curves_are_those_of_the_scene_without_coupling() {
 /// are those of a run of so many.
 #[test]
 fn targets_end_coupled_runs_where_they_are_met() {
-    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.16 }\nmin_replicas = 8\nmax_replicas = 400";
+    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.08 }\nmin_replicas = 8\nmax_replicas = 400";
     let text_of = scene(PERIODIC).replace("from = -1.0", "from = 2.0");
     let folder = Folder::new(&text_of.replace("replicas = 16", target));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
@@ -121,7 +121,7 @@ fn targets_end_coupled_runs_where_they_are_met() {
         (squares / ((count - 1) * count) as f64).sqrt() / mean
     };
     let count = forces.len();
-    assert!(count > 8 && count < 400 && error(count) <= 0.16 && error(count - 8) > 0.16, "{count}");
+    assert!(count > 8 && count < 400 && error(count) <= 0.08 && error(count - 8) > 0.08, "{count}");
     let fixed = text_of.replace("replicas = 16", &format!("replicas = {count}"));
     std::fs::write(folder.path("scene.toml"), fixed).unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "fixed.h5"]), 0);

@@ -730,7 +730,7 @@ fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
 /// is that of a failure, the file stays, and what was computed is kept.
 #[test]
 fn a_result_that_cannot_be_named_is_a_failure_while_running() {
-    let folder = Folder::new(&scene());
+    let folder = Folder::new(&scene_of(640));
     let mut child = begin(&folder, &["--checkpoint", "0", "--quiet"]);
     wait_while_running(&mut child, || folder.path(PARTIAL).exists());
     std::fs::write(folder.path("scene.h5"), "mine").unwrap();

@@ -94,7 +94,6 @@ fn one_asperity_alone_is_as_without_coupling() {
         ("emd", "2.5 GPa", ""),
         ("md_plastic", "1 GPa", ""),
         ("capillary", "30 GPa", liquid),
-        ("capillary", "1 GPa", liquid),
     ];
     for (law, hardness, liquid) in laws {
         let alone = scene("\n[substrate]\ncoupling = \"patch\"\n")
@@ -102,12 +101,13 @@ fn one_asperity_alone_is_as_without_coupling() {
             .replace("history = \"approach\"", "history = \"loop\"")
             .replace("law = \"hybrid\"", &format!("law = \"{law}\""))
             .replace("hardness = \"2.5 GPa\"", &format!("hardness = \"{hardness}\""))
+            .replace("replicas = 16", "replicas = 4")
             .replace("count = 8", "count = 21");
         let folder = Folder::new(&(alone + liquid));
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         let file = unlocked::open(folder.path("scene.h5"));
         let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
-        assert_eq!(read("/replicas/asperity_count"), [1.0; 16]);
+        assert_eq!(read("/replicas/asperity_count"), [1.0; 4]);
         for way in ["", "retraction_"] {
             for quantity in ["adhesion_force", "contact_force", "external_force", "contact_area"] {
                 let difference = read(&format!("/coupling/{way}difference_{quantity}_mean"));

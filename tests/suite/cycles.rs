@@ -174,6 +174,9 @@ fn the_file_of_several_cycles_is_whole() {
         assert!((energy - told).abs() < 1e-9 * first.abs(), "{more}: {energy:e} {told:e}");
         assert!(first > 0.0 && told > -1e-6 * first && told < 0.1 * first, "{more}: {told:e} of {first:e}");
         drop(file);
+        if more.starts_with("curves") {
+            continue;
+        }
         let one = folder.stiction(&["run", "scene.toml", "-o", "one.h5", "--threads", "1"]);
         assert_exit(&one, 0);
         let other = crate::common::unlocked::open(folder.path("one.h5"));

@@ -3,8 +3,8 @@
 #![cfg(unix)]
 
 use crate::common::program::{
-    Folder, QUICK, assert_exit, attribute, begin, bits, forge, interrupt_at, number, signal, skip, small,
-    text, told, wait_while_running,
+    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, number, signal, skip, small, text,
+    told, wait_while_running,
 };
 use crate::common::unlocked;
 use rand::{RngExt, SeedableRng};
@@ -715,7 +715,7 @@ fn mounts_that_forbid_the_output_are_refused() {
 /// Without a batch there is nothing to keep.
 #[test]
 fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
-    let folder = Folder::new(&QUICK.replace("\"100 um^2\"", "\"1 mm^2\""));
+    let folder = Folder::new(&small().replace("\"100 um^2\"", "\"1 mm^2\""));
     let child = begin(&folder, &["--threads", "1"]);
     std::thread::sleep(Duration::from_millis(400));
     signal(&child, "-INT");

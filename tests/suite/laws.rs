@@ -874,20 +874,19 @@ fn the_published_fits_are_those_of_the_table() {
 /// place is a root of rounding, 1e-6 within 1e-12 of it.
 #[test]
 fn laws_follow_the_radius_as_they_are_made_for_it() {
-    laws_follow_the_radius(&[1e-3, 0.97, 1.14, 40.0], 80);
+    laws_follow_the_radius(&["II"], &[1e-3, 0.97, 1.14, 40.0], 80);
 }
 
 #[test]
 #[ignore = "slow: five seconds"]
 fn laws_follow_many_radii_as_they_are_made_for_them() {
-    laws_follow_the_radius(&[1e-3, 0.3, 0.9, 0.97, 1.0, 1.02, 1.14, 1.3, 2.1, 40.0], 400);
+    let ratios = [1e-3, 0.3, 0.9, 0.97, 1.0, 1.02, 1.14, 1.3, 2.1, 40.0];
+    laws_follow_the_radius(&["I", "II", "III"], &ratios, 400);
 }
 
-fn laws_follow_the_radius(ratios: &[f64], places: u32) {
+fn laws_follow_the_radius(cases: &[&str], ratios: &[f64], places: u32) {
     let mut compared = 0;
-    for (name, path) in
-        ["I", "II", "III"].into_iter().flat_map(|name| Path::ALL.map(|(_, path)| (name, path)))
-    {
+    for (name, path) in cases.iter().flat_map(|name| Path::ALL.map(|(_, path)| (name, path))) {
         let (asperity, _) = case(name);
         let laws = dry_laws().copied().filter(|model| !model.is_fit());
         for model in laws.chain(crate::capillary::wet_laws()) {

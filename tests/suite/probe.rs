@@ -78,14 +78,14 @@ fn smooth_planes_under_bodies_have_closed_forms() {
 /// radius 1/(1/R + 1/R_m), by Simpson's rule.
 #[test]
 fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
-    const STEPS: usize = 600;
+    const STEPS: usize = 1500;
     let law = "[model]\nlaw = \"hybrid\"\n[ensemble]\nreplicas = 0\n";
     let folder = Folder::new("");
     run(&folder, &scene(SPHERE, &format!("{law}[separation]\nh = [\"1 nm\", \"2 nm\"]\n")), "sphere.h5");
     let deepest = number(&folder.path("sphere.h5"), "/", "nominal_area") / (2.0 * PI * (10e-6 + 3.33e-6));
     let step = deepest / STEPS as f64;
     let h = |i: usize| 1e-9 + i as f64 * step;
-    let of_sphere = format!("{law}[separation]\nh = [\"1 nm\", \"{:?} m\", \"{:?} m\"]\n", h(8), h(26));
+    let of_sphere = format!("{law}[separation]\nh = [\"1 nm\", \"{:?} m\", \"{:?} m\"]\n", h(20), h(65));
     run(&folder, &scene(SPHERE, &of_sphere), "sphere.h5");
     let offset = 0.045944 / (7.39e12 * 3.33e-6);
     let tip = 1.0 / (1.0 / 3.33e-6 + 1.0 / 10e-6);
@@ -95,14 +95,14 @@ fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
          work_of_adhesion = \"0.09 J/m^2\"\n[surface]\nasperity_radius = \"{tip:?} m\"\nasperity_density = \"7.39 /um^2\"\n\
          asperity_height_std = \"{sigma_s:?} m\"\nmean_plane_offset = \"{offset:?} m\"\nnominal_area = \"1000 um^2\"\n\
          {law}[separation]\nh = {{ from = \"1 nm\", to = \"{:?} m\", count = {} }}\n",
-        h(STEPS + 26),
-        STEPS + 27
+        h(STEPS + 65),
+        STEPS + 66
     );
     run(&folder, &flat, "flat.h5");
     let pressure: Vec<f64> =
         values(&folder, "flat.h5", "/integral/external_force").iter().map(|force| force / 1000e-12).collect();
     let found = values(&folder, "sphere.h5", "/integral/external_force");
-    for (found, first) in found.into_iter().zip([0, 8, 26]) {
+    for (found, first) in found.into_iter().zip([0, 20, 65]) {
         let weight = |i: usize| match i {
             0 | STEPS => 1.0,
             i => f64::from(2 + 2 * (i as u32 % 2)),

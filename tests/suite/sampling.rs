@@ -14,7 +14,7 @@ use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+    HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated,
 };
 use stiction::validation::{Draws, basis};
 
@@ -461,14 +461,9 @@ fn every_surface_is_drawn_by_every_scheme() {
     let values: Vec<f64> = measured.iter().map(|pair| pair[0]).collect();
     let surfaces = [
         ("exponential", with(HeightLaw::Exponential)),
-        ("weibull", with(HeightLaw::Weibull(Weibull::new(2.5)))),
         ("truncated", with(HeightLaw::Truncated(Truncated::new(-2.5, 1.0)))),
         ("list", Surface { heights: Heights::sample(values.clone()), ..plain.clone() }),
         ("gamma radii", Surface { radii: Radii::Gamma(0.5), ..plain.clone() }),
-        (
-            "exponential heights, lognormal radii",
-            Surface { radii: Radii::LogNormal(0.4), ..with(HeightLaw::Exponential) },
-        ),
         (
             "nayak",
             Surface {

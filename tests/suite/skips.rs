@@ -1,6 +1,7 @@
 //! What is skipped against what is not: series far from contact, constant forces, loads where nothing
 //! touches, and the count of it all.
 
+use crate::common::exact::Exact;
 use crate::common::{case, dry_laws, ensemble, job, law, respond};
 use std::sync::Arc;
 use stiction::asperity::emd::Emd;
@@ -105,32 +106,22 @@ fn parts_before_contact_do_not_depend_on_the_lanes_beside() {
     assert!(folded > 2, "{folded}");
 }
 
-/// Sum and sum of magnitudes, in twice the precision (Knuth's sum of two with its error).
-#[derive(Clone, Copy, Default)]
-struct Exact {
-    high: f64,
-    low: f64,
-    magnitude: f64,
-}
+/// A sum without rounding, and that of magnitudes.
+#[derive(Clone, Default)]
+struct Sum(Exact, f64);
 
-impl Exact {
+impl Sum {
     fn add(&mut self, value: f64) {
-        let sum = self.high + value;
-        let part = sum - self.high;
-        self.low += (self.high - (sum - part)) + (value - part);
-        self.high = sum;
-        self.magnitude += value.abs();
+        self.0.add(value);
+        self.1 += value.abs();
     }
 
+    /// By how much of the sum of magnitudes a value is off.
     #[track_caller]
     fn assert_is(&self, value: f64, what: &str) -> f64 {
-        let error = (value - (self.high + self.low)).abs();
-        assert!(
-            error <= 1e-14 * self.magnitude,
-            "{what}: {value:e} is off by {error:e} of {:e}",
-            self.magnitude
-        );
-        if self.magnitude > 0.0 { error / self.magnitude } else { 0.0 }
+        let error = (value - self.0.value()).abs();
+        assert!(error <= 1e-14 * self.1, "{what}: {value:e} is off by {error:e} of {:e}", self.1);
+        if self.1 > 0.0 { error / self.1 } else { 0.0 }
     }
 }
 
@@ -157,8 +148,8 @@ fn curves_are_sums_of_asperities_solved_alone() {
             let curves = &workspace.curves[0];
             for (k, &h) in separations.iter().enumerate() {
                 let d = surface.asperity_separation(h);
-                let mut total = [Exact::default(); 4];
-                let mut regimes = vec![(0.0, [Exact::default(); 2]); law.regimes().len()];
+                let mut total: [Sum; 4] = Default::default();
+                let mut regimes = vec![(0.0, <[Sum; 2]>::default()); law.regimes().len()];
                 for &u in &heights {
                     let Some((regime, [adhesion, contact, area])) = respond(law.as_ref(), u - d) else {
                         continue;

@@ -126,6 +126,7 @@ fn a_stratified_comparison_is_its_run() {
 }
 
 #[test]
+#[ignore = "slow: three seconds"]
 fn bits_of_a_comparison_do_not_depend_on_threads() {
     let folder = Folder::new(&small());
     for threads in ["1", "3"] {
@@ -175,6 +176,7 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
 
 /// With preloads the ensemble has the pull-off after the largest that a law reaches; all tables fit a terminal.
 #[test]
+#[ignore = "slow: three seconds"]
 fn laws_are_compared_after_a_preload() {
     let scene =
         small().replace("history = \"approach\"", "history = \"loop\"").replace("from = -1.0", "from = 1.5");

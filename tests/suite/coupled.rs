@@ -55,6 +55,7 @@ fn bits_of_coupled_runs_depend_on_the_scene_alone() {
 
 /// A surface that has a second thread to itself has the bits of one without.
 #[test]
+#[ignore = "slow: two seconds"]
 fn a_large_surface_has_the_same_bits_on_two_threads() {
     let one = scene(PERIODIC).replace("13.54 um^2", "600 um^2").replace("replicas = 16", "replicas = 1");
     let folder = Folder::new(&one.replace("from = -1.0", "from = 3.0").replace("count = 8", "count = 2"));
@@ -106,6 +107,7 @@ fn independent_curves_are_those_of_the_scene_without_coupling() {
 /// A run of coupled surfaces that ends at a target has as many replicas on any number of threads, which
 /// are those of a run of so many.
 #[test]
+#[ignore = "slow: two seconds"]
 fn targets_end_coupled_runs_where_they_are_met() {
     let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.08 }\nmin_replicas = 8\nmax_replicas = 400";
     let text_of = scene(PERIODIC).replace("from = -1.0", "from = 2.0");
@@ -286,6 +288,7 @@ fn measured_asperities_are_coupled_where_they_are() {
 /// Of surfaces of several radii the part without coupling has the bits of the scene without the table, and the file
 /// fits together, with the loads of the first replica of a resampled measured surface.
 #[test]
+#[ignore = "slow: two seconds"]
 fn surfaces_of_several_radii_are_coupled() {
     let radii = scene("").replace("13.54 um^2", "4.88 um^2").replace(
         "asperity_radius = \"3.33 um\"",
@@ -353,6 +356,7 @@ fn measured_places_say_what_they_allow() {
 /// Wet asperities of a patch are where δ_i + Σ f_j/(πE* r_ij) − z_i is one number, that of their separation, on both ways;
 /// what their avalanches lose is not known.
 #[test]
+#[ignore = "slow: two seconds"]
 fn wet_asperities_are_coupled() {
     let wet = scene("\n[substrate]\ncoupling = \"patch\"\nloads_at = [1.0, 2.0, 3.0]\n")
         .replace("law = \"hybrid\"\nhistory = \"approach\"", "law = \"capillary\"\nhistory = \"loop\"")
@@ -383,6 +387,7 @@ fn wet_asperities_are_coupled() {
 
 /// A sweep with and without coupling over two sizes has the bits of each by itself, and the names of the couplings.
 #[test]
+#[ignore = "slow: two seconds"]
 fn sweeps_switch_coupling_on_and_off() {
     let sweep = "\n[sweep]\nsubstrate.coupling = [\"none\", \"patch\"]\n\
                  surface.nominal_area = [\"4 um^2\", \"8 um^2\"]\n";

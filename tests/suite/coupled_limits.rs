@@ -160,6 +160,7 @@ fn places_have_a_stream_of_their_own() {
 
 /// Avalanches by their size: as many as on all steps, and the largest of each replica is in the highest class that has any.
 #[test]
+#[ignore = "slow: two seconds"]
 fn avalanches_are_counted_by_their_size() {
     let more = "\n[substrate]\ncoupling = \"patch\"\n";
     let text_of = scene(more)
@@ -196,6 +197,7 @@ fn avalanches_are_counted_by_their_size() {
 
 /// What avalanches lose: of each replica as on all steps, and counted by classes that hold it.
 #[test]
+#[ignore = "slow: two seconds"]
 fn energies_lost_are_counted_by_classes() {
     let more = "\n[substrate]\ncoupling = \"patch\"\n";
     let text_of = scene(more)

@@ -165,6 +165,7 @@ fn spots_of_all_kinds_agree_with_the_integral() {
 /// of them at mean pressure they give way by u = (3f/4E*√R)^(2/3), less the displacement 2f√(πη)/πE* that the area of one has in
 /// the smooth half-space: 1.5 (u − 2f√(πη)/πE*)/δ is 3.7 % of F; it is met to 1 %.
 #[test]
+#[ignore = "slow: three seconds"]
 fn a_coupled_sphere_is_hertzian() {
     let folder = Folder::new("");
     let soft = "[material]\nreduced_modulus = \"1 GPa\"\nhardness = \"100 GPa\"\npoisson_ratio = 0.3\n\
@@ -201,6 +202,7 @@ fn a_coupled_sphere_is_hertzian() {
 /// Spots without asperities have no force, coupled or not. Others are pulled off where one JKR sphere of R_e = RR_m/(R + R_m)
 /// lets go, with 1.5πR_eΔγ, in a tenth of a step of the separations: tips are 10 µm apart, so that no two do so together.
 #[test]
+#[ignore = "slow: three seconds"]
 fn sparse_spots_can_be_coupled() {
     let folder = Folder::new("");
     let further = "[model]\nlaw = \"jkr\"\nhistory = \"loop\"\n[ensemble]\nreplicas = 20\n[substrate]\ncoupling = \"patch\"\n";
@@ -323,6 +325,7 @@ fn a_wet_sphere_has_its_closed_form() {
 /// tip that touches and planes that are y apart. A spot lets go at y = h. Nine of ten spots have no second tip within the
 /// compression of the first, 5 pm; a test of the level 1e-5 where 97 of 100 have none (Poisson, fixed seed).
 #[test]
+#[ignore = "slow: three seconds"]
 fn stiff_spots_have_rabinovichs_force() {
     let (body, tip, spacing, work) = (5e-6, 0.46e-6, 0.3e-9, 0.02);
     let hamaker = 12.0 * PI * spacing * spacing * work;

@@ -633,6 +633,7 @@ fn tables_are_what_is_in_the_file() {
 
 /// Large datasets stand in the JSON without their values, unless they are asked for.
 #[test]
+#[ignore = "slow: three seconds"]
 fn large_datasets_are_told_when_asked_for() {
     let scene = small().replace("curves = false", "curves = true").replace("\"hybrid\"", "\"gw\"");
     let folder = Folder::new(&scene);

@@ -148,6 +148,7 @@ fn what_does_not_fit_is_refused() {
 
 /// A limit of address space is a limit: a run that would not fit is refused, and what is said to fit does.
 #[test]
+#[ignore = "slow: two seconds"]
 fn what_is_said_to_fit_does() {
     let folder = Folder::new(&far(&sized(2.0, 2, 1_000_000_000)));
     let limited = |more: &str| {

@@ -207,6 +207,7 @@ fn sampling_schemes_are_compressed_too() {
 /// A comparison sums every law by itself: by moments where that is so, directly where not, with the error of
 /// each in the file.
 #[test]
+#[ignore = "slow: two seconds"]
 fn a_comparison_is_compressed_law_by_law() {
     let folder = Folder::new(&scene(&format!("{COMPRESSED}\ntolerance = 1e-8")));
     let compare = [

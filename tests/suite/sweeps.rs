@@ -163,18 +163,6 @@ fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {
     }
 }
 
-#[test]
-fn bits_do_not_depend_on_threads() {
-    let folder = Folder::new(&swept(GRID).replace("\"100 um^2\"", "\"40 um^2\""));
-    for threads in ["1", "3"] {
-        let output = format!("{threads}.h5");
-        assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &output]), 0);
-        let (expected, found) = (bits(&folder.path("1.h5")), bits(&folder.path(&output)));
-        assert!(expected.len() > 80, "{}", expected.len());
-        assert!(expected == found, "{threads} threads");
-    }
-}
-
 /// The first point, and every point of a key that changes nothing, differ by nothing; others by the mean of
 /// the differences of their replicas, whose scatter makes the standard error.
 #[test]

@@ -713,7 +713,17 @@ fn each_lets_go_at_its_own_distance_on_both_sides_of_a_jump() {
 /// 1e-3 would be a jump.
 #[test]
 fn pieces_are_where_the_retraction_is_smooth() {
-    for name in ["I", "II", "III"] {
+    pieces_are_smooth(&["II"]);
+}
+
+#[test]
+#[ignore = "slow: two seconds"]
+fn pieces_are_where_other_retractions_are_smooth() {
+    pieces_are_smooth(&["I", "III"]);
+}
+
+fn pieces_are_smooth(cases: &[&str]) {
+    for name in cases {
         let (asperity, _) = case(name);
         let scale = Scale::new(&asperity).unwrap().force;
         let unloadings = Unloading::ALL.into_iter().map(|(_, unloading)| unloading);

@@ -358,9 +358,7 @@ fn unloading_by_an_adhesion_of_another_limit_is_told() {
         warnings(&text(&check.stdout)).iter().any(|warning| warning.contains(told))
     };
     let hard = small().replace("\"2.5 GPa\"", "\"100 GPa\"");
-    for (unloading, has_that_of_jkr) in
-        [("ekk", false), ("secant", false), ("mesarovic_johnson", true), ("thornton_ning", true)]
-    {
+    for (unloading, has_that_of_jkr) in [("secant", false), ("thornton_ning", true)] {
         assert_eq!(found(&small(), unloading), has_that_of_jkr, "{unloading}");
         assert!(!found(&hard, unloading), "{unloading}: nothing flows");
     }

@@ -715,6 +715,7 @@ fn mounts_that_forbid_the_output_are_refused() {
 
 /// Without a batch there is nothing to keep.
 #[test]
+#[ignore = "slow: five seconds"]
 fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
     let folder = Folder::new(&small().replace("\"100 um^2\"", "\"1 mm^2\""));
     let child = begin(&folder, &["--threads", "1"]);
@@ -730,6 +731,7 @@ fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
 /// Who finds a file under the name of the output when everything is computed has done nothing wrong: the code
 /// is that of a failure, the file stays, and what was computed is kept.
 #[test]
+#[ignore = "slow: five seconds"]
 fn a_result_that_cannot_be_named_is_a_failure_while_running() {
     let folder = Folder::new(&scene_of(640));
     let mut child = begin(&folder, &["--checkpoint", "0", "--quiet"]);

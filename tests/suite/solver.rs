@@ -53,10 +53,25 @@ fn sums_of_small_runs_are_direct() {
 
 /// Large runs are summed by moments by default, and say so; not where they are asked not to be, or where moments do not fit.
 #[test]
+fn checks_say_that_sums_of_large_runs_are_by_moments() {
+    for (scene, by_moments) in [
+        (small(), true),
+        (scene("summation = \"direct\""), false),
+        (small().replace(UNEVEN.0, UNEVEN.1), false),
+    ] {
+        let said = text(&check(&large(&scene)));
+        assert_eq!(said.contains("sums by moments"), by_moments, "{said}");
+    }
+}
+
+fn large(scene: &str) -> String {
+    scene.replace("100 um^2", "1000 um^2").replace("replicas = 40", "replicas = 1720")
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
 fn sums_of_large_runs_are_by_moments() {
-    let large =
-        |text: String| text.replace("100 um^2", "1000 um^2").replace("replicas = 40", "replicas = 1720");
-    let folder = Folder::new(&large(small()));
+    let folder = Folder::new(&large(&small()));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     let path = folder.path("scene.h5");
@@ -64,14 +79,6 @@ fn sums_of_large_runs_are_by_moments() {
     assert!(text(&run.stdout).contains("by moments of the heights; error at most"), "{}", text(&run.stdout));
     assert!(attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")));
     assert!(compressed_sums(&path) > 0);
-    for (scene, by_moments) in [
-        (small(), true),
-        (scene("summation = \"direct\""), false),
-        (small().replace(UNEVEN.0, UNEVEN.1), false),
-    ] {
-        let said = text(&check(&large(scene)));
-        assert_eq!(said.contains("sums by moments"), by_moments, "{said}");
-    }
 }
 
 /// A compressed run says what it is, agrees with its integral and with a direct run to the tolerance, counts

@@ -276,7 +276,7 @@ fn loads_keep_their_tolerance() {
         (1, Coupling::Periodic, contact),
         (2, Coupling::Patch, contact),
     ] {
-        let case = Case::new(number, 400, "hybrid");
+        let case = Case::new(number, 150, "hybrid");
         let [found, precise] = [1e-9, 1e-13].map(|tolerance| {
             let mut solver = case.solver_by(kernel, coupling, tolerance);
             let go = |k: i32| {

@@ -93,8 +93,8 @@ fn deepest_between(low: f64, high: f64, space: f64, force: &mut impl FnMut(f64) 
 /// How deep a curve is at its deepest of even places and of even places around the deepest of these, again
 /// and again: at most how deep it is, and where it jumps, to within a jump's last asperity.
 fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) -> (f64, f64) {
-    const PLACES: usize = 3000;
-    const CLOSER: usize = 60;
+    const PLACES: usize = 1500;
+    const CLOSER: usize = 40;
     let mut look = |low: f64, high: f64, places: usize| -> Vec<(f64, f64)> {
         let place = |i: usize| low + (high - low) * i as f64 / places as f64;
         (0..=places).map(|i| (place(i), force(place(i)))).collect()

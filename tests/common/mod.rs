@@ -9,10 +9,11 @@ pub mod program;
 pub mod unlocked;
 
 use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::{MODELS, Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Facing, Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats};
-use stiction::engine::{Job, Protocol, ReductionTree};
+use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, ReductionTree, Replica, Workspace, run};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
 
@@ -65,6 +66,28 @@ pub fn job<'a>(
         moments: None,
         protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
     }
+}
+
+/// The ensemble of a job, on so many threads.
+pub fn ensemble(job: &Job<'_>, threads: usize) -> Ensemble {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
+        Ok(Outcome::Complete(tree)) => tree.into_ensemble(job),
+        _ => panic!("the run did not complete"),
+    }
+}
+
+/// The first replica of a job, and its curves.
+pub fn one(job: &Job<'_>) -> (Replica, Curves) {
+    let mut found = None;
+    Workspace::new(job).replicas(job, 0..1, |replica, curves| found = Some((replica, curves.clone())));
+    found.unwrap()
+}
+
+/// Even separations, m, between two that are given over σ.
+pub fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> {
+    let h_star = |i: usize| from + (to - from) * i as f64 / (count - 1) as f64;
+    (0..count).map(|i| h_star(i) * surface.surface_height_std).collect()
 }
 
 /// A law of an asperity with starting tables for the interferences `reach`, m.

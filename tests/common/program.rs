@@ -4,7 +4,8 @@ use super::unlocked;
 use hdf5::types::VarLenUnicode;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::LazyLock;
 use std::time::Duration;
 use tempfile::TempDir;
 
@@ -63,6 +64,46 @@ impl Folder {
 /// A quick scene that takes a fraction of a second.
 pub fn small() -> String {
     QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
+}
+
+/// A folder with the small scene and its result `scene.h5`, which is computed once.
+pub fn with_result() -> Folder {
+    static RESULT: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let folder = Folder::new(&small());
+        assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+        std::fs::read(folder.path("scene.h5")).unwrap()
+    });
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("scene.h5"), &*RESULT).unwrap();
+    folder
+}
+
+/// Begins a run of the scene in a folder.
+pub fn begin(folder: &Folder, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command.args(["run", "scene.toml"]).args(arguments).current_dir(folder.path(""));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Sends a signal to a process, which may have ended before.
+pub fn signal(child: &Child, signal: &str) {
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+}
+
+/// Waits until something is so, while a process runs.
+pub fn wait_while_running(child: &mut Child, mut until: impl FnMut() -> bool) {
+    while !until() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+}
+
+/// Ends a run of the scene in a folder by a signal when a file is there.
+pub fn interrupt_at(folder: &Folder, name: &str, file: &str, arguments: &[&str]) -> Output {
+    let mut child = begin(folder, arguments);
+    wait_while_running(&mut child, || folder.path(file).exists());
+    signal(&child, name);
+    child.wait_with_output().unwrap()
 }
 
 /// The rows of a summary that have a label, each as one line.
@@ -170,6 +211,12 @@ pub fn values(folder: &Folder, file: &str, dataset: &str) -> Vec<f64> {
 /// An attribute that is a number.
 pub fn number(path: &Path, group: &str, name: &str) -> f64 {
     unlocked::open(path).group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
+}
+
+/// What [`bits`] has of a name.
+#[track_caller]
+pub fn bits_of(all: &[(String, Vec<u64>)], name: &str) -> Vec<u64> {
+    all.iter().find(|(path, _)| path == name).unwrap_or_else(|| panic!("{name}")).1.clone()
 }
 
 /// All numbers of all datasets outside /diagnostics, and the attributes of its groups that are no whole

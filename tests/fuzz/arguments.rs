@@ -6,52 +6,22 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use stiction::asperity::models::MODELS;
 
-const NUMBERS: [&str; 32] = [
-    "0",
-    "-0",
-    "1",
-    "-1",
-    "0.9",
-    "1e-6",
-    "1e6",
-    "1e-7",
-    "1e7",
-    "1e100",
-    "-1e100",
-    "1e101",
-    "1e308",
-    "1e309",
-    "5e-324",
-    "nan",
-    "-nan",
-    "inf",
-    "-inf",
-    "",
-    " ",
-    "1_0",
-    "0x10",
-    "1e",
-    "--",
-    "18446744073709551615",
-    "-9223372036854775808",
-    "1e-300",
-    "0.5",
-    "-0.999999",
-    "µ",
-    "\u{1b}[2J",
-];
+/// Separated by blanks; a blank and nothing are given, too.
+const NUMBERS: &str = "0 -0 1 -1 0.9 1e-6 1e6 1e-7 1e7 1e100 -1e100 1e101 1e308 1e309 5e-324 nan -nan inf -inf 1_0 0x10 1e \
+    -- 18446744073709551615 -9223372036854775808 1e-300 0.5 -0.999999 µ \u{1b}[2J";
 
 #[test]
 fn every_number_is_used_or_refused() {
     let _alone = super::alone();
     let folder = Folder::new("");
+    let numbers: Vec<&str> = NUMBERS.split(' ').chain(["", " "]).collect();
     let (mut used, mut refused) = (0, 0);
-    for case in 0..cases(300) {
+    for case in 0..cases(100) {
         let mut rng = ChaCha8Rng::seed_from_u64(case);
         // Most numbers are ordinary ones, so that some commands are carried out.
         let mut number = |usual: &[&'static str]| {
             if rng.random_bool(0.25) {
-                NUMBERS[rng.random_range(0..NUMBERS.len())]
+                numbers[rng.random_range(0..numbers.len())]
             } else {
                 usual[rng.random_range(0..usual.len())]
             }
@@ -92,5 +62,5 @@ fn every_number_is_used_or_refused() {
             code => panic!("{arguments:?}: exit code {code:?}, {error}"),
         }
     }
-    assert!(used > 30 && refused > 30, "{used} used, {refused} refused");
+    assert!(used > 10 && refused > 10, "{used} used, {refused} refused");
 }

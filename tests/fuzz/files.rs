@@ -24,8 +24,8 @@ struct Target {
 }
 
 const TARGETS: [Target; 2] = [
-    Target { name: "result", seeds: results, read: read_result, cases: 100 },
-    Target { name: "asperities", seeds: asperities, read: read_asperities, cases: 60 },
+    Target { name: "result", seeds: results, read: read_result, cases: 50 },
+    Target { name: "asperities", seeds: asperities, read: read_asperities, cases: 30 },
 ];
 
 /// Tells a process of this test what to read: target, folder, first case, end.
@@ -145,7 +145,7 @@ fn the_commands_survive_every_damaged_file() {
     let folder = Folder::new("");
     let names = results(&folder);
     let seeds = contents(&folder.path(""), &names);
-    for case in 0..cases(40) {
+    for case in 0..cases(12) {
         std::fs::write(folder.path("case.h5"), damaged(&seeds, case)).unwrap();
         let commands = [&["info"][..], &["validate"], &["info", "--json", "--all"], &["info", "--csv"]];
         for command in commands {

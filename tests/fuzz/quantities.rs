@@ -54,7 +54,7 @@ fn every_text_is_a_quantity_or_none() {
         let _ = parse(&text, dimension);
         Ok(())
     };
-    runner(cases(50_000)).run(&(texts, proptest::sample::select(&DIMENSIONS[..])), case).unwrap();
+    runner(cases(10_000)).run(&(texts, proptest::sample::select(&DIMENSIONS[..])), case).unwrap();
 }
 
 /// The shortest decimals of any double are read as that double in m, and a power of ten elsewhere moves the
@@ -71,7 +71,7 @@ fn a_quantity_has_the_value_of_its_decimals() {
         prop_assert_eq!(parse(&format!("{number} nm"), Dimension::Length), Ok(moved));
         Ok(())
     };
-    runner(cases(20_000)).run(&proptest::num::f64::NORMAL, case).unwrap();
+    runner(cases(5_000)).run(&proptest::num::f64::NORMAL, case).unwrap();
 }
 
 /// A megabyte of digits, with or without what makes it a number: milliseconds, not the square of its length.

@@ -49,7 +49,7 @@ fn damaged_states_are_refused_and_forged_ones_do_no_harm() {
     let folder = Folder::new("");
     let seeds = seeds(&folder);
     let (mut accepted, mut refused, mut forgeries) = (0_u64, 0_u64, 0_u64);
-    for case in 0..cases(20_000) {
+    for case in 0..cases(4_000) {
         let bytes = damaged(&seeds, case);
         let same = seeds.contains(&bytes);
         for (bytes, forgery) in [(bytes.clone(), false), (forged(bytes), true)] {
@@ -75,7 +75,7 @@ fn damaged_states_are_refused_and_forged_ones_do_no_harm() {
         }
     }
     println!("states: {refused} refused, {accepted} as they were, {forgeries} forged ones read");
-    assert!(forgeries > 100 && refused > 1000, "{forgeries} {refused}");
+    assert!(forgeries > 20 && refused > 1000, "{forgeries} {refused}");
 }
 
 /// A forged state that is read goes on or is refused in a line; nothing else.
@@ -87,7 +87,7 @@ fn the_program_survives_forged_states() {
     let seed = [seeds(&folder).swap_remove(2)];
     let partial = std::fs::read(folder.path(PARTIAL)).unwrap();
     let (mut refused, mut resumed) = (0, 0);
-    for case in 0..cases(16).min(2000) {
+    for case in 0..cases(8).min(2000) {
         std::fs::write(folder.path(PARTIAL), &partial).unwrap();
         forge(&folder.path(PARTIAL), "restart/0001", |state| *state = damaged(&seed, case));
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));

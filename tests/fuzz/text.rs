@@ -62,52 +62,10 @@ pub fn changes() -> Vec<Change> {
 /// A change, the token that it is of, and what it takes: both counted round.
 pub type Mutation = (Change, u32, u32);
 
-const NUMBERS: [&str; 44] = [
-    "0",
-    "-0",
-    "0.0",
-    "-0.0",
-    "1",
-    "-1",
-    "2",
-    "3",
-    "1e308",
-    "-1e308",
-    "1.7976931348623157e308",
-    "1e309",
-    "5e-324",
-    "1e-324",
-    "2.2e-308",
-    "nan",
-    "-nan",
-    "inf",
-    "-inf",
-    "+inf",
-    "18446744073709551615",
-    "18446744073709551616",
-    "9223372036854775807",
-    "-9223372036854775808",
-    "1e12",
-    "1e-12",
-    "1e-6",
-    "1e6",
-    "0x7fffffffffffffff",
-    "0xFF",
-    "0o17",
-    "0b11",
-    "1_000_000",
-    "1e99999999999999999999",
-    "1e-99999999999999999999",
-    "0.1",
-    "0.5",
-    "1e-160",
-    "1e160",
-    "1e-3",
-    "1e3",
-    "1.",
-    ".5",
-    "1979-05-27T07:32:00Z",
-];
+const NUMBERS: &str = "0 -0 0.0 -0.0 1 -1 2 3 1e308 -1e308 1.7976931348623157e308 1e309 5e-324 1e-324 2.2e-308 nan -nan inf \
+    -inf +inf 18446744073709551615 18446744073709551616 9223372036854775807 -9223372036854775808 1e12 1e-12 \
+    1e-6 1e6 0x7fffffffffffffff 0xFF 0o17 0b11 1_000_000 1e99999999999999999999 1e-99999999999999999999 0.1 \
+    0.5 1e-160 1e160 1e-3 1e3 1. .5 1979-05-27T07:32:00Z";
 
 const UNITS: [&str; 22] = [
     "m",
@@ -134,63 +92,11 @@ const UNITS: [&str; 22] = [
     "²",
 ];
 
-const WORDS: [&str; 55] = [
-    "format",
-    "title",
-    "material",
-    "surface",
-    "model",
-    "separation",
-    "ensemble",
-    "solver",
-    "output",
-    "reduced_modulus",
-    "hardness",
-    "poisson_ratio",
-    "work_of_adhesion",
-    "equilibrium_spacing",
-    "asperity_radius",
-    "asperity_density",
-    "surface_height_std",
-    "asperity_height_std",
-    "mean_plane_offset",
-    "nominal_area",
-    "lubricant_thickness",
-    "law",
-    "path",
-    "critical_approach",
-    "h",
-    "h_star",
-    "from",
-    "to",
-    "count",
-    "replicas",
-    "sampling",
-    "seed",
-    "sum",
-    "tolerance",
-    "curves",
-    "hybrid",
-    "emd",
-    "fit:paper",
-    "isbl",
-    "sbl",
-    "ke",
-    "md",
-    "md_kim",
-    "jkr",
-    "dmt",
-    "idmt",
-    "gw",
-    "approach",
-    "retraction",
-    "antithetic",
-    "stratified",
-    "compressed",
-    "true",
-    "a.b.c",
-    "ключ",
-];
+const WORDS: &str = "format title material surface model separation ensemble solver output reduced_modulus hardness \
+    poisson_ratio work_of_adhesion equilibrium_spacing asperity_radius asperity_density surface_height_std \
+    asperity_height_std mean_plane_offset nominal_area lubricant_thickness law path critical_approach h \
+    h_star from to count replicas sampling seed sum tolerance curves hybrid emd fit:paper isbl sbl ke md \
+    md_kim jkr dmt idmt gw approach retraction antithetic stratified compressed true a.b.c ключ";
 
 const INSERTIONS: [&str; 18] = [
     "\0",
@@ -244,7 +150,7 @@ fn apply(tokens: &mut Vec<Cow<'_, str>>, change: Change, place: usize, choice: u
     let token = tokens[place].clone();
     match change {
         Change::Number => {
-            let number = NUMBERS[choice % NUMBERS.len()];
+            let number = one_of(NUMBERS, choice);
             let changed = match quantity(&token) {
                 Some((_, unit)) => format!("\"{number}{unit}\""),
                 None => number.to_owned(),
@@ -265,7 +171,7 @@ fn apply(tokens: &mut Vec<Cow<'_, str>>, change: Change, place: usize, choice: u
             tokens[place] = format!("\"{number}{blank}{}\"", UNITS[choice % UNITS.len()]).into();
         }
         Change::Word => {
-            let word = WORDS[choice % WORDS.len()];
+            let word = one_of(WORDS, choice);
             tokens[place] = if token.starts_with('"') { format!("\"{word}\"").into() } else { word.into() };
         }
         Change::Nest => {
@@ -306,6 +212,12 @@ fn apply(tokens: &mut Vec<Cow<'_, str>>, change: Change, place: usize, choice: u
         }
         Change::Truncate => tokens.truncate(place),
     }
+}
+
+/// A word of a list, counted round.
+fn one_of(words: &'static str, choice: usize) -> &'static str {
+    let count = words.split(' ').count();
+    words.split(' ').nth(choice % count).unwrap()
 }
 
 /// Number and unit of a quoted quantity.

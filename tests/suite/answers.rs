@@ -3,6 +3,14 @@
 use crate::common::program::{Folder, assert_exit, labelled, small, text, values};
 use crate::common::unlocked;
 
+/// A quick loop of tops that flow, not pressed so far that all do.
+fn pressed() -> String {
+    small()
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("\"hybrid\"", "\"md_plastic\"")
+        .replace("from = -1.0", "from = 1.5")
+}
+
 #[test]
 fn a_template_is_written_once_and_runs() {
     let folder = Folder::new("");
@@ -10,7 +18,7 @@ fn a_template_is_written_once_and_runs() {
     let again = folder.stiction(&["new", "pad.toml"]);
     assert_exit(&again, 2);
     assert!(text(&again.stderr).contains("pad.toml: there is such a file; name another one"), "{again:?}");
-    assert_exit(&folder.stiction(&["run", "pad.toml"]), 0);
+    assert_exit(&folder.stiction(&["run", "pad.toml", "--replicas", "2"]), 0);
     let unknown = folder.stiction(&["new", "other.toml", "--template", "mems"]);
     assert_exit(&unknown, 2);
     assert!(text(&unknown.stderr).contains("mems-pad"), "{unknown:?}");
@@ -82,10 +90,8 @@ fn a_misspelt_preload_is_one_mistake() {
 /// The force of a spring over a gap is their product; the pull-off after preloads does not ask for a stiffness.
 #[test]
 fn preloads_need_no_spring() {
-    let pressed = |table: &str| {
-        let scene = small()
-            .replace("history = \"approach\"", "history = \"loop\"")
-            .replace("\"hybrid\"", "\"md_plastic\"");
+    let run_with = |table: &str| {
+        let scene = pressed().replace("\"100 um^2\"", "\"25 um^2\"");
         let folder = Folder::new(&format!(
             "{scene}\n[instability]\n{table}preload = [\"1 uN\", \"20 uN\"]\n[device]\nstiffness = \"2 N/m\"\ngap = \"0.5 um\"\n"
         ));
@@ -98,8 +104,8 @@ fn preloads_need_no_spring() {
         let stuck = values(&folder, "scene.h5", "/device/stuck_probability_after_preload");
         (forces, force, stuck, text(&run.stdout))
     };
-    let (with, force, stuck, _) = pressed("stiffness = \"1 kN/m\"\n");
-    let (without, _, _, printed) = pressed("");
+    let (with, force, stuck, _) = run_with("stiffness = \"1 kN/m\"\n");
+    let (without, _, _, printed) = run_with("");
     assert_eq!(
         with.iter().map(|force| force.to_bits()).collect::<Vec<u64>>(),
         without.iter().map(|force| force.to_bits()).collect::<Vec<u64>>()
@@ -116,10 +122,7 @@ fn preloads_need_no_spring() {
 /// What follows each preload is a column of the points of a sweep; differences are of whole loops. A warning that all points give is in the summary.
 #[test]
 fn each_preload_has_columns_in_the_table_of_a_sweep() {
-    let scene = small()
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("\"hybrid\"", "\"md_plastic\"")
-        .replace("\"7.39 /um^2\"", "\"4 /um^2\"");
+    let scene = pressed().replace("\"7.39 /um^2\"", "\"4 /um^2\"");
     let folder = Folder::new(&format!(
         "{scene}\n[instability]\npreload = [\"20 uN\", \"1 N\"]\n[device]\nrestoring_force = \"40 uN\"\n\
          [sweep]\n\"material.work_of_adhesion\" = [\"0.05 J/m^2\", \"0.09 J/m^2\"]\n"
@@ -164,11 +167,8 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
 /// A preload that a share of the replicas misses is warned of.
 #[test]
 fn missed_preloads_are_warned_of() {
-    let scene = small()
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("\"hybrid\"", "\"md_plastic\"")
-        .replace("from = -1.0", "from = 1.5");
-    let folder = Folder::new(&format!("{scene}\n[instability]\npreload = [\"1 uN\", \"1 mN\", \"1 N\"]\n"));
+    let folder =
+        Folder::new(&format!("{}\n[instability]\npreload = [\"1 uN\", \"1 mN\", \"1 N\"]\n", pressed()));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     let reached = unlocked::open(folder.path("scene.h5"));
@@ -188,9 +188,7 @@ fn missed_preloads_are_warned_of() {
 /// A point of a sweep whose preload no replica reaches has no pull-off and no probability, whatever its whole loop holds.
 #[test]
 fn points_that_miss_their_preload_have_no_pull_off() {
-    let scene = small()
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("\"hybrid\"", "\"md_plastic\"");
+    let scene = pressed().replace("\"100 um^2\"", "\"10 um^2\"");
     let folder = Folder::new(&format!(
         "{scene}\n[instability]\npreload = \"1 N\"\n[device]\nrestoring_force = \"1 nN\"\n\
          [sweep]\n\"material.work_of_adhesion\" = [\"0.05 J/m^2\", \"0.09 J/m^2\"]\n"
@@ -211,7 +209,17 @@ fn points_that_miss_their_preload_have_no_pull_off() {
 /// The default separations reach a preload under each model of flow: flat and sticky tops push less than Hertz's contacts.
 #[test]
 fn default_separations_reach_preloads_under_every_model_of_flow() {
-    for contact in ["jg", "ke", "zmc", "tn"] {
+    default_separations_reach_preloads(&["jg"]);
+}
+
+#[test]
+#[ignore = "slow: three seconds"]
+fn default_separations_reach_preloads_under_other_models_of_flow() {
+    default_separations_reach_preloads(&["ke", "zmc", "tn"]);
+}
+
+fn default_separations_reach_preloads(contacts: &[&str]) {
+    for contact in contacts {
         let folder = Folder::new(&format!(
             "material.youngs_modulus = \"80 GPa\"\nmaterial.poisson_ratio = 0.42\nmaterial.hardness = \"1.2 GPa\"\n\
              material.work_of_adhesion = \"50 mJ/m^2\"\nsurface.asperity_radius = \"80 nm\"\n\

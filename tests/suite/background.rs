@@ -352,8 +352,9 @@ fn a_spring_is_pulled_in_where_parallel_plates_are() {
 #[test]
 fn nothing_is_added_where_nothing_acts() {
     let layer = "dielectric_thickness = \"2 nm\"\nrelative_permittivity = 4.0\n";
-    let scene = |volts: &str| format!("{}\n[electrostatic]\nvoltage = \"{volts}\"\n{layer}", small());
-    let folder = Folder::new(&small());
+    let few = || small().replace("replicas = 40", "replicas = 8");
+    let scene = |volts: &str| format!("{}\n[electrostatic]\nvoltage = \"{volts}\"\n{layer}", few());
+    let folder = Folder::new(&few());
     for (name, volts) in [("off", "0 V"), ("on", "3 V"), ("minus", "-3 V")] {
         std::fs::write(folder.path(&format!("{name}.toml")), scene(volts)).unwrap();
     }
@@ -377,7 +378,8 @@ fn nothing_is_added_where_nothing_acts() {
 fn files_have_the_background() {
     let tables = "\n[van_der_waals]\nhamaker_constant = \"1e-19 J\"\nretarded = true\n\n[electrostatic]\nvoltage = \"3 V\"\n\
                   dielectric_thickness = [\"4 nm\", \"1 nm\"]\nrelative_permittivity = [4.0, 2.0]\n";
-    let folder = Folder::new(&(small() + tables));
+    let few = || small().replace("replicas = 40", "replicas = 8");
+    let folder = Folder::new(&(few() + tables));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);
     let told = unbroken(&text(&check.stdout));
@@ -386,7 +388,7 @@ fn files_have_the_background() {
     let run = folder.stiction(&["run", "scene.toml", "-o", "run.h5"]);
     assert_exit(&run, 0);
     assert_exit(&folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,md,gw", "-o", "laws.h5"]), 0);
-    let sweep = small()
+    let sweep = few()
         + tables
         + "\n[sweep]\n\"electrostatic.voltage\" = [\"0 V\", \"2 V\"]\n\
         \"van_der_waals.hamaker_constant\" = [\"1e-20 J\", \"200 zJ\"]\n";

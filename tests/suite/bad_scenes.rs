@@ -37,15 +37,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[ensemble]",
-        "[van_der_waals]\nhamaker_constant = \"6.5 eV\"\nretarded = true\nretardation_wavelength = 100\n[ensemble]",
-        &[
-            "unknown unit `eV`",
-            "an energy is needed",
-            "`van_der_waals.retardation_wavelength = 100`: the unit is missing",
-        ],
-    ),
-    (
-        "[ensemble]",
         "[van_der_waals]\nsmallest_gap = \"0.4 nm\"\n[ensemble]",
         &["`van_der_waals.smallest_gap = \"0.4 nm\"`: is less than lubricant_thickness"],
     ),
@@ -55,15 +46,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &[
             "`van_der_waals.cap_share = 0.5`: is for laws whose attraction has no end",
             "md own the gaps below smallest_gap",
-        ],
-    ),
-    (
-        "[ensemble]",
-        "[electrostatic]\nvoltage = 10\ncontact_potential = \"0.2 J\"\nrecess = \"-1 nm\"\n[ensemble]",
-        &[
-            "`electrostatic.voltage = 10`: the unit is missing",
-            "`electrostatic.contact_potential = \"0.2 J\"`: the unit is that of an energy",
-            "`electrostatic.recess = \"-1 nm\"`",
         ],
     ),
     (
@@ -115,11 +97,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[capillary]\nrelative_humidity = \"45 percent\"\ncontact_angles = [0, 0]\n[output]",
-        &["`capillary.relative_humidity", "a number is needed"],
-    ),
-    (
-        "[output]",
         "[capillary]\nrelative_humidity = 0.5\n[output]",
         &["`capillary.contact_angles` is missing; for example contact_angles = [\"30 deg\", \"30 deg\"]"],
     ),
@@ -127,11 +104,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[output]",
         "[capillary]\nrelative_humidity = 0.5\ncontact_angles = \"30 deg\"\n[output]",
         &["a list of two is needed, one for each face"],
-    ),
-    (
-        "[output]",
-        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"30 deg\", \"30 nm\"]\n[output]",
-        &["contact_angles[1]", "an angle is needed, such as \"30 deg\" (rad, deg)"],
     ),
     (
         "[output]",
@@ -165,11 +137,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nmolar_volume = \"0 cm^3/mol\"\nsurface_tension = \"20 mN/m\"\n[output]",
-        &["`capillary.molar_volume", "greater than 0"],
-    ),
-    (
-        "[output]",
         "[capillary]\nfilm_thickness = \"1 nm\"\ncontact_angles = [0, 0]\n[output]",
         &["`capillary.film_thickness = \"1 nm\"`: a film needs hamaker_constant", "film_faces = 1 or 2"],
     ),
@@ -187,11 +154,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[output]",
         "[capillary]\nrelative_humidity = 0.5\nfilm_faces = 2\ncontact_angles = [0, 0]\n[output]",
         &["`capillary.film_faces = 2`: films need hamaker_constant"],
-    ),
-    (
-        "[output]",
-        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 3\ncontact_angles = [0, 0]\n[output]",
-        &["`capillary.film_faces = 3`", "a whole number from 1 to 2"],
     ),
     (
         "[output]",
@@ -215,18 +177,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nvolume = \"fixed\"\n[output]",
-        &["unknown volume; known: equilibrium, constant"],
-    ),
-    (
-        "[output]",
         "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nvolume = \"constant\"\nbridges = \"reversible\"\n[output]",
         &["a reversible bridge has the volume in equilibrium"],
-    ),
-    (
-        "[output]",
-        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nbridges = \"wet\"\n[output]",
-        &["unknown bridges; known: metastable, reversible"],
     ),
     (
         "[output]",
@@ -289,21 +241,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["line 6: `material.youngs_modulus", "one value, or a list of two, one for each body, is needed"],
     ),
     (
-        "reduced_modulus = \"85.29 GPa\"",
-        "youngs_modulus = [\"169 GPa\", 70]",
-        &["line 6: `material.youngs_modulus[1] = 70`: the unit is missing"],
-    ),
-    (
-        "poisson_ratio = 0.27",
-        "poisson_ratio = [0.22, 0.6]",
-        &["`material.poisson_ratio[1] = 0.6`: a Poisson ratio"],
-    ),
-    (
-        "surface_height_std = \"1.619 nm\"",
-        "surface_height_std = [\"1.619 nm\", 1]",
-        &["`surface.surface_height_std[1] = 1`: the unit is missing"],
-    ),
-    (
         "[material]",
         "[material]\nsurface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]",
         &["line 6: `material.surface_energy", "determines work_of_adhesion too; give either"],
@@ -314,15 +251,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["`material.interface_energy = \"110 mJ/m^2\"`: is not less than the sum of surface_energy"],
     ),
     ("work_of_adhesion =", "gamma =", &["unknown key `material.gamma`; did you mean `work_of_adhesion`"]),
-    ("surface_height_std =", "sigma =", &["unknown key `surface.sigma`; did you mean `surface_height_std`?"]),
-    ("asperity_density =", "density =", &["unknown key `surface.density`; did you mean `asperity_density`?"]),
     ("[surface]", "[surface]\nseed = 2", &["unknown key `surface.seed`; did you mean `ensemble.seed`?"]),
     ("law = \"hybrid\"", "law = \"JKR\"", &["unknown law (did you mean \"jkr\"?)"]),
-    (
-        "asperity_radius = \"3.33 um\"",
-        "asperity_radius = \"3,33 um\"",
-        &["has a decimal comma; a point is needed", "such as \"3.33 um\""],
-    ),
     (
         "asperity_radius = \"3.33 um\"",
         "asperity_radius = \"3 GPa\"",
@@ -333,12 +263,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"3.33\"", &["the unit is missing"]),
     ("asperity_radius = \"3.33 um\"", "asperity_radius = true", &["is a boolean", "a length is needed"]),
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"nan um\"", &["is not finite"]),
-    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"inf um\"", &["is not finite"]),
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"-1 um\"", &["has to be greater than 0"]),
-    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"0 um\"", &["has to be greater than 0"]),
     ("asperity_radius = \"3.33 um\"", "asperity_radius = \"large um\"", &["does not begin with a number"]),
-    ("poisson_ratio = 0.27", "poisson_ratio = nan", &["`material.poisson_ratio = nan`", "finite"]),
-    ("poisson_ratio = 0.27", "poisson_ratio = 0.7", &["at most 0.5"]),
     ("poisson_ratio = 0.27", "poisson_ratio = \"70 %\"", &["at most 0.5"]),
     ("poisson_ratio = 0.27", "poisson_ratio = \"27 % or so\"", &["is a string, a number is needed"]),
     ("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"-0.5 nm\"", &["must not be negative"]),
@@ -354,18 +280,9 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "nominal_area = \"1 m^2\"",
         &["surface.nominal_area", "at most 2e8", "m^2 would do"],
     ),
-    ("count = 91", "count = 1", &["separation.h_star.count", "from 2 to"]),
     ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0]", &["has 1 separations", "2 to"]),
     ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, 3.0, 2.0]", &["separation.h_star[2] = 2.0", "rise"]),
-    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, 2.0, 2.0]", &["separation.h_star[2]", "rise"]),
-    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, nan]", &["separation.h_star[1]", "finite"]),
     ("to = 8.0", "to = -2.0", &["greater than `from`"]),
-    ("h_star = {", "h = [\"1 nm\", \"2 nm\"]\nh_star = {", &["either h or h_star"]),
-    (
-        "h_star = { from = -1.0, to = 8.0, count = 91 }",
-        "h = { from = 1, to = 8, count = 91 }",
-        &["separation.h.from", "the unit is missing"],
-    ),
     ("law = \"hybrid\"", "law = \"md_kin\"", &["unknown law", "did you mean \"md_kim\"?", "fit:paper"]),
     (
         "history = \"approach\"",
@@ -386,16 +303,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "history = \"approach\"",
         "unloading = \"secant\"",
         &["line 21", "model.unloading", "pulled back after they were pressed", "history = \"loop\""],
-    ),
-    (
-        "history = \"approach\"",
-        "history = \"loop\"\nunloading = \"secand\"",
-        &[
-            "line 22",
-            "unknown unloading",
-            "did you mean \"secant\"?",
-            "known: ekk, secant, mesarovic_johnson",
-        ],
     ),
     (
         "law = \"hybrid\"",
@@ -433,31 +340,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["line 22", "\"secant\" leaves tops with radii of their own"],
     ),
     ("replicas = 200", "replicas = -1", &["`ensemble.replicas = -1`", "from 0 to"]),
-    ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     (
         "replicas = 200",
         "replicas = 201\nsampling = \"antithetic\"",
         &["line 27", "`ensemble.replicas = 201`", "needs a multiple of 2 replicas, such as 200 or 202"],
     ),
-    (
-        "seed = 1",
-        "seed = 1\nsampling = \"stratifed\"",
-        &["unknown sampling", "did you mean \"stratified\"?", "known: independent, antithetic, stratified"],
-    ),
-    ("seed = 1", "seed = -1", &["`ensemble.seed = -1`", "whole number"]),
-    (
-        "law = \"hybrid\"",
-        "law = \"hybird\"",
-        &["line 20", "unknown law", "did you mean \"hybrid\"?", "known: md_plastic, hybrid, emd"],
-    ),
-    ("history = \"approach\"", "history = \"sideways\"", &["unknown history", "approach, retraction"]),
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
-    (
-        "equilibrium_spacing = \"0.2 nm\"",
-        "equilibrium_spacing = \"1e-9 pm\"",
-        &["lambda", "outside 1e-6..1e6"],
-    ),
-    ("curves = false", "curves = \"no\"", &["output.curves", "true or false"]),
     (
         "[output]",
         "[solver]\nsummations = \"moments\"\n[output]",
@@ -501,17 +389,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("history = \"approach\"", "path = \"approach\"", &["line 21", "`model.path` is now `model.history`"]),
     (
         "[output]",
-        "[solver]\nthreads = 3\n[output]",
-        &["line 31", "unknown key `solver.threads`", "known here: summation, tolerance"],
-    ),
-    (
-        "[output]",
-        "[solver]\nsummation = \"fast\"\n[output]",
-        &["line 31", "`solver.summation = \"fast\"`", "unknown summation", "known: auto, direct, moments"],
-    ),
-    ("[output]", "[solver]\nsummation = true\n[output]", &["line 31", "`solver.summation = true`", "text"]),
-    (
-        "[output]",
         "[solver]\nsummation = \"direct\"\ntolerance = 1e-9\n[output]",
         &["line 32", "`solver.tolerance = 1e-9`", "direct sums have no tolerance"],
     ),
@@ -520,46 +397,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[solver]\nsummation = \"moments\"\ntolerance = 0\n[output]",
         &["line 32", "`solver.tolerance = 0`", "between 1e-13 and 1e-3"],
     ),
-    (
-        "[output]",
-        "[solver]\nsummation = \"moments\"\ntolerance = 1e-20\n[output]",
-        &["line 32", "`solver.tolerance = 1e-20`", "between 1e-13 and 1e-3"],
-    ),
-    (
-        "[output]",
-        "[solver]\nsummation = \"moments\"\ntolerance = 1\n[output]",
-        &["line 32", "`solver.tolerance = 1`", "between 1e-13 and 1e-3"],
-    ),
-    (
-        "[output]",
-        "[solver]\nsummation = \"moments\"\ntolerance = nan\n[output]",
-        &["line 32", "`solver.tolerance = nan`", "finite"],
-    ),
-    (
-        "[output]",
-        "[solver]\nsummation = \"moments\"\ntolerance = \"1e-9\"\n[output]",
-        &["line 32", "`solver.tolerance = \"1e-9\"`", "number"],
-    ),
     ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
-    (
-        "history = \"approach\"",
-        "history = \"lop\"",
-        &["line 21", "unknown history", "did you mean \"loop\"?", "known: approach, retraction, loop"],
-    ),
-    (
-        "h_star = {",
-        "stiffness_span = 0.2\nh_star = {",
-        &["line 24", "`separation.stiffness_span = 0.2`", "the unit is missing"],
-    ),
     (
         "h_star = {",
         "stiffness_span = \"15 nm\"\nh_star = {",
         &["line 24", "`separation.stiffness_span = \"15 nm\"`", "reach over 14.571 nm", "within them"],
-    ),
-    (
-        "h_star = {",
-        "stiffness_span = \"1e-9 nm\"\nh_star = {",
-        &["line 24", "`separation.stiffness_span", "lost in rounding"],
     ),
     (
         "[output]",
@@ -568,18 +410,8 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[instability]\nstiffness = 5\n[output]",
-        &["line 31", "`instability.stiffness = 5`", "the unit is missing", "a stiffness is needed"],
-    ),
-    (
-        "[output]",
         "[instability]\nstiffness = [\"5 N/m\", \"5 nm\"]\n[output]",
         &["line 31", "`instability.stiffness[1] = \"5 nm\"`", "that of a length"],
-    ),
-    (
-        "[output]",
-        "[instability]\nstiffness = \"-5 N/m\"\n[output]",
-        &["`instability.stiffness", "must not be negative"],
     ),
     (
         "[output]",
@@ -600,16 +432,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "history = \"approach\"",
         "history = \"loop\"\n[instability]\nstiffness = 0\npreload = [\"0 N\"]",
         &["line 24", "`instability.preload[0] = \"0 N\"`", "greater than 0"],
-    ),
-    (
-        "[output]",
-        "[instability]\nstiffness = 0\nsmallest_snap = \"1 N\"\n[output]",
-        &["line 32", "`instability.smallest_snap = \"1 N\"`", "that of a force", "a length is needed"],
-    ),
-    (
-        "[output]",
-        "[instability]\nstifness = 0\n[output]",
-        &["line 31", "`instability.stifness`", "did you mean `stiffness`?"],
     ),
     ("format = 1", "format = 1\nsolver = 3", &["line 3", "`solver = 3`", "a table [solver] is needed"]),
 ];

@@ -73,8 +73,8 @@ fn pull_off(law: &dyn Law) -> f64 {
         let [adhesion, contact, _] = at(law, end + x * x);
         adhesion - contact
     };
-    let step = 1e-7;
-    let best = (1..4000).map(|i| f64::from(i) * step).max_by(|a, b| pull(*a).total_cmp(&pull(*b))).unwrap();
+    let step = 4e-7;
+    let best = (1..1000).map(|i| f64::from(i) * step).max_by(|a, b| pull(*a).total_cmp(&pull(*b))).unwrap();
     let (mut low, mut high) = (best - step, best + step);
     for _ in 0..80 {
         let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
@@ -127,8 +127,8 @@ fn without_solids_it_is_maugis_and_dugdale() {
         let own = sphere(modulus, 1e-3);
         let law = law_of(&own, meniscus, Path::Retraction);
         let from = begin(law.as_ref(), Regime::Bridge);
-        for i in 1..60 {
-            let delta = from + 0.1e-9 * f64::from(i);
+        for i in 1..20 {
+            let delta = from + 0.3e-9 * f64::from(i);
             let found = at(law.as_ref(), delta);
             // F_s = 2p_c c²(φ + sin φ cos φ), a = c cos φ.
             let contact = (found[2] / PI).sqrt();
@@ -501,7 +501,8 @@ fn surfaces_agree_with_their_integrals() {
 #[test]
 fn a_sweep_over_humidity_runs() {
     let sweep = format!("{}\n[sweep]\n\"capillary.relative_humidity\" = [0.4, 0.8]\n", scene(""));
-    let folder = Folder::new(&sweep.replace("\"approach\"", "\"retraction\""));
+    let sweep = sweep.replace("\"approach\"", "\"retraction\"").replace("from = -1.0", "from = 1.5");
+    let folder = Folder::new(&sweep.replace("replicas = 40", "replicas = 8"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
@@ -569,6 +570,7 @@ fn film_scene(history: &str, more: &str) -> String {
         .replace("\"approach\"", &format!("\"{history}\""))
         .replace("85.29 GPa", "1e7 GPa")
         .replace("2.5 GPa", "2e6 GPa")
+        .replace("count = 16", "count = 6")
 }
 
 /// η, R, σ_s and the offset of the mean planes of the scene, SI.
@@ -583,7 +585,7 @@ fn balance(of: [f64; 4], h: f64, end: impl Fn(&Meniscus) -> f64) -> f64 {
     let [density, radius, std, offset] = of;
     let drained = |t: f64| {
         let meniscus = film(t);
-        let (first, last, panels) = (h - offset - end(&meniscus), 9.0 * std, 4000);
+        let (first, last, panels) = (h - offset - end(&meniscus), 9.0 * std, 1000);
         let step = (last - first) / f64::from(panels);
         let content = |z: f64| {
             let gap = (h - offset - z - t).max(0.0);
@@ -594,7 +596,7 @@ fn balance(of: [f64; 4], h: f64, end: impl Fn(&Meniscus) -> f64) -> f64 {
         density * PI * radius * sum * step / 3.0 / (std * (2.0 * PI).sqrt())
     };
     let (mut low, mut high) = (0.1e-9, 1e-9);
-    for _ in 0..60 {
+    for _ in 0..24 {
         let middle = 0.5 * (low + high);
         if 1e-9 - middle > drained(middle) { low = middle } else { high = middle }
     }
@@ -605,7 +607,17 @@ fn balance(of: [f64; 4], h: f64, end: impl Fn(&Meniscus) -> f64) -> f64 {
 /// where bridges break; the law is that of the pull-off, and ensemble and integral agree (significance 1e-3, fixed seed).
 #[test]
 fn what_is_in_bridges_is_missing_from_the_film() {
-    for history in ["approach", "retraction", "loop"] {
+    bridges_are_missing_from_the_film(&["approach"]);
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
+fn what_is_in_bridges_is_missing_from_the_film_on_the_way_back() {
+    bridges_are_missing_from_the_film(&["retraction", "loop"]);
+}
+
+fn bridges_are_missing_from_the_film(histories: &[&str]) {
+    for &history in histories {
         let folder = Folder::new(&film_scene(history, ""));
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 0);

@@ -2,7 +2,9 @@
 
 mod pages;
 
-use crate::common::program::{ASPERITIES, Folder, QUICK, assert_exit, bits, small, text, told, unbroken};
+use crate::common::program::{
+    ASPERITIES, Folder, QUICK, assert_exit, bits, small, text, told, unbroken, with_result,
+};
 use crate::common::unlocked;
 use std::path::Path;
 
@@ -59,13 +61,15 @@ fn summaries_fit_a_terminal(scenes: &[(&str, &str)]) {
 
 #[test]
 fn summaries_of_a_patch_and_of_a_sweep_fit_a_terminal() {
-    summaries_fit_a_terminal(&[("quick", "16"), ("coupled", "2"), ("voltage", "4"), ("instability", "2")]);
+    summaries_fit_a_terminal(&[("quick", "16"), ("coupled", "2")]);
 }
 
 #[test]
 #[ignore = "slow: twenty seconds"]
 fn summaries_of_other_shipped_scenes_fit_a_terminal() {
     summaries_fit_a_terminal(&[
+        ("voltage", "4"),
+        ("instability", "2"),
         ("case_iii", "8"),
         ("loop", "8"),
         ("preload", "4"),
@@ -118,24 +122,6 @@ fn coarse_separations_tell_the_same_of_the_integral() {
     assert_eq!(shares.len(), 13);
 }
 
-/// Every shipped scene is valid, and `check` says what it would do.
-#[test]
-fn check_computes_nothing_and_says_what_would_be() {
-    let folder = Folder::new("");
-    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-    let folders = [configs.clone(), configs.join("paper")];
-    let files =
-        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
-    for path in files.filter(|path| path.is_file()) {
-        let check = folder.stiction(&["check", path.to_str().unwrap()]);
-        assert_exit(&check, 0);
-        for part in ["lambda", "skipped", "regimes", "memory"] {
-            assert!(text(&check.stdout).contains(part), "{part} of {}", path.display());
-        }
-    }
-    assert_eq!(folder.files(), ["scene.toml"]);
-}
-
 #[test]
 fn bits_do_not_depend_on_threads() {
     let folder = Folder::new(&small().replace("curves = false", "curves = true"));
@@ -156,14 +142,13 @@ fn bits_do_not_depend_on_threads() {
 
 #[test]
 fn fewer_replicas_are_the_first_ones() {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "all.h5"]), 0);
+    let folder = with_result();
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "11", "-o", "few.h5"]), 0);
     let pull_off = |name: &str| {
         let file = unlocked::open(folder.path(name));
         file.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap()
     };
-    assert_eq!(pull_off("few.h5"), pull_off("all.h5")[..11]);
+    assert_eq!(pull_off("few.h5"), pull_off("scene.h5")[..11]);
 }
 
 #[test]
@@ -195,8 +180,7 @@ fn an_output_that_cannot_be_is_refused_before_computing() {
 /// A planted disagreement: the integral of the file is changed by 5 %.
 #[test]
 fn validate_sees_a_disagreement() {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let folder = with_result();
     {
         let file = unlocked::open_rw(folder.path("scene.h5"));
         let dataset = file.dataset("/integral/adhesion_force").unwrap();
@@ -206,31 +190,6 @@ fn validate_sees_a_disagreement() {
     let validate = folder.stiction(&["validate", "scene.h5"]);
     assert_exit(&validate, 3);
     assert!(text(&validate.stdout).contains("disagree"));
-}
-
-#[test]
-fn files_of_others_are_refused_in_a_line() {
-    let folder = Folder::new(&small());
-    std::fs::write(folder.path("text.h5"), "no HDF5").unwrap();
-    drop(unlocked::create(folder.path("other.h5")));
-    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
-    {
-        let file = unlocked::open_rw(folder.path("newer.h5"));
-        file.attr("format_version").unwrap().write_raw(&[4_u32, 0]).unwrap();
-    }
-    for command in ["info", "validate"] {
-        for (file, message) in [
-            ("text.h5", "is not an HDF5 file"),
-            ("other.h5", "has no attribute `format`"),
-            ("newer.h5", "has format version 4.0; this program reads 3.x"),
-            ("absent.h5", "cannot be read"),
-        ] {
-            let refused = folder.stiction(&[command, file]);
-            assert_exit(&refused, 2);
-            let error = text(&refused.stderr);
-            assert!(error.contains(message) && error.contains(file) && error.lines().count() == 1, "{error}");
-        }
-    }
 }
 
 #[test]
@@ -335,7 +294,7 @@ fn bad_arguments_of_asperity_are_named() {
 }
 
 fn sampled(scheme: &str) -> String {
-    let scene = small().replace("\"100 um^2\"", "\"50 um^2\"");
+    let scene = small().replace("\"100 um^2\"", "\"20 um^2\"");
     scene.replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
 }
 
@@ -432,25 +391,6 @@ h = {{ from = "-1 um", to = "6 um", count = 101 }}
     }
 }
 
-/// The quantities of an older major version are others.
-#[test]
-fn an_older_result_is_refused() {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-    {
-        let file = unlocked::open_rw(folder.path("scene.h5"));
-        file.attr("format_version").unwrap().write_raw(&[1_u32, 4]).unwrap();
-    }
-    for command in ["info", "validate"] {
-        let refused = folder.stiction(&[command, "scene.h5"]);
-        assert_exit(&refused, 2);
-        let error = text(&refused.stderr);
-        let message =
-            "has format version 1.4; this program reads 3.x: compute it again, with the scene that it holds";
-        assert!(error.contains(message), "{error}");
-    }
-}
-
 #[test]
 fn replicas_that_are_no_whole_groups_are_refused() {
     let folder = Folder::new(&sampled("stratified"));
@@ -488,8 +428,7 @@ fn the_radius_of_measured_asperities_is_their_mean() {
 /// What is no scene is refused in words that say what it is; a pipe that nobody writes to is not waited for.
 #[test]
 fn what_is_no_text_is_said() {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    let folder = with_result();
     std::fs::write(folder.path("latin.toml"), b"title = \"\xb5m\"\n").unwrap();
     for (name, part) in [
         ("scene.h5", "scene.h5: is an HDF5 file, not a text; `stiction info` shows what is in a result"),
@@ -587,8 +526,9 @@ fn info_has_values_and_a_verbose_run_all_of_it() {
 /// What is told of a result stands in two columns, however long its names are.
 #[test]
 fn columns_of_info_do_not_touch() {
-    let folder = Folder::new(&small().replace("history = \"approach\"", "history = \"loop\""));
-    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    let scene = small().replace("history = \"approach\"", "history = \"loop\"");
+    let folder = Folder::new(&scene.replace("from = -1.0", "from = 1.5"));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet", "--replicas", "8"]), 0);
     let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
     let (head, _) = info.split_once("\nscene\n").unwrap();
     let rows: Vec<&str> = head.lines().filter(|line| line.starts_with("  ")).collect();
@@ -661,6 +601,7 @@ fn a_sweep_is_no_scene() {
 /// A loop of case II, dry, turned where few asperities have flowed: by the secant it gives out energy, which is said to be no
 /// result; `md_plastic`, which loops have that name no law, dissipates.
 #[test]
+#[ignore = "slow: three seconds"]
 fn a_loop_that_gives_out_energy_is_no_result() {
     let scene = QUICK
         .replace("lubricant_thickness = \"0.5 nm\"      # inferred\n", "")

@@ -1,15 +1,14 @@
 //! The ensemble's sums against a plain loop over the law, its scatter against the integral, and what is read
 //! off a curve against a much finer curve.
 
-use crate::common::{brute_force, case, law};
-use std::sync::atomic::AtomicBool;
+use crate::common::{brute_force, case, ensemble, law};
 use stiction::asperity::emd::{ContactState, Emd};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Family, Law, Laws, Path, Quantity, SolverStats, SurfaceLaws};
 use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
+use stiction::engine::{Job, Workspace};
 use stiction::integral::Expectations;
 use stiction::surface::{RADIUS_RANGE, Radii, Surface};
 
@@ -20,14 +19,6 @@ fn job<'a>(
     replicas: u64,
 ) -> Job<'a> {
     Job { seed: 3, ..crate::common::job(laws, surface, separations, replicas) }
-}
-
-fn ensemble(job: &Job<'_>) -> Ensemble {
-    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(reduction_tree)) => reduction_tree.into_ensemble(job),
-        _ => panic!("the run did not complete"),
-    }
 }
 
 /// F_s and P of one asperity, N, from the scaled solver without tables and the closed forms: no regimes, no
@@ -102,8 +93,8 @@ fn scatter_agrees_with_the_integral() {
     surface.asperity_count = 1000;
     let separations: Vec<f64> = [-1.0, 0.0, 1.0, 2.0].map(|h| h * surface.surface_height_std).to_vec();
     let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
-    let replicas = 1500;
-    let sampled = ensemble(&job(law.as_ref(), &surface, &separations, replicas));
+    let replicas = 400;
+    let sampled = ensemble(&job(law.as_ref(), &surface, &separations, replicas), 2);
     let model = Expectations::new(law.as_ref(), &surface, &separations);
     for quantity in Quantity::ALL {
         let sampled = sampled.curves[quantity.index()].std();

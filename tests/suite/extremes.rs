@@ -149,15 +149,12 @@ fn check(name: &str, inputs: &Inputs) {
     }
 }
 
-/// Film thickness, hardness, spread and adhesion at the extremes where most under- or overflows.
+/// Film thickness and spread at the extremes where most under- or overflows.
 #[test]
 fn extremes_of_one_quantity_are_computed() {
-    let soft = |hardness: f64| Inputs { hardness, ..ORDINARY };
     for (name, inputs) in [
         ("t = 1e-320 m", Inputs { thickness: 1e-320, ..ORDINARY }),
-        ("ω_c = 1e-30 m", soft(1.0)),
         ("σ = 1e-30 m", Inputs { std: 1e-30, ..ORDINARY }),
-        ("λ = 0.9e6", Inputs { spacing: 2e-16, ..ORDINARY }),
     ] {
         check(name, &inputs);
     }
@@ -168,6 +165,8 @@ fn extremes_of_one_quantity_are_computed() {
 fn other_extremes_and_what_is_less_are_computed() {
     let soft = |hardness: f64| Inputs { hardness, ..ORDINARY };
     for (name, inputs) in [
+        ("ω_c = 1e-30 m", soft(1.0)),
+        ("λ = 0.9e6", Inputs { spacing: 2e-16, ..ORDINARY }),
         ("t = 1 m", Inputs { thickness: 1.0, ..ORDINARY }),
         ("ω_c = 1e10 m", soft(4e18)),
         ("σ = 1 m", Inputs { std: 1.0, ..ORDINARY }),
@@ -192,13 +191,13 @@ fn other_extremes_and_what_is_less_are_computed() {
 
 #[test]
 fn results_scale_exactly_with_the_units() {
-    scale_exactly(&[(40, 0), (0, -90), (57, -100)]);
+    scale_exactly(&[(57, -100)]);
 }
 
 #[test]
 #[ignore = "slow: five seconds"]
 fn results_scale_exactly_with_other_units() {
-    scale_exactly(&[(-40, 3), (0, 90), (100, 100), (-100, -60)]);
+    scale_exactly(&[(40, 0), (0, -90), (-40, 3), (0, 90), (100, 100), (-100, -60)]);
 }
 
 /// The same problem in units that differ by powers of two has the same bits, as far as those of SI numbers
@@ -255,8 +254,8 @@ fn scale_exactly(units: &[(i32, i32)]) {
 /// As σ → 0 all asperities are at one interference: N times the law there, where it is smooth.
 #[test]
 fn a_surface_without_spread_is_one_asperity_many_times() {
-    for std in [1e-18, 1e-22, 1e-25, 1e-30] {
-        for h in [-2e-9, 0.3e-9, 1.1e-9, 2e-9, 10e-9] {
+    for std in [1e-18, 1e-30] {
+        for h in [-2e-9, 0.3e-9, 2e-9] {
             let inputs = Inputs { std, ..ORDINARY };
             let mut scene = inputs.scene().unwrap();
             scene.separations = vec![h, h + 1e-9];

@@ -2,19 +2,12 @@
 //! clear line on standard error, exit code 2, nothing on standard output, in any case within the limits of
 //! time and memory.
 
-use crate::common::program::{ASPERITIES, Folder, QUICK, assert_exit, small, text};
+use crate::common::program::{ASPERITIES, Folder, QUICK, assert_exit, small, text, with_result};
 use crate::common::unlocked;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use std::process::Output;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
-
-/// A folder with a result `scene.h5`.
-fn with_result() -> Folder {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-    folder
-}
 
 /// A copy of the result, changed.
 fn forged(folder: &Folder, change: impl FnOnce(&hdf5::File)) {
@@ -342,7 +335,7 @@ fn a_changed_bit_is_found() {
         let whole = std::fs::read(folder.path(name)).unwrap();
         assert_exit(&folder.stiction(&["validate", name]), 0);
         let all = guarded(&unlocked::open(folder.path(name)));
-        for (i, (path, place)) in all.iter().enumerate().step_by(all.len().div_ceil(12)) {
+        for (i, (path, place)) in all.iter().enumerate().step_by(all.len().div_ceil(8)) {
             let mut changed = whole.clone();
             changed[*place] ^= 1 << (i % 8);
             std::fs::write(folder.path("changed.h5"), changed).unwrap();

@@ -3,10 +3,9 @@
 
 use crate::common::{case, law, respond};
 use std::f64::consts::PI;
-use stiction::asperity::emd::{ContactState, Emd};
-use stiction::asperity::models::model;
+use stiction::asperity::emd::Emd;
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Law, LawParameters, Path, Regime, SolverStats};
+use stiction::asperity::{Law, Path, Regime, SolverStats};
 
 fn hybrid(asperity: &Asperity, path: Path) -> Box<dyn Law> {
     law("hybrid", asperity, path, (-20e-9, 20e-9))
@@ -125,61 +124,4 @@ fn a_dry_asperity_has_no_lubricant_regime() {
     assert_eq!(respond(law.as_ref(), touch.next_down()).unwrap().0, Regime::Noncontact);
     assert_eq!(respond(law.as_ref(), touch).unwrap().0, Regime::Elastic);
     assert!(law.pieces(None).iter().all(|piece| law.regimes()[piece.regime] != Regime::Lubricant));
-}
-
-/// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing
-/// panics.
-#[test]
-fn ends_of_branches_are_solved() {
-    for lambda in [1e-6, 0.5, 0.9, 0.95, 2.5, 1e6] {
-        for path in [Path::Approach, Path::Retraction] {
-            let plain = Emd::new(lambda, path).unwrap();
-            for law in [plain.clone(), plain.with_tables(-10.0, 10.0)] {
-                let mut stats = SolverStats::default();
-                let mut places =
-                    vec![law.end(), law.end().next_down(), law.contact_fold(), law.contact_fold().next_up()];
-                places.extend(
-                    law.noncontact_fold().iter().flat_map(|fold| [*fold, fold.next_down(), fold.next_up()]),
-                );
-                for approach in places {
-                    let (state, solution) = law.respond(approach, &mut stats);
-                    assert!(
-                        solution.adhesion > 0.0 && solution.adhesion.is_finite(),
-                        "λ {lambda}, Δ {approach}"
-                    );
-                    assert!(
-                        state == ContactState::Contact || solution.radius == 0.0,
-                        "λ {lambda}, Δ {approach}"
-                    );
-                }
-                // First touch is a = 0 (Maugis 1992): where contact begins there, the radius vanishes like a
-                // square root.
-                if law.end() == law.contact_fold() && lambda < 0.9 {
-                    assert!(law.contact(law.end(), &mut stats).radius < 1e-6);
-                }
-            }
-        }
-    }
-}
-
-/// The published fits are those of three asperities; one of the same λ and length that is four times as large
-/// and twice as stiff is another.
-#[test]
-fn published_fits_are_of_their_asperities() {
-    let (asperity, _) = case("II");
-    let made = |asperity: &Asperity| {
-        let parameters = LawParameters::new(asperity, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        model("fit:paper").unwrap().law(&parameters).is_ok()
-    };
-    let larger = Asperity {
-        radius: 4.0 * asperity.radius,
-        reduced_modulus: 2.0 * asperity.reduced_modulus,
-        ..asperity
-    };
-    let [own, of_larger] = [&asperity, &larger].map(|asperity| Scale::new(asperity).unwrap());
-    assert!(
-        (own.lambda / of_larger.lambda - 1.0).abs() < 1e-12
-            && (own.length / of_larger.length - 1.0).abs() < 1e-12
-    );
-    assert!(made(&asperity) && !made(&larger));
 }

@@ -63,22 +63,20 @@ fn every_law_has_the_same_bits() {
                 assert_same_bits(&format!("{} in case {name}", model.name), law.as_ref(), reach);
             }
         }
-        for lambda in [1e-6, 1e-3, 0.1, 0.94, 1.0, 5.0, 1e3, 1e6] {
-            for reach in [None, Some((-30.0, 40.0))] {
-                let parameters = LawParameters {
-                    critical_interference: 3.0,
-                    hardness_ratio: Some(0.03),
-                    lubricant_thickness: 0.4,
-                    table_range: reach,
-                    ..LawParameters::scaled(lambda, path).unwrap()
-                };
-                for model in dry_laws().filter(|model| !model.is_fit()) {
-                    assert_same_bits(
-                        &format!("{} at λ = {lambda}", model.name),
-                        model.law(&parameters).unwrap().as_ref(),
-                        400.0,
-                    );
-                }
+        let tables = Some((-30.0, 40.0));
+        for (lambda, reach) in
+            [(1e-6, tables), (0.1, None), (0.94, None), (0.94, tables), (5.0, tables), (1e6, None)]
+        {
+            let parameters = LawParameters {
+                critical_interference: 3.0,
+                hardness_ratio: Some(0.03),
+                lubricant_thickness: 0.4,
+                table_range: reach,
+                ..LawParameters::scaled(lambda, path).unwrap()
+            };
+            for model in dry_laws().filter(|model| !model.is_fit()) {
+                let name = format!("{} at λ = {lambda}", model.name);
+                assert_same_bits(&name, model.law(&parameters).unwrap().as_ref(), 400.0);
             }
         }
     }

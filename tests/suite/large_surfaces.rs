@@ -71,6 +71,7 @@ fn a_patch_of_twenty_million_asperities_is_as_its_integral() {
 
 /// One replica, which one thread sums.
 #[test]
+#[ignore = "slow: two seconds"]
 fn bits_do_not_depend_on_threads() {
     bits_are_the_same("moments", "1");
 }

@@ -3,15 +3,13 @@
 
 use crate::common::program::{Folder, assert_exit, small};
 use crate::common::unlocked;
-use crate::common::{brute_force, case, respond};
+use crate::common::{brute_force, case, ensemble, one, respond, separations};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, Unloading};
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{
-    Bounds, Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run, run_from,
-};
+use stiction::engine::{Bounds, Ensemble, Job, Loading, Protocol, Workspace, run, run_from};
 use stiction::integral::Expectations;
 use stiction::surface::{CountLaw, SamplingScheme, Surface};
 use stiction::validation::{Draws, JointTest, Verdict, basis_of_loop, z_scores};
@@ -28,25 +26,6 @@ fn cycle_of(law: &str, asperity: &Asperity, radius: impl Into<Unloading>) -> Loo
 fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
     let protocol = Protocol { cycle: Some(cycle), ..Protocol::default() };
     Job { protocol, ..crate::common::job(cycle.approach(), surface, separations, replicas) }
-}
-
-fn ensemble(job: &Job<'_>, threads: usize) -> Ensemble {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(reduction_tree)) => reduction_tree.into_ensemble(job),
-        _ => panic!("the run did not complete"),
-    }
-}
-
-fn one(job: &Job<'_>) -> (Replica, Curves) {
-    let mut found = None;
-    Workspace::new(job).replicas(job, 0..1, |replica, curves| found = Some((replica, curves.clone())));
-    found.unwrap()
-}
-
-fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> {
-    let h_star = |i: usize| from + (to - from) * i as f64 / (count - 1) as f64;
-    (0..count).map(|i| h_star(i) * surface.surface_height_std).collect()
 }
 
 /// The regimes of the way back added up without sorting, blocks or sums of regimes.
@@ -85,7 +64,8 @@ fn the_retraction_is_the_sum_over_its_asperities() {
 #[test]
 fn an_elastic_loop_without_a_fold_closes() {
     for (name, work_of_adhesion) in [("I", 0.01), ("I", 1e-3), ("II", 0.05), ("II", 0.0875)] {
-        let (mut asperity, surface) = case(name);
+        let (mut asperity, mut surface) = case(name);
+        surface.asperity_count = 1500;
         asperity.work_of_adhesion = work_of_adhesion;
         // A critical interference far beyond all interferences.
         asperity.hardness *= 1000.0;
@@ -133,8 +113,8 @@ fn a_loop_of_a_law_that_ends_closes() {
 /// larger on the way back.
 #[test]
 fn contact_that_lasts_longer_pulls() {
-    let (mut asperity, surface) = case("III");
-    asperity.lubricant_thickness = 0.0;
+    let (mut asperity, mut surface) = case("III");
+    (asperity.lubricant_thickness, surface.asperity_count) = (0.0, 1500);
     for law in ["jkr", "md"] {
         let cycle = cycle(law, &asperity);
         let separations = separations(&surface, -1.0, 7.0, 81);
@@ -436,8 +416,8 @@ fn preloads_turn_in_their_order() {
 #[test]
 fn a_loop_costs_energy_where_something_flows_or_folds() {
     for name in ["I", "II", "III"] {
-        let (mut asperity, surface) = case(name);
-        asperity.lubricant_thickness = 0.0;
+        let (mut asperity, mut surface) = case(name);
+        (asperity.lubricant_thickness, surface.asperity_count) = (0.0, 1000);
         let cycle = cycle_of("md_plastic", &asperity, Unloading::FlattenedTop);
         let energies: Vec<f64> = [-0.5, 0.5, 1.5]
             .map(|from| {
@@ -530,7 +510,7 @@ fn what_pulls_off_after_a_preload_has_that_history() {
         assert!((own / -pull_off - 1.0).abs() < 1e-9, "{turn:?}: {own:e}");
         let end = separations[65];
         let deepest =
-            (0..=4000).map(|i| force(from, from + (end - from) * f64::from(i) / 4000.0)).fold(0.0, f64::min);
+            (0..=1000).map(|i| force(from, from + (end - from) * f64::from(i) / 1000.0)).fold(0.0, f64::min);
         assert!(-pull_off <= 0.98 * deepest, "{turn:?}: {deepest:e}");
         let of_whole = force(separations[0], place);
         differ += usize::from((of_whole / -pull_off - 1.0).abs() > 1e-3);

@@ -46,10 +46,13 @@ pub fn onset(law: &dyn Law) -> f64 {
     law.boundaries()[flows - 1].interference
 }
 
-/// `tests/data/md_plastic.csv`, made by `scripts/reference_md_plastic.py`: every row to 1e-12, with and without tables.
-#[test]
-fn every_row_of_the_reference_is_met() {
-    let mut lines = include_str!("../data/md_plastic.csv").lines();
+/// Requires every row of a table of loops, sorted by their settings, to 1e-12: `made` makes the loops of a setting.
+pub fn assert_rows_are_met(
+    table: &str,
+    count: usize,
+    made: impl Fn(&dyn Fn(&str) -> f64, PlasticContact) -> [Loop; 2],
+) {
+    let mut lines = table.lines();
     let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = |name: &str| columns.iter().position(|c| *c == name).unwrap();
     let (mut worst, mut rows) = (0.0_f64, 0);
@@ -59,16 +62,8 @@ fn every_row_of_the_reference_is_met() {
         let number = |name: &str| fields[column(name)].parse::<f64>().unwrap();
         let setting = &fields[..column("largest")];
         if known.as_ref().is_none_or(|(own, _)| own != setting) {
-            let parameters = LawParameters {
-                critical_interference: number("critical_interference"),
-                pressure_factor: pressure_factor(number("poisson_ratio")),
-                hardness_ratio: Some(number("hardness_ratio")),
-                ..LawParameters::scaled(number("lambda"), Path::Approach).unwrap()
-            };
             let contact = PlasticContact::ALL.iter().find(|(name, _)| *name == fields[0]).unwrap().1;
-            let cycles = [None, Some((-1e2, 1e3))]
-                .map(|table_range| cycle(&LawParameters { table_range, ..parameters }, contact));
-            known = Some((setting.to_vec(), cycles));
+            known = Some((setting.to_vec(), made(&number, contact)));
         }
         let (largest, distance) = (number("largest"), number("distance"));
         for cycle in &known.as_ref().unwrap().1 {
@@ -86,8 +81,23 @@ fn every_row_of_the_reference_is_met() {
         }
         rows += 1;
     }
-    assert_eq!(rows, 816);
+    assert_eq!(rows, count);
     println!("worst: {worst:e}");
+}
+
+/// `tests/data/md_plastic.csv`, made by `scripts/reference_md_plastic.py`: every row to 1e-12, with and without tables.
+#[test]
+fn every_row_of_the_reference_is_met() {
+    assert_rows_are_met(include_str!("../data/md_plastic.csv"), 816, |number, contact| {
+        let parameters = LawParameters {
+            critical_interference: number("critical_interference"),
+            pressure_factor: pressure_factor(number("poisson_ratio")),
+            hardness_ratio: Some(number("hardness_ratio")),
+            ..LawParameters::scaled(number("lambda"), Path::Approach).unwrap()
+        };
+        [None, Some((-1e2, 1e3))]
+            .map(|table_range| cycle(&LawParameters { table_range, ..parameters }, contact))
+    });
 }
 
 /// Below the onset it is the law `md`, to the last digit, on every path; at the onset nothing jumps, and the pull-off that
@@ -173,7 +183,7 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
     places.sort_by(f64::total_cmp);
     let mut work = 0.0;
     for pair in places.windows(2).filter(|pair| pair[1] - pair[0] > 1e-9 * pair[1]) {
-        const PARTS: usize = 256;
+        const PARTS: usize = 96;
         let width = (pair[1] - pair[0]) / PARTS as f64;
         for i in 0..PARTS {
             // Gauss's two points, away from the ends.
@@ -202,7 +212,7 @@ fn loops_dissipate() {
             assert!(below > 0.1, "case {name} has a fold: {below}");
         }
         let mut last = below.max(0.0);
-        for x in [1.001, 1.01, 1.03, 1.06, 1.1, 1.5, 3.0, 10.0] {
+        for x in [1.001, 1.03, 1.1, 3.0, 10.0] {
             let own = dissipated(&cycle, x * end, -15e-9) / unit;
             assert!(own >= last - 1e-3, "case {name} {x}: {own} after {last}");
             last = own;

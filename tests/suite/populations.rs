@@ -1,11 +1,10 @@
 //! Surfaces whose asperities are not all alike: the integral against independent quadrature, ensembles
 //! against the integral, and what does not depend on what.
 
-use crate::common::{case, job, law, respond};
-use std::sync::atomic::AtomicBool;
+use crate::common::{case, ensemble, job, law, respond};
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
-use stiction::engine::{Draw, Ensemble, run};
+use stiction::engine::Draw;
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
@@ -162,15 +161,13 @@ const MANY_LAWS: [&str; 5] =
 
 fn ensembles_agree(of: fn(&str) -> bool) {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
-    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     for (name, surface) in surfaces(60).into_iter().filter(|(name, _)| of(name)) {
         let hybrid = law_for("hybrid", &surface, &separations);
         let replicas = if surface.whole { 2 } else { 160 };
         let draws = Draws { scheme: SamplingScheme::Independent, replicas };
         let basis = basis(hybrid.view(), &surface, &separations, draws);
         let job = job(hybrid.view(), &surface, &separations, replicas);
-        let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
-        let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
+        let ensemble = ensemble(&job, 2);
         let expected = Expectations::new(hybrid.view(), &surface, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let means = forces.map(|q| ensemble.curves[q].mean());
@@ -216,7 +213,6 @@ fn radii_that_do_not_belong_to_their_heights_are_caught() {
 
 fn other_radii_are_caught(wanted: &str) {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
-    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let of = |name: &str| surfaces(120).into_iter().find(|(found, _)| *found == name).unwrap().1;
     let scattered = of("lognormal radii");
     let mean = Surface { radii: Radii::Common, ..scattered.clone() };
@@ -230,8 +226,7 @@ fn other_radii_are_caught(wanted: &str) {
         let draws = Draws { scheme: SamplingScheme::Independent, replicas: 160 };
         let basis = basis(other.view(), taken, &separations, draws);
         let job = job(law.view(), drawn, &separations, 160);
-        let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
-        let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
+        let ensemble = ensemble(&job, 2);
         let expected = Expectations::new(other.view(), taken, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let test = stiction::validation::JointTest::new(
@@ -253,11 +248,9 @@ fn every_asperity_has_the_law_of_its_radius() {
     let surface = Surface { asperity_count: 30, radii: Radii::LogNormal(0.5), ..case_ii };
     let hybrid = law_for("hybrid", &surface, &separations);
     let job = job(hybrid.view(), &surface, &separations, 1);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
     let (mut heights, mut radii) = (Vec::new(), Vec::new());
     job.draw(0).of(&surface, &mut heights, &mut radii);
-    let ensemble = outcome.reduction_tree().ensemble(&job);
+    let ensemble = ensemble(&job, 1);
     for (k, &h) in separations.iter().enumerate() {
         let d = surface.asperity_separation(h);
         let (mut sums, mut size) = ([0.0; 3], 0.0);
@@ -279,25 +272,6 @@ fn every_asperity_has_the_law_of_its_radius() {
         -replica.pull_off_force <= sampled.fold(f64::INFINITY, f64::min),
         "a sample is deeper than the pull-off"
     );
-}
-
-/// A narrow scatter of radii is almost one radius: forces are off by its second order.
-#[test]
-fn a_narrow_scatter_is_almost_one_radius() {
-    let separations: Vec<f64> = (0..5).map(|k| 1e-9 * f64::from(k)).collect();
-    let (_, plain) = case("II");
-    let of = |surface: &Surface| {
-        let hybrid = law_for("hybrid", surface, &separations);
-        Expectations::new(hybrid.view(), surface, &separations).expected
-    };
-    let common = of(&plain);
-    for variation in [0.01, 0.02] {
-        let scattered = of(&Surface { radii: Radii::LogNormal(variation), ..plain.clone() });
-        for (a, b) in common[0].iter().zip(&scattered[0]) {
-            let difference = (a / b - 1.0).abs();
-            assert!(difference > 0.0 && difference < variation * variation, "{variation}: {difference:e}");
-        }
-    }
 }
 
 /// Number, heights and radii have streams of their own.

@@ -78,14 +78,14 @@ fn smooth_planes_under_bodies_have_closed_forms() {
 /// radius 1/(1/R + 1/R_m), by Simpson's rule.
 #[test]
 fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
-    const STEPS: usize = 3000;
+    const STEPS: usize = 1500;
     let law = "[model]\nlaw = \"hybrid\"\n[ensemble]\nreplicas = 0\n";
     let folder = Folder::new("");
     run(&folder, &scene(SPHERE, &format!("{law}[separation]\nh = [\"1 nm\", \"2 nm\"]\n")), "sphere.h5");
     let deepest = number(&folder.path("sphere.h5"), "/", "nominal_area") / (2.0 * PI * (10e-6 + 3.33e-6));
     let step = deepest / STEPS as f64;
     let h = |i: usize| 1e-9 + i as f64 * step;
-    let of_sphere = format!("{law}[separation]\nh = [\"1 nm\", \"{:?} m\", \"{:?} m\"]\n", h(40), h(130));
+    let of_sphere = format!("{law}[separation]\nh = [\"1 nm\", \"{:?} m\", \"{:?} m\"]\n", h(20), h(65));
     run(&folder, &scene(SPHERE, &of_sphere), "sphere.h5");
     let offset = 0.045944 / (7.39e12 * 3.33e-6);
     let tip = 1.0 / (1.0 / 3.33e-6 + 1.0 / 10e-6);
@@ -95,14 +95,14 @@ fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
          work_of_adhesion = \"0.09 J/m^2\"\n[surface]\nasperity_radius = \"{tip:?} m\"\nasperity_density = \"7.39 /um^2\"\n\
          asperity_height_std = \"{sigma_s:?} m\"\nmean_plane_offset = \"{offset:?} m\"\nnominal_area = \"1000 um^2\"\n\
          {law}[separation]\nh = {{ from = \"1 nm\", to = \"{:?} m\", count = {} }}\n",
-        h(STEPS + 130),
-        STEPS + 131
+        h(STEPS + 65),
+        STEPS + 66
     );
     run(&folder, &flat, "flat.h5");
     let pressure: Vec<f64> =
         values(&folder, "flat.h5", "/integral/external_force").iter().map(|force| force / 1000e-12).collect();
     let found = values(&folder, "sphere.h5", "/integral/external_force");
-    for (found, first) in found.into_iter().zip([0, 40, 130]) {
+    for (found, first) in found.into_iter().zip([0, 20, 65]) {
         let weight = |i: usize| match i {
             0 | STEPS => 1.0,
             i => f64::from(2 + 2 * (i as u32 % 2)),
@@ -117,6 +117,15 @@ fn a_sphere_has_derjaguins_integral_of_the_flat_patch() {
 /// fixed seeds, so that 1 of 200 right programs would fail.
 #[test]
 fn spots_agree_with_the_integral() {
+    let folder = Folder::new("");
+    let spots = "[model]\nlaw = \"hybrid\"\n[ensemble]\nreplicas = 100\n";
+    let summary = run(&folder, &scene(SPHERE, spots), "scene.h5");
+    assert!(summary.contains("ensemble and integral agree"), "{summary}");
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
+fn spots_of_all_kinds_agree_with_the_integral() {
     let folder = Folder::new("");
     for shape in BODIES {
         let summary = run(&folder, &scene(shape, "[ensemble]\nreplicas = 200\n"), "scene.h5");
@@ -156,12 +165,13 @@ fn spots_agree_with_the_integral() {
 /// of them at mean pressure they give way by u = (3f/4E*√R)^(2/3), less the displacement 2f√(πη)/πE* that the area of one has in
 /// the smooth half-space: 1.5 (u − 2f√(πη)/πE*)/δ is 3.7 % of F; it is met to 1 %.
 #[test]
+#[ignore = "slow: three seconds"]
 fn a_coupled_sphere_is_hertzian() {
     let folder = Folder::new("");
     let soft = "[material]\nreduced_modulus = \"1 GPa\"\nhardness = \"100 GPa\"\npoisson_ratio = 0.3\n\
          work_of_adhesion = \"1 mJ/m^2\"\nequilibrium_spacing = \"0.03 nm\"\n[surface]\nasperity_radius = \"0.1 um\"\nasperity_density = \"2000 /um^2\"\n\
          surface_height_std = \"0.02 nm\"\nasperity_height_std = \"0.02 nm\"\nmean_plane_offset = 0\n[shape]\nbody = \"sphere\"\n\
-         radius = \"10 um\"\n[model]\nlaw = \"gw\"\n[separation]\nh = { from = \"-12 nm\", to = \"0.8 nm\", count = 65 }\n\
+         radius = \"10 um\"\n[model]\nlaw = \"gw\"\n[separation]\nh = { from = \"-12 nm\", to = \"0.8 nm\", count = 17 }\n\
          [ensemble]\nreplicas = 1\n[substrate]\ncoupling = \"patch\"\nloads_at = [\"-12 nm\"]\n";
     run(&folder, soft, "scene.h5");
     let force = values(&folder, "scene.h5", "/ensemble/external_force_mean")[0];
@@ -192,9 +202,10 @@ fn a_coupled_sphere_is_hertzian() {
 /// Spots without asperities have no force, coupled or not. Others are pulled off where one JKR sphere of R_e = RR_m/(R + R_m)
 /// lets go, with 1.5πR_eΔγ, in a tenth of a step of the separations: tips are 10 µm apart, so that no two do so together.
 #[test]
+#[ignore = "slow: three seconds"]
 fn sparse_spots_can_be_coupled() {
     let folder = Folder::new("");
-    let further = "[model]\nlaw = \"jkr\"\nhistory = \"loop\"\n[ensemble]\nreplicas = 40\n[substrate]\ncoupling = \"patch\"\n";
+    let further = "[model]\nlaw = \"jkr\"\nhistory = \"loop\"\n[ensemble]\nreplicas = 20\n[substrate]\ncoupling = \"patch\"\n";
     let sparse = scene(SPHERE, further)
         .replace("7.39 /um^2", "0.01 /um^2")
         .replace("[shape]", "asperity_height_std = \"1.6 nm\"\nmean_plane_offset = 0\n[shape]");
@@ -210,13 +221,23 @@ fn sparse_spots_can_be_coupled() {
         some.iter().all(|(force, count)| is_pulled(**force) || **force == 0.0 && **count == 1.0),
         "{some:?}"
     );
-    assert!(some.iter().filter(|(force, _)| is_pulled(**force)).count() >= 15, "{some:?}");
+    assert!(some.iter().filter(|(force, _)| is_pulled(**force)).count() >= 7, "{some:?}");
 }
 
 /// Forces between smooth faces: Derjaguin's integral of p = ε₀V²/2(h + t/ε_r)² and A/6πh³ over the area of depths down to the end
 /// of the body. Heights scatter by 5 pm, which adds 3(σ/(h + Z₀))² < 2e-5, and bodies that touch are Z₀ apart. The end of a cylinder is left out: (h/R_m)^(3/2) < 1e-4 of the force.
 #[test]
 fn forces_between_smooth_faces_have_closed_forms() {
+    forces_between_smooth_faces(&[(0, 2e-5)]);
+}
+
+#[test]
+#[ignore = "slow: two seconds"]
+fn forces_between_other_smooth_faces_have_closed_forms() {
+    forces_between_smooth_faces(&[(2, 2e-4), (4, 2e-5)]);
+}
+
+fn forces_between_smooth_faces(bodies: &[(usize, f64)]) {
     let (permittivity, hamaker) = (8.8541878188e-12, 1e-19);
     let smooth = |shape: &str| {
         format!(
@@ -246,7 +267,7 @@ fn forces_between_smooth_faces_have_closed_forms() {
         }
     };
     let folder = Folder::new("");
-    for (body, tolerance) in [(0, 2e-5), (2, 2e-4), (4, 2e-5)] {
+    for &(body, tolerance) in bodies {
         run(&folder, &smooth(BODIES[body]), "scene.h5");
         let of = |name: &str| values(&folder, "scene.h5", &format!("/background/{name}"));
         let (found, all) = ([of("electrostatic_force"), of("van_der_waals_force")], of("force"));
@@ -259,7 +280,9 @@ fn forces_between_smooth_faces_have_closed_forms() {
         }
     }
     // Of the sphere also the energy to the end and the stiffness.
-    run(&folder, &smooth(SPHERE), "scene.h5");
+    if bodies[0].0 != 0 {
+        return;
+    }
     let [energy, stiffness] =
         ["energy", "stiffness"].map(|name| values(&folder, "scene.h5", &format!("/background/{name}")));
     for (k, h) in [2e-9_f64, 5e-9, 20e-9].into_iter().enumerate() {
@@ -302,6 +325,7 @@ fn a_wet_sphere_has_its_closed_form() {
 /// tip that touches and planes that are y apart. A spot lets go at y = h. Nine of ten spots have no second tip within the
 /// compression of the first, 5 pm; a test of the level 1e-5 where 97 of 100 have none (Poisson, fixed seed).
 #[test]
+#[ignore = "slow: three seconds"]
 fn stiff_spots_have_rabinovichs_force() {
     let (body, tip, spacing, work) = (5e-6, 0.46e-6, 0.3e-9, 0.02);
     let hamaker = 12.0 * PI * spacing * spacing * work;
@@ -390,7 +414,7 @@ fn soft_probes_have_the_pull_off_of_fuller_and_tabor() {
                  work_of_adhesion = \"{energy:?} J/m^2\"\nequilibrium_spacing = \"0.03 nm\"\n[surface]\n\
                  asperity_radius = \"1 um\"\nasperity_density = \"7 /um^2\"\nsurface_height_std = \"1 nm\"\n\
                  asperity_height_std = \"1 nm\"\nmean_plane_offset = 0\n{shape}[model]\nlaw = \"jkr\"\n\
-                 history = \"retraction\"\n[separation]\nh_star = {{ from = {:?}, to = {:?}, count = 201 }}\n\
+                 history = \"retraction\"\n[separation]\nh_star = {{ from = {:?}, to = {:?}, count = 101 }}\n\
                  [ensemble]\nreplicas = 0\n",
                 -8.0 - 8.0 * stretch,
                 6.0 + 2.0 * stretch
@@ -452,7 +476,8 @@ fn the_verdict_on_a_body_is_by_its_hertz_contact() {
     let folder = Folder::new("");
     let bodies = [(SPHERE, 13.33e-6), (BODIES[1], (13.33e-6_f64 * 43.33e-6).sqrt())];
     for (shape, apex) in bodies {
-        let said = run(&folder, &scene(shape, "[ensemble]\nreplicas = 0\n"), "scene.h5");
+        let alone = "[model]\nlaw = \"hybrid\"\n[ensemble]\nreplicas = 0\n";
+        let said = run(&folder, &scene(shape, alone), "scene.h5");
         let own = |name: &str| values(&folder, "scene.h5", &format!("/independence/{name}"))[0];
         let of_file = |group: &str, name: &str| number(&folder.path("scene.h5"), group, name);
         let is = |name: &str, expected: f64| {
@@ -477,7 +502,8 @@ fn the_verdict_on_a_body_is_by_its_hertz_contact() {
         assert!(said.contains("σ under the largest load; Greenwood and Tripp's mu = "), "{said}");
     }
     // The largest load is the largest preload.
-    let pressed = "[model]\nhistory = \"loop\"\n[instability]\npreload = [\"1 uN\", \"20 uN\"]\n[ensemble]\nreplicas = 0\n";
+    let pressed = "[model]\nlaw = \"hybrid\"\nhistory = \"loop\"\n[instability]\npreload = [\"1 uN\", \"20 uN\"]\n\
+                   [ensemble]\nreplicas = 0\n";
     run(&folder, &scene(SPHERE, pressed), "scene.h5");
     let [found] = values(&folder, "scene.h5", "/independence/closest_shift")[..] else { panic!() };
     let expected = (9.0 * 20e-6_f64.powi(2) / (16.0 * 13.33e-6 * 85.29e9_f64.powi(2))).cbrt();
@@ -588,18 +614,4 @@ fn a_check_describes_the_body() {
     let said = text(&check.stdout);
     assert!(!said.contains("surface.count"), "{said}");
     assert!(unbroken(&said).contains("shape sphere of radius 10.00 µm asperities on "), "{said}");
-}
-
-/// The radius can be swept: forces of the integral are those of the points by themselves.
-#[test]
-fn radii_of_bodies_are_swept() {
-    let folder = Folder::new("");
-    let more = "[ensemble]\nreplicas = 0\n";
-    let sweep = format!(
-        "{more}[sweep]\n\"shape.radius\" = [\"5 um\", \"10 um\"]\n[separation]\nh_star = [1.0, 2.0, 3.0]\n"
-    );
-    run(&folder, &scene(SPHERE, &sweep), "sweep.h5");
-    run(&folder, &scene(SPHERE, &format!("{more}[separation]\nh_star = [1.0, 2.0, 3.0]\n")), "one.h5");
-    let of_sweep = values(&folder, "sweep.h5", "/integral/external_force");
-    assert_eq!(of_sweep[3..], values(&folder, "one.h5", "/integral/external_force"));
 }

@@ -126,6 +126,7 @@ fn merged_shards_have_the_quantiles_of_the_replicas_that_are_there() {
 
 /// Of coupled asperities they are of the curves with coupling; shards make no difference.
 #[test]
+#[ignore = "slow: two seconds"]
 fn coupled_replicas_have_quantiles_too() {
     let folder = Folder::new(
         &(scene(24).replace("from = -1.0", "from = 1.0") + "\n[substrate]\ncoupling = \"patch\"\n"),

@@ -7,15 +7,14 @@ use crate::common::unlocked;
 use crate::common::{case, job, law};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
-use stiction::engine::{Draw, Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, run};
+use stiction::engine::{Draw, Ensemble, Job, Protocol, SCALARS, Workspace};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+    HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated,
 };
 use stiction::validation::{Draws, basis};
 
@@ -58,11 +57,7 @@ impl Patch {
             moments: None,
             protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
         };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        match run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-            Ok(Outcome::Complete(reduction_tree)) => (reduction_tree.into_ensemble(&job), controls),
-            _ => panic!("the run did not complete"),
-        }
+        (crate::common::ensemble(&job, threads), controls)
     }
 
     fn controls(&self, scheme: SamplingScheme, replicas: u64) -> Vec<usize> {
@@ -200,12 +195,21 @@ fn means_with_controls_are_unbiased(of: fn(SamplingScheme) -> bool) {
 /// these ranges; the seeds are fixed). Student's intervals miss it: they lie below the truth too often.
 #[test]
 fn intervals_hold_what_they_say_for_skewed_outcomes() {
-    const ENSEMBLES: usize = 2000;
-    for (heights, scheme) in [
-        (HeightLaw::Exponential, SamplingScheme::Independent),
+    intervals_hold(&[(HeightLaw::Exponential, SamplingScheme::Independent)]);
+}
+
+#[test]
+#[ignore = "slow: five seconds"]
+fn intervals_hold_what_they_say_by_other_schemes() {
+    intervals_hold(&[
         (HeightLaw::Gaussian, SamplingScheme::Antithetic),
         (HeightLaw::Gaussian, SamplingScheme::Stratified),
-    ] {
+    ]);
+}
+
+fn intervals_hold(of: &[(HeightLaw, SamplingScheme)]) {
+    const ENSEMBLES: usize = 2000;
+    for (heights, scheme) in of.iter().cloned() {
         let groups = if scheme == SamplingScheme::Independent { 4000 } else { 1000 };
         let patch =
             Skewed::new("isbl", heights, 100, Draws { scheme, replicas: groups }, Controls::Chosen(64));
@@ -325,13 +329,13 @@ fn controls_bring_what_the_docs_say() {
 /// all three; the seeds are fixed).
 #[test]
 fn controls_reduce_the_variance_by_what_is_told() {
-    controls_reduce_the_variance(|scheme| scheme != SamplingScheme::Stratified);
+    controls_reduce_the_variance(|scheme| scheme == SamplingScheme::Independent);
 }
 
 #[test]
 #[ignore = "slow: five seconds"]
-fn controls_reduce_the_variance_of_stratified_replicas() {
-    controls_reduce_the_variance(|scheme| scheme == SamplingScheme::Stratified);
+fn controls_reduce_the_variance_by_other_schemes() {
+    controls_reduce_the_variance(|scheme| scheme != SamplingScheme::Independent);
 }
 
 fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
@@ -357,22 +361,8 @@ fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
     }
 }
 
-#[test]
-fn bits_do_not_depend_on_threads_under_any_scheme() {
-    let patch = Patch::new(300);
-    for (_, scheme) in SamplingScheme::ALL {
-        let (one, _) = patch.ensemble(scheme, 48, 2, 1);
-        for threads in [2, 3] {
-            let (more, _) = patch.ensemble(scheme, 48, 2, threads);
-            assert_eq!(one, more, "{} on {threads} threads", scheme.name());
-        }
-        let groups: u64 = one.groups.scalars.iter().map(|part| part.count()).sum();
-        assert_eq!(groups, 48 / scheme.group());
-    }
-}
-
 /// The standard deviation of one replica is the same under every scheme, which is what the integral says: the
-/// sample variance of 480 replicas, whether in groups or not, is within 5 standard errors, √(3/480) with an
+/// sample variance of 240 replicas, whether in groups or not, is within 5 standard errors, √(3/240) with an
 /// excess kurtosis of 1 (false alarm below 1e-4 for all 39 checks together; the seed is fixed). The standard
 /// error of the mean adhesion force at the smallest separation, which a fifth of the asperities bear, is what
 /// the schemes change.
@@ -381,11 +371,11 @@ fn schemes_keep_the_scatter_and_reduce_the_error() {
     let patch = Patch::new(2000);
     let q = Quantity::AdhesionForce.index();
     let errors = SamplingScheme::ALL.map(|(name, scheme)| {
-        let (ensemble, _) = patch.ensemble(scheme, 480, 9, 2);
+        let (ensemble, _) = patch.ensemble(scheme, 240, 9, 2);
         for (k, (sample, exact)) in
             ensemble.curves[q].std().iter().zip(&patch.expectations.std[q]).enumerate()
         {
-            assert!(((sample / exact).powi(2) - 1.0).abs() < 5.0 * (3.0_f64 / 480.0).sqrt(), "{name} at {k}");
+            assert!(((sample / exact).powi(2) - 1.0).abs() < 5.0 * (3.0_f64 / 240.0).sqrt(), "{name} at {k}");
         }
         let deviation = ensemble.groups.curves[q].mean()[0] - patch.expectations.expected[q][0];
         let error = ensemble.groups.curves[q].standard_error()[0];
@@ -471,14 +461,9 @@ fn every_surface_is_drawn_by_every_scheme() {
     let values: Vec<f64> = measured.iter().map(|pair| pair[0]).collect();
     let surfaces = [
         ("exponential", with(HeightLaw::Exponential)),
-        ("weibull", with(HeightLaw::Weibull(Weibull::new(2.5)))),
         ("truncated", with(HeightLaw::Truncated(Truncated::new(-2.5, 1.0)))),
         ("list", Surface { heights: Heights::sample(values.clone()), ..plain.clone() }),
         ("gamma radii", Surface { radii: Radii::Gamma(0.5), ..plain.clone() }),
-        (
-            "exponential heights, lognormal radii",
-            Surface { radii: Radii::LogNormal(0.4), ..with(HeightLaw::Exponential) },
-        ),
         (
             "nayak",
             Surface {
@@ -504,7 +489,7 @@ fn every_surface_is_drawn_by_every_scheme() {
             (0..12).map(|k| surface.surface_height_std * (0.2 + 0.25 * f64::from(k))).collect();
         let moments = |scheme: SamplingScheme, index: u64| {
             let (mut heights, mut radii) = (Vec::new(), Vec::new());
-            let many = Surface { asperity_count: 40_000, ..surface.clone() };
+            let many = Surface { asperity_count: 10_000, ..surface.clone() };
             Draw { seed: 3, scheme, index }.of(&many, &mut heights, &mut radii);
             let of = |values: &[f64], unit: f64| {
                 let squares: Vec<f64> = values.iter().map(|value| (value / unit).powi(2)).collect();
@@ -520,7 +505,7 @@ fn every_surface_is_drawn_by_every_scheme() {
         };
         let plain = moments(SamplingScheme::Independent, 0);
         for scheme in [SamplingScheme::Antithetic, SamplingScheme::Stratified] {
-            for index in [0, 1, 6] {
+            for index in [0, 6] {
                 for (own, plain) in moments(scheme, index).iter().zip(&plain) {
                     let error = own.1.hypot(plain.1);
                     assert!(

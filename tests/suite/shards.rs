@@ -4,10 +4,9 @@
 
 #[cfg(target_os = "linux")]
 use crate::common::program::peak_memory_of;
-use crate::common::program::{Folder, assert_exit, bits, forge, number, small, text};
+use crate::common::program::{Folder, assert_exit, bits, forge, interrupt_at, number, small, text};
 use crate::common::unlocked;
-use std::process::{Child, Command, Output, Stdio};
-use std::time::Duration;
+use std::process::Output;
 
 /// 11 batches, the last one not whole.
 fn scene() -> String {
@@ -60,11 +59,12 @@ fn assert_merged_is(folder: &Folder, reference: &str) {
 /// too.
 #[test]
 fn merged_shards_have_the_bits_of_one_run() {
-    let curves = scene().replace("curves = false", "curves = true");
+    let curves = scene().replace("curves = false", "curves = true").replace("replicas = 83", "replicas = 27");
     let compressed = scene().replace("[output]", "[solver]\nsummation = \"moments\"\n\n[output]");
     let stratified = scene().replace("replicas = 83", "replicas = 80\nsampling = \"stratified\"");
-    let cycle = scene().replace("history = \"approach\"", "history = \"loop\"");
-    for (scene, counts) in [(curves, &[1, 16][..]), (compressed, &[4]), (stratified, &[5]), (cycle, &[2])] {
+    let cycle =
+        scene().replace("history = \"approach\"", "history = \"loop\"").replace("from = -1.0", "from = 1.5");
+    for (scene, counts) in [(curves, &[1, 11][..]), (compressed, &[2]), (stratified, &[3]), (cycle, &[2])] {
         let folder = Folder::new(&scene);
         assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
         for &count in counts {
@@ -185,9 +185,9 @@ fn a_shard_that_is_changed_is_refused() {
     for dataset in ["restart/run", "restart/0001"] {
         let chunk = unlocked::open(&path).dataset(dataset).unwrap().chunk_info(0).unwrap();
         let damaged = format!("has a dataset /{dataset} that is damaged");
-        for case in 0..15 {
+        for case in 0..5 {
             let mut changed = whole.clone();
-            changed[(chunk.addr + case * chunk.size / 15) as usize] ^= 1 << (case % 8);
+            changed[(chunk.addr + case * chunk.size / 5) as usize] ^= 1 << (case % 8);
             std::fs::write(&path, changed).unwrap();
             assert_refused(&folder, &names, &[&names[1], &damaged]);
             assert!(validate(2).contains(&damaged));
@@ -266,68 +266,58 @@ fn a_point_behind_one_that_is_missing_keeps_its_place() {
     }
 }
 
-/// Of three points the last has not all of its replicas, then none.
+/// Of three points the last has not all of its replicas.
 #[test]
+#[ignore = "slow: two seconds"]
 fn what_is_there_of_a_sweep_can_be_merged() {
     let folder = Folder::new(&swept());
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
-    for index in 1..=6 {
+    for index in 1..=5 {
         shard(&folder, index, 6, &[]);
     }
     let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
-    for (there, counts) in [(5, [83_u64, 83, 40]), (4, [83, 83, 0])] {
-        let names: Vec<String> = (1..=there).map(|index| name(index, 6)).collect();
-        let output = merge(&folder, &names, &["--partial", "--force"]);
-        assert_exit(&output, 0);
-        assert_eq!(read("merged.h5", "replica_count").read_raw::<u64>().unwrap(), counts);
-        for path in ["ensemble/external_force_mean", "integral/external_force"] {
-            let [merged, whole] =
-                ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
-            assert!(merged.row(0) == whole.row(0) && merged.row(1) == whole.row(1));
-            assert!(counts[2] > 0 || merged.row(2).iter().all(|force| force.is_nan()), "{path}");
-        }
-        let differences: Vec<f64> = read("merged.h5", "differences/pull_off_force_mean").read_raw().unwrap();
-        assert!(differences[0] == 0.0 && differences[1].is_finite() && differences[2].is_nan());
-        assert_eq!(number(&folder.path("merged.h5"), "/", "partial"), 1.0);
-        assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
-        assert_exit(&folder.stiction(&["info", "merged.h5"]), 0);
+    // That a point may have none is in the test before.
+    let (there, counts) = (5, [83_u64, 83, 40]);
+    let names: Vec<String> = (1..=there).map(|index| name(index, 6)).collect();
+    let output = merge(&folder, &names, &["--partial", "--force"]);
+    assert_exit(&output, 0);
+    assert_eq!(read("merged.h5", "replica_count").read_raw::<u64>().unwrap(), counts);
+    for path in ["ensemble/external_force_mean", "integral/external_force"] {
+        let [merged, whole] =
+            ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
+        assert!(merged.row(0) == whole.row(0) && merged.row(1) == whole.row(1));
+        assert!(counts[2] > 0 || merged.row(2).iter().all(|force| force.is_nan()), "{path}");
     }
-}
-
-fn begin(folder: &Folder, arguments: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
-    command.args(["run", "scene.toml", "--checkpoint", "0", "--threads", "1"]).args(arguments);
-    command.current_dir(folder.path("")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    let differences: Vec<f64> = read("merged.h5", "differences/pull_off_force_mean").read_raw().unwrap();
+    assert!(differences[0] == 0.0 && differences[1].is_finite() && differences[2].is_nan());
+    assert_eq!(number(&folder.path("merged.h5"), "/", "partial"), 1.0);
+    assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
+    assert_exit(&folder.stiction(&["info", "merged.h5"]), 0);
 }
 
 /// Ends it with a signal when it has a partial result.
 fn interrupt(folder: &Folder, signal: &str, partial: &str, arguments: &[&str]) -> Output {
-    let mut child = begin(folder, arguments);
-    while !folder.path(partial).exists() && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(Duration::from_micros(50));
-    }
-    let _ =
-        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
-    child.wait_with_output().unwrap()
+    let arguments = [&["--checkpoint", "0", "--threads", "1"], arguments].concat();
+    interrupt_at(folder, signal, partial, &arguments)
 }
 
 #[test]
 fn an_interrupted_shard_goes_on_to_the_same_bits() {
-    let long = scene().replace("replicas = 83", "replicas = 640");
+    let long = scene().replace("replicas = 83", "replicas = 320");
     let folder = Folder::new(&long);
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
     let output = interrupt(&folder, "-TERM", "2.h5.partial", &arguments);
     assert_exit(&output, 130);
-    assert!(text(&output.stderr).contains("of 320 replicas"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("of 160 replicas"), "{}", text(&output.stderr));
     let names = ["1.h5".to_owned(), "2.h5".to_owned()];
     assert_refused(&folder, &names, &["2.h5, shard 2/2: not finished"]);
     for path in ["2.h5", "2.h5.partial"] {
         let info = folder.stiction(&["info", path]);
         assert_exit(&info, 0);
         assert!(
-            text(&info.stdout).contains("shard 2/2 has 320 to 639 of 0 to 639"),
+            text(&info.stdout).contains("shard 2/2 has 160 to 319 of 0 to 319"),
             "{}",
             text(&info.stdout)
         );

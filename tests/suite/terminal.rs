@@ -1,7 +1,7 @@
 //! What the terminal gets: numbers as users type them, output that cannot be written, figures that say what
 //! is so.
 
-use crate::common::program::{Folder, assert_exit, small, text, told};
+use crate::common::program::{Folder, assert_exit, small, text, told, with_result};
 use crate::common::unlocked;
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
@@ -36,13 +36,12 @@ fn into_full(folder: &Folder, arguments: &[&str]) -> Output {
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_a_failure() {
-    let folder = Folder::new(&small());
-    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "done.h5"]), 0);
+    let folder = with_result();
     let commands: [&[&str]; 7] = [
         &["check", "scene.toml"],
         &["compare", "scene.toml", "--laws", "hybrid"],
-        &["validate", "done.h5"],
-        &["info", "done.h5"],
+        &["validate", "scene.h5"],
+        &["info", "scene.h5"],
         &["asperity", "--law", "md", "--lambda", "1", "--delta", "0"],
         &["--help"],
         &["--version"],

@@ -1,7 +1,7 @@
 //! The cross-check itself: its p-values are as small as they should be when ensemble and integral agree, and
 //! it sees a 1 % error in any regime.
 
-use crate::common::{case, law};
+use crate::common::{case, law, separations};
 use std::ops::Range;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -101,11 +101,6 @@ fn joint_test(
         basis.cumulants,
         scene.replicas,
     )
-}
-
-fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> {
-    let sigma = surface.surface_height_std;
-    (0..count).map(|i| sigma * (from + (to - from) * i as f64 / (count - 1) as f64)).collect()
 }
 
 /// p-values of ensembles that agree: how many are below 0.1, 0.01 and 0.001.

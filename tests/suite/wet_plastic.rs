@@ -1,7 +1,7 @@
 //! Wet asperities that flow: values from elsewhere, limits, and their energy.
 
 use crate::common::respond;
-use crate::md_plastic::{dissipated, onset, state};
+use crate::md_plastic::{assert_rows_are_met, dissipated, onset, state};
 use std::f64::consts::PI;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
@@ -50,49 +50,19 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
 /// `tests/data/wet_plastic.csv`, made by `scripts/reference_wet_plastic.py`: every row to 1e-12, with and without tables.
 #[test]
 fn every_row_of_the_reference_is_met() {
-    let mut lines = include_str!("../data/wet_plastic.csv").lines();
-    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let column = |name: &str| columns.iter().position(|c| *c == name).unwrap();
-    let (mut worst, mut rows) = (0.0_f64, 0);
-    let mut known: Option<(Vec<&str>, [Loop; 2])> = None;
-    for line in lines {
-        let fields: Vec<&str> = line.split(',').collect();
-        let number = |name: &str| fields[column(name)].parse::<f64>().unwrap();
-        let setting = &fields[..column("largest")];
-        if known.as_ref().is_none_or(|(own, _)| own != setting) {
-            let asperity = Asperity {
-                radius: number("radius"),
-                reduced_modulus: number("reduced_modulus"),
-                work_of_adhesion: number("work_of_adhesion"),
-                equilibrium_spacing: number("equilibrium_spacing"),
-                hardness: number("hardness"),
-                poisson_ratio: number("poisson_ratio"),
-                lubricant_thickness: 0.0,
-            };
-            let contact = PlasticContact::ALL.iter().find(|(name, _)| *name == fields[0]).unwrap().1;
-            let liquid = meniscus(number("surface_tension"), number("kelvin_radius"));
-            known = Some((
-                setting.to_vec(),
-                [false, true].map(|tables| loop_of(&asperity, liquid, contact, tables)),
-            ));
-        }
-        let (largest, distance) = (number("largest"), number("distance"));
-        for cycle in &known.as_ref().unwrap().1 {
-            let found = if distance == 0.0 {
-                state(cycle.approach(), largest)
-            } else {
-                state(&cycle.at(distance), largest)
-            };
-            let expected = ["adhesion_force", "contact_force", "contact_radius"].map(number);
-            for (found, expected) in found.iter().zip(expected) {
-                close(*found, expected, 1e-12, line);
-                worst = worst.max((found / expected - 1.0).abs());
-            }
-        }
-        rows += 1;
-    }
-    assert_eq!(rows, 374);
-    println!("worst: {worst:e}");
+    assert_rows_are_met(include_str!("../data/wet_plastic.csv"), 374, |number, contact| {
+        let asperity = Asperity {
+            radius: number("radius"),
+            reduced_modulus: number("reduced_modulus"),
+            work_of_adhesion: number("work_of_adhesion"),
+            equilibrium_spacing: number("equilibrium_spacing"),
+            hardness: number("hardness"),
+            poisson_ratio: number("poisson_ratio"),
+            lubricant_thickness: 0.0,
+        };
+        let liquid = meniscus(number("surface_tension"), number("kelvin_radius"));
+        [false, true].map(|tables| loop_of(&asperity, liquid, contact, tables))
+    });
 }
 
 /// Below the onset it is the wet elastic law, that of an asperity too hard to flow, to the last digit; nothing jumps at the onset.
@@ -214,6 +184,7 @@ fn tops_that_have_let_go_are_wet_spheres_of_their_own_radius() {
 
 /// Loops dissipate, more the deeper they go; what a bridge takes when it breaks is all below the onset.
 #[test]
+#[ignore = "slow: four seconds"]
 fn loops_dissipate() {
     for (asperity, liquid) in asperities() {
         let cycle = loop_of(&asperity, liquid, PlasticContact::default(), true);
@@ -222,7 +193,7 @@ fn loops_dissipate() {
         let below = dissipated(&cycle, 0.9 * end, -40e-9) / unit;
         assert!(below > 0.0, "{below}");
         let mut last = below;
-        for x in [1.01, 1.5, 3.0, 10.0, 40.0] {
+        for x in [1.01, 3.0, 40.0] {
             let own = dissipated(&cycle, x * end, -40e-9) / unit;
             assert!(own >= last - 1e-3 * below, "{x}: {own} after {last}");
             last = own;

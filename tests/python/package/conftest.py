@@ -99,17 +99,9 @@ def partial(path):
 
 
 @pytest.fixture(scope="session")
-def result(tmp_path_factory):
+def result(shared):
     """The result of a name of `MADE`, opened; each is computed when it is first asked for."""
-    folder = tmp_path_factory.mktemp("results")
-
-    def get(name):
-        path = folder / f"{name}.h5"
-        if not path.exists():
-            MADE[name](path)
-        return stiction.open_run(path)
-
-    return get
+    return lambda name: stiction.open_run(shared(f"{name}.h5", MADE[name]))
 
 
 @pytest.fixture

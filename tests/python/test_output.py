@@ -484,10 +484,7 @@ def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):
     with h5py.File(fine, "r") as fine:
         h, sigma = fine["ensemble/separation"][()], fine.attrs["surface_height_std"]
         # The mean curve is jagged, and between coarse separations known through its deviation from the integral only.
-        for group, name, tolerance in [
-            ("ensemble", "external_force_mean", 0.03),
-            ("integral", "external_force", 1e-5),
-        ]:
+        for group, name, tolerance in [("ensemble", "external_force_mean", 0.03), ("integral", "external_force", 1e-5)]:
             curve, features = fine[f"{group}/{name}"][()], file[group].attrs
             place, value = minimum(h, curve)
             assert features["pull_off_force"] == pytest.approx(-value, rel=tolerance)

@@ -91,12 +91,7 @@ def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
             "ensemble/scalar",
             "has a dataset /ensemble/scalar that holds neither numbers nor texts",
         ),
-        (
-            damages.OfDatasets,
-            "without_values",
-            "ensemble/h_star",
-            "has a dataset /ensemble/h_star without values",
-        ),
+        (damages.OfDatasets, "without_values", "ensemble/h_star", "has a dataset /ensemble/h_star without values"),
         (
             damages.OfDatasets,
             "a_type",
@@ -122,12 +117,7 @@ def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
             "ensemble/h_star",
             "whose values are in other files, which are not read",
         ),
-        (
-            damages.Elsewhere,
-            "virtual",
-            "ensemble/h_star",
-            "whose values are in other files, which are not read",
-        ),
+        (damages.Elsewhere, "virtual", "ensemble/h_star", "whose values are in other files, which are not read"),
         (damages.Circles, "in_itself", "ensemble", "has the group /ensemble/again twice"),
         (damages.Circles, "in_the_root", "ensemble", "has the group /ensemble/root twice"),
         (damages.OfGroups, "missing", "integral", "lacks the group /integral"),
@@ -173,9 +163,7 @@ def test_names_with_dollars_are_no_formulas(result, folder, capsys):
             for law in [opened[path] for path in ("model_law", *(f"{where}/model_law" for where in opened)) if path in opened]:
                 law.attrs["long_name"] = "law: " + ", ".join(f"{i} {odd}{i}" for i in range(19))
             opened.attrs["title"] = opened.attrs["warnings"] = odd
-        assert (
-            plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0
-        )
+        assert (plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0)
     with h5py.File(result("sweep").path) as opened:
         key = opened.attrs["sweep_keys"].replace(".", "_")
     file = folder / "sweep.h5"

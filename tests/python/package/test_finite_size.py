@@ -31,17 +31,13 @@ def test_moments_and_quantiles_are_those_of_the_replicas(result):
         forces, integral = file["replicas/pull_off_force"][()], file["integral/pull_off_force"][()]
         areas, density = file["surface_nominal_area"][()], file["asperity_density"][()]
         scalar = [name.decode() for name in file["ensemble/scalar"]].index("pull_off_force")
-        mean, error = (
-            file[f"ensemble/scalar_controlled_{of}"][:, scalar] for of in ("mean", "standard_error")
-        )
+        mean, error = (file[f"ensemble/scalar_controlled_{of}"][:, scalar] for of in ("mean", "standard_error"))
         counts = file["replicas/asperity_count"][:, 0]
     assert list(found["asperity_count"].values) == list(counts) == [30, 95, 300, 949, 3000]
     np.testing.assert_allclose(areas * density, counts, rtol=1e-12)
     np.testing.assert_allclose(found["bias"], mean / integral - 1.0, rtol=1e-12)
     np.testing.assert_allclose(found["bias_standard_error"], error / integral, rtol=1e-12)
-    np.testing.assert_allclose(
-        found["relative_std"], forces.std(axis=1, ddof=1) / forces.mean(axis=1), rtol=1e-9
-    )
+    np.testing.assert_allclose(found["relative_std"], forces.std(axis=1, ddof=1) / forces.mean(axis=1), rtol=1e-9)
     np.testing.assert_allclose(found["skewness"], scipy.stats.skew(forces, axis=1, bias=False), rtol=1e-8)
     quantiles = np.quantile(forces, found["quantile"].values, axis=1).T / integral[:, None]
     np.testing.assert_allclose(found["pull_off_quantiles"], quantiles, rtol=1e-12)
@@ -56,10 +52,7 @@ def test_the_fit_of_a_study_is_that_of_its_biases(result):
     if "fit_refusal" in found.attrs:
         assert not taken.any() and np.isnan(found["bias_fitted"]).all()
         return
-    assert (
-        not taken[found["bias"].values > 0.5].any()
-        and taken.sum() == found.attrs["fit_degrees_of_freedom"] + 2
-    )
+    assert (not taken[found["bias"].values > 0.5].any() and taken.sum() == found.attrs["fit_degrees_of_freedom"] + 2)
     law = power(found["asperity_count"], found.attrs["fit_coefficient"], found.attrs["fit_exponent"])
     np.testing.assert_allclose(found["bias_fitted"], law, rtol=1e-12)
     residuals = ((law - found["bias"]) / found["bias_standard_error"]).values[taken]
@@ -97,17 +90,13 @@ def test_biases_that_carry_no_power_law_are_refused_with_the_reason():
         Approach.of(counts[:2], np.array([0.2, 0.1]), np.full(2, 0.01))
     # Local exponents 0.3 and 0.65 at the end, as of a rough surface.
     growing = np.array([30.0, 9.0, 4.0, 0.5, 0.5 * 10**-0.3, 0.5 * 10**-0.95])
-    with pytest.raises(
-        NoApproach, match=r"from 0\.30 to 0\.65 .* \(chi squared \d{3,}\.\d for 1 degree of freedom\)"
-    ):
+    with pytest.raises(NoApproach, match=r"from 0\.30 to 0\.65 .* \(chi squared \d{3,}\.\d for 1 degree of freedom\)"):
         Approach.of(counts, growing, 0.02 * growing)
     # A first size off the power law that the others lie on is left out.
     bent = law / 300.0
     bent[0] *= 0.6
     fit = Approach.of(counts, bent, 0.01 * bent)
-    assert list(fit.fitted) == [False, True, True, True, True, True] and fit.exponent == pytest.approx(
-        0.6, rel=1e-9
-    )
+    assert list(fit.fitted) == [False, True, True, True, True, True] and fit.exponent == pytest.approx(0.6, rel=1e-9)
     for bias in ([0.1, 0.2, 0.3, 0.4, 0.45, 0.5], [-0.1] * 6):
         with pytest.raises(NoApproach, match="the bias does not fall with N within its errors"):
             Approach.of(counts, np.array(bias), np.full(6, 0.01))
@@ -126,9 +115,7 @@ def test_errors_of_a_fit_are_those_of_a_line():
     assert law.standard_errors**2 == pytest.approx([1e-4 * 5.0 / 6.0, 5e-5], rel=2e-6)
     assert law.degrees_of_freedom == 1 and law.chi_squared < 1e-12
     law = Approach.of(counts, bias, bias * [0.01, 0.01, 0.02])
-    assert 2.25e8 * law.covariance == pytest.approx(
-        np.array([[20_000.0, 15_000.0], [15_000.0, 22_500.0]]), rel=2e-6
-    )
+    assert 2.25e8 * law.covariance == pytest.approx(np.array([[20_000.0, 15_000.0], [15_000.0, 22_500.0]]), rel=2e-6)
 
 
 def test_errors_grow_with_the_misfit():
@@ -139,9 +126,7 @@ def test_errors_grow_with_the_misfit():
     bias = 0.3 / counts * np.exp(misfit * np.array([1.0, -1.0, -1.0, 1.0]))
     law = Approach.of(counts, bias, error * bias)
     slope = misfit * math.sqrt(2.0 / 5.0)
-    assert law.degrees_of_freedom == 2 and law.chi_squared == pytest.approx(
-        4.0 * (misfit / error) ** 2, rel=1e-2
-    )
+    assert law.degrees_of_freedom == 2 and law.chi_squared == pytest.approx(4.0 * (misfit / error) ** 2, rel=1e-2)
     assert law.standard_errors[1] == pytest.approx(slope, rel=1e-2) and abs(law.exponent - 1.0) < 0.1 * slope
 
 
@@ -282,17 +267,7 @@ def test_the_command_leaves_the_sweep_and_prints_its_table(tmp_path, monkeypatch
 
 
 def test_a_scene_comes_from_standard_input(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "stiction.finite_size",
-        "-",
-        "--counts",
-        "10,100",
-        "--replicas",
-        "8",
-        "--quiet",
-    ]
+    command = [sys.executable, "-m", "stiction.finite_size", "-", "--counts", "10,100", "--replicas", "8", "--quiet"]
     nameless = subprocess.run(command, input=QUICK.read_text(), text=True, capture_output=True, cwd=tmp_path)
     assert nameless.returncode == 2 and "name one with -o" in nameless.stderr
     done = subprocess.run(
@@ -350,11 +325,7 @@ def test_sizes_of_loops_end_at_their_own_targets():
         "min_replicas": 8,
         "max_replicas": 1600,
     }
-    tables = {
-        **_tables(QUICK),
-        "ensemble": ensemble,
-        "separation": {"h_star": {"from": 0.5, "to": 8.0, "count": 16}},
-    }
+    tables = {**_tables(QUICK), "ensemble": ensemble, "separation": {"h_star": {"from": 0.5, "to": 8.0, "count": 16}}}
     forces = []
     for history in ("approach", "loop"):
         sweep = finite_size.run(tables, [20, 300], **{"model.history": history})

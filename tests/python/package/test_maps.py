@@ -203,9 +203,7 @@ def test_the_summary_tells_the_shape_and_its_force(tmp_path):
     np.testing.assert_allclose(of.principal_radius_1, 1.0 / eigen[:, 1], rtol=1e-9)
     np.testing.assert_allclose(of.principal_radius_2[there], 1.0 / eigen[there, 0], rtol=1e-7)
     assert np.isnan(of.principal_radius_2[~there]).all()
-    np.testing.assert_allclose(
-        of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8
-    )
+    np.testing.assert_allclose(of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8)
     np.testing.assert_allclose(of.radius, 2.0 / eigen.sum(axis=1), rtol=1e-9)
     ratio = float(np.median(eigen[there, 1] / eigen[there, 0]))
     assert float(found.tree["measured"].curvature_ratio_median) == pytest.approx(ratio, rel=1e-9)
@@ -245,9 +243,7 @@ def test_panels_over_the_cutoff_have_the_numbers_of_the_file():
                 name != "asperity_density" or shown[0] == pytest.approx(1.0 / factor)
             )
             words = [str(line.get_label()) for line in ax.lines]
-            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), (
-                words
-            )
+            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), (words)
 
 
 def test_pixels_that_are_not_square_are_drawn_as_they_are(tmp_path):

@@ -95,10 +95,7 @@ def test_complex_numbers_are_no_lengths(tmp_path):
 
 
 def test_options_of_false_and_none_are_left_out():
-    assert list(options(seed=None, force=False, resume=True, height_unit="nm")) == [
-        "--resume",
-        "--height-unit=nm",
-    ]
+    assert list(options(seed=None, force=False, resume=True, height_unit="nm")) == ["--resume", "--height-unit=nm"]
     assert call(["--version"]).startswith("stiction ")
 
 

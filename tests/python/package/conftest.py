@@ -30,26 +30,29 @@ def of_scene(name, replicas, **overrides):
     return make
 
 
+TARGETS = [
+    {"quantity": "pull_off_force", "relative_standard_error": 0.02}, {"quantity": "pull_off_separation", "standard_error": "20 pm"},
+]  # fmt: skip
 MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
     "retraction": of_scene("quick", 40, **{"model.history": "retraction"}),
-    "loop": of_scene("loop", 20),
+    "loop": of_scene("loop", 8),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
-    "preload": of_scene("preload", 20),
+    "preload": of_scene("preload", 4),
     "spots": of_scene("probe", 20),
     "springs": of_scene("instability", 8, **{"output.curves": True}),
-    "device": of_scene("preload", 20, **{"device.restoring_force": "0.6 mN"}),
+    "device": of_scene("preload", 8, **{"device.restoring_force": "0.6 mN"}),
     "pressed_sweep": lambda path: stiction.sweep(
         CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,
         **{"model.history": "loop", "instability.preload": ["1 mN", "30 mN", "10 N"], "device.restoring_force": "0.1 mN"},
     ),
     "missed_preload": of_scene("preload", 4, **{"instability.preload": "10 N", "device.restoring_force": "0.1 mN"}),
-    "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
-    "coupled": of_scene("coupled", 4),
+    "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path, **{"ensemble.target": TARGETS}),
+    "coupled": of_scene("coupled", 4, **{"surface.nominal_area": "30 um^2"}),
     "background": of_scene("slider", 20),
-    "sweep": of_scene("sweep_lubricant", 20),
+    "sweep": of_scene("sweep_lubricant", 8),
     "grid": lambda path: stiction.sweep(
         CONFIGS / "quick.toml",
         {"surface.lubricant_thickness": ["0 nm", "0.5 nm"], "material.hardness": ["1 GPa", "2 GPa", "4 GPa"]},

@@ -81,43 +81,22 @@ def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
         file.unlink()
 
 
+H_STAR = "ensemble/h_star"
+ELSEWHERE = "whose values are in other files, which are not read"
+
+
 @pytest.mark.parametrize(
     "kind, way, where, message",
     [
-        (damages.OfDatasets, "missing", "ensemble/h_star", "is damaged or not whole: something is missing"),
-        (
-            damages.OfDatasets,
-            "compound",
-            "ensemble/scalar",
-            "has a dataset /ensemble/scalar that holds neither numbers nor texts",
-        ),
-        (damages.OfDatasets, "without_values", "ensemble/h_star", "has a dataset /ensemble/h_star without values"),
-        (
-            damages.OfDatasets,
-            "a_type",
-            "ensemble/h_star",
-            "has /ensemble/h_star, which is neither a group nor a dataset",
-        ),
-        (
-            damages.OfDatasets,
-            "a_sea_of_zeros",
-            "ensemble/h_star",
-            "/ensemble/h_star that has more values than the file holds",
-        ),
-        (
-            damages.Elsewhere,
-            "soft_loop",
-            "ensemble/h_star",
-            "has a link /ensemble/h_star to elsewhere, which is not followed",
-        ),
-        (damages.Elsewhere, "external_link", "ensemble/h_star", "has a link /ensemble/h_star to elsewhere"),
-        (
-            damages.Elsewhere,
-            "external_storage",
-            "ensemble/h_star",
-            "whose values are in other files, which are not read",
-        ),
-        (damages.Elsewhere, "virtual", "ensemble/h_star", "whose values are in other files, which are not read"),
+        (damages.OfDatasets, "missing", H_STAR, "is damaged or not whole: something is missing"),
+        (damages.OfDatasets, "compound", "ensemble/scalar", "/ensemble/scalar that holds neither numbers nor texts"),
+        (damages.OfDatasets, "without_values", H_STAR, "has a dataset /ensemble/h_star without values"),
+        (damages.OfDatasets, "a_type", H_STAR, "has /ensemble/h_star, which is neither a group nor a dataset"),
+        (damages.OfDatasets, "a_sea_of_zeros", H_STAR, "/ensemble/h_star that has more values than the file holds"),
+        (damages.Elsewhere, "soft_loop", H_STAR, "has a link /ensemble/h_star to elsewhere, which is not followed"),
+        (damages.Elsewhere, "external_link", H_STAR, "has a link /ensemble/h_star to elsewhere"),
+        (damages.Elsewhere, "external_storage", H_STAR, ELSEWHERE),
+        (damages.Elsewhere, "virtual", H_STAR, ELSEWHERE),
         (damages.Circles, "in_itself", "ensemble", "has the group /ensemble/again twice"),
         (damages.Circles, "in_the_root", "ensemble", "has the group /ensemble/root twice"),
         (damages.OfGroups, "missing", "integral", "lacks the group /integral"),

@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import rare_patches
 import scipy.stats
 from conftest import CONFIGS
 
@@ -231,34 +232,16 @@ def test_sums_are_direct_where_the_scene_says_so():
 
 def test_the_command_leaves_the_sweep_and_prints_its_table(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    command = [
-        str(QUICK),
-        "--counts",
-        "100:1e4:3",
-        "--replicas",
-        "40",
-        "--quiet",
-        "--set",
-        "separation.h_star.count=16",
-    ]
+    command = [str(QUICK), *"--counts 100:1e4:3 --replicas 40 --quiet --set separation.h_star.count=16".split()]
     assert main(command) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["quick_finite_size.h5"]
     words = capsys.readouterr().out
-    for part in (
-        "\n         100 ",
-        "\n        1000 ",
-        "\n       10000 ",
-        "approach",
-        "10 % from N = ",
-        "cross-check",
-        "quick_finite_size.h5",
-    ):
+    numbers = [f"\n{number:12} " for number in (100, 1000, 10_000)]
+    for part in (*numbers, "approach", "10 % from N = ", "cross-check", "quick_finite_size.h5"):
         assert part in words
-    # The mean of minima is below the minimum of the mean, the less so the more asperities; and patches
-    # scatter less. With 40 replicas
-    # biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and scatters of 57 % and 12 %
-    # each to 11 % of themselves:
-    # to miss a factor of 2 between them has a probability below 1e-4.
+    # The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter less. With 40 replicas
+    # biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and scatters of 57 % and 12 % each to 11 % of themselves: to miss
+    # a factor of 2 between them has a probability below 1e-4.
     found = finite_size.study("quick_finite_size.h5")
     bias, scatter = found["bias"].values, found["relative_std"].values
     assert (bias[:-1] > 2.0 * bias[1:]).all() and bias[-1] > 0.0 and scatter[0] > 2.0 * scatter[-1]
@@ -276,32 +259,12 @@ def test_a_scene_comes_from_standard_input(tmp_path):
     assert done.returncode == 0 and (tmp_path / "sizes.h5").is_file(), done.stderr
 
 
-# One soft asperity pulls 2πRΔγ in every patch.
-ALIKE = {
-    "material": {
-        "reduced_modulus": "100 Pa",
-        "hardness": "1 TPa",
-        "poisson_ratio": 0.3,
-        "work_of_adhesion": "20 mJ/m^2",
-        "equilibrium_spacing": "0.3 nm",
-    },
-    "surface": {
-        "asperity_radius": "1 um",
-        "asperity_density": "1 /um^2",
-        "asperity_height_std": "1.5 nm",
-        "mean_plane_offset": "0 nm",
-        "nominal_area": "1 um^2",
-    },
-    "model": {"law": "dmt"},
-    "separation": {"h": {"from": "-9 nm", "to": "9 nm", "count": 73}},
-    "ensemble": {"replicas": 8},
-}
-
-
 def test_equal_replicas_are_no_certainty(capsys):
-    """Of 8 that agree there is no error: of all patches at most 1 − 0.05^(1/8) = 31.23 % differ, with 95 %
-    confidence."""
-    sweep = finite_size.run(ALIKE, [1, 20])
+    """One soft asperity pulls 2πRΔγ in every patch. Of 8 that agree there is no error: of all patches at most 1 − 0.05^(1/8) = 31.23 %
+    differ, with 95 % confidence.
+    """
+    tables = rare_patches.Scene("dmt", 1, 1.0, rare_patches.SOFT).tables() | {"ensemble": {"replicas": 8}}
+    sweep = finite_size.run({**tables, "separation": {"h": {"from": "-9 nm", "to": "9 nm", "count": 73}}}, [1, 20])
     found = finite_size.study(sweep)
     assert np.isnan(found["bias_standard_error"].values[0]) and found["bias_standard_error"].values[1] > 0.0
     assert found["most_differing"].values[0] == pytest.approx(1.0 - 0.05 ** (1.0 / 8.0), rel=1e-9)
@@ -320,12 +283,11 @@ def test_the_integral_leaves_coupling_out():
 def test_sizes_of_loops_end_at_their_own_targets():
     """Loops are pulled off on retraction, against the integral there; and targets end each size by
     itself."""
-    ensemble = {
-        "target": {"quantity": "pull_off_force", "relative_standard_error": 0.05},
-        "min_replicas": 8,
-        "max_replicas": 1600,
+    target = {"quantity": "pull_off_force", "relative_standard_error": 0.05}
+    tables = tomllib.loads(QUICK.read_text()) | {
+        "ensemble": {"target": target, "min_replicas": 8, "max_replicas": 1600},
+        "separation": {"h_star": {"from": 0.5, "to": 8.0, "count": 16}},
     }
-    tables = {**_tables(QUICK), "ensemble": ensemble, "separation": {"h_star": {"from": 0.5, "to": 8.0, "count": 16}}}
     forces = []
     for history in ("approach", "loop"):
         sweep = finite_size.run(tables, [20, 300], **{"model.history": history})
@@ -333,7 +295,3 @@ def test_sizes_of_loops_end_at_their_own_targets():
     replicas = (~np.isnan(sweep["replicas/pull_off_force"].values)).sum(axis=1)
     assert replicas[0] > replicas[1] and (sweep["replica_count"].values == replicas).all()
     assert forces[1] > 1.1 * forces[0]
-
-
-def _tables(path):
-    return tomllib.loads(path.read_text())

@@ -66,14 +66,8 @@ def test_the_file_is_the_one_that_the_program_is_tested_with(tmp_path):
 
 def test_the_program_reads_what_the_package_writes(tmp_path, monkeypatch):
     """Every part of the file: `validate` reads all of it, and it has each name of the page with its units."""
-    options = {
-        "level_rows": "median",
-        "smooth": "200 nm",
-        "prominence": "0.2 nm",
-        "min_distance": "90 nm",
-        "cutoffs": 4,
-    }
-    with stiction.find_asperities(MAP, tmp_path / "map.h5", **options) as found:
+    steps = {"level_rows": "median", "smooth": "200 nm", "prominence": "0.2 nm", "min_distance": "90 nm", "cutoffs": 4}
+    with stiction.find_asperities(MAP, tmp_path / "map.h5", **steps) as found:
         assert found.attrs["level_rows"] == "median" and found.attrs["min_distance"] == pytest.approx(90e-9)
     said = call(["validate", str(tmp_path / "map.h5")])
     assert "asperities of a measured surface" in said and "whole: all of it was read" in said
@@ -235,30 +229,13 @@ def test_summits_that_are_apart_in_the_file(command):
 def test_a_picture_has_the_map_after_each_step(command):
     """As measured, rows levelled, levelled, smoothed and prominent: five panels with the numbers of their
     summits."""
-    command(
-        MAP,
-        "--level-rows",
-        "differences",
-        "--smooth",
-        "200 nm",
-        "--prominence",
-        "1 nm",
-        "--figure",
-        "steps.svg",
-        "-o",
-        "map.h5",
-    )
+    steps = ("--level-rows", "differences", "--smooth", "200 nm", "--prominence", "1 nm")
+    command(MAP, *steps, "--figure", "steps.svg", "-o", "map.h5")
     picture = Path("steps.svg").read_text(encoding="utf-8")
     with h5py.File("map.h5") as file:
         count = file["asperities/height"].size
     titles = re.findall(r">\s*([\w ]+: \d+ summits)\s*<", picture)
-    assert [title.split(":")[0] for title in titles] == [
-        "as measured",
-        "rows levelled",
-        "levelled",
-        "smoothed",
-        "prominent",
-    ]
+    assert [title.split(":")[0] for title in titles] == ["as measured", "rows levelled", "levelled", "smoothed", "prominent"]
     assert titles[-1] == f"prominent: {count} summits" and titles[0] == "as measured: 206 summits"
     before = os.listdir()
     assert "figure" in command(MAP, "--figure", "steps.tiff", code=2)

@@ -776,7 +776,7 @@ def test_a_pixel_is_given_in_any_shape(pixel):
 
 @pytest.mark.parametrize(
     "pixel",
-    [(1, 2, 3), [], 0.0, -1e-8, np.nan, "10", "10 kg", "x", 10 * UNITS.volt, object(), "10 nm;3 nm", 1e9],
+    [(1, 2, 3), [], 0.0, -1e-8, np.nan, "10", "10 kg", "x", 10 * UNITS.volt, pytest.param(object(), id="object"), "10 nm;3 nm", 1e9],
     ids=repr,
 )
 def test_a_pixel_that_is_none_is_named(pixel):
@@ -835,7 +835,7 @@ def test_a_factor_makes_heights_of_volts(tmp_path):
         read_map(nc(tmp_path), factor="2 nm/V")
 
 
-@pytest.mark.parametrize("factor", ["nm/V", "two", 0, np.nan, "0 nm/V", 3 * UNITS.kelvin, object()], ids=repr)
+@pytest.mark.parametrize("factor", ["nm/V", "two", 0, np.nan, "0 nm/V", 3 * UNITS.kelvin, pytest.param(object(), id="object")], ids=repr)
 def test_a_factor_that_is_none_is_named(factor):
     with pytest.raises(SceneError, match=r"^factor"):
         read_map(Z, pixel=PIXEL, factor=factor)

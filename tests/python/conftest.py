@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
+# What makes tests longer is for those who want to wait.
+LONGER = ("STICTION_CALIBRATION", "STICTION_RARE", "STICTION_DAMAGES")
 FORBIDDEN = bool(os.environ.get("STICTION_FORBID_SKIPS"))
 
 
@@ -19,7 +21,7 @@ def is_named(item, path, name):
 
 
 def pytest_collection_modifyitems(config, items):
-    if config.option.markexpr:
+    if config.option.markexpr or any(name in os.environ for name in LONGER):
         return
     parts = [argument.partition("::") for argument in config.args]
     ids = [((config.invocation_params.dir / path).resolve(), name) for path, _, name in parts if name]
@@ -39,10 +41,11 @@ def shared(tmp_path_factory):
 
     def get(name, make):
         path = folder / name
-        with FileLock(folder / f".{name}.lock"):
-            if not (folder / f".{name}.made").exists():
+        # The program has a lock of its own, `.NAME.lock`.
+        with FileLock(folder / f"{name}.filelock"):
+            if not (folder / f"{name}.made").exists():
                 make(path)
-                (folder / f".{name}.made").touch()
+                (folder / f"{name}.made").touch()
         return path
 
     return get

@@ -18,7 +18,7 @@ import pytest
 import scipy.stats
 import stiction.plot
 import xarray
-from program import PATCH, PROGRAM, ROOT, documented_version
+from program import PATCH, PROGRAM, ROOT, close, documented_version, run_scene
 
 
 REPLICAS, SEPARATIONS, ASPERITIES, SEED = 20, 15, 2217, 7
@@ -88,14 +88,9 @@ GROUPS = ["ensemble", "replicas", "integral", "independence", "validation"]
 
 def run_program(folder: Path, text: str) -> Path:
     """Runs a scene; nothing but its result may be left."""
-    scene, output = folder / "scene.toml", folder / "result.h5"
-    scene.write_bytes(text.encode())
-    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    command = [PROGRAM, "run", scene, "-o", output, "--quiet"]
-    run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
-    assert run.returncode == 0, run.stderr
+    path, _ = run_scene(folder, text)
     assert sorted(file.name for file in folder.iterdir()) == ["result.h5", "scene.toml"]
-    return output
+    return path
 
 
 @pytest.fixture(scope="module")
@@ -108,11 +103,6 @@ def path(tmp_path_factory) -> Path:
 def file(path):
     with h5py.File(path, "r") as file:
         yield file
-
-
-def close(actual, expected, scale, tolerance=1e-12) -> bool:
-    """Whether two arrays differ by no more than `tolerance` of `scale`."""
-    return bool(np.all(np.abs(np.asarray(actual) - np.asarray(expected)) <= tolerance * np.asarray(scale)))
 
 
 def minimum(places, values) -> tuple[float, float]:

@@ -1,7 +1,10 @@
 """Results of every kind, computed once by the program from the shipped scenes with few replicas."""
 
+import contextlib
 import html
 import os
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -121,6 +124,24 @@ def command(tmp_path, monkeypatch):
         return done.stderr if code else done.stdout
 
     return run
+
+
+@contextlib.contextmanager
+def begun(code, *arguments, folder):
+    """A Python that runs a scene with a bar of progress, once the first batch is done: what is interrupted before keeps nothing."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "TMPDIR": str(folder)},
+        # A shell that runs tests in the background has them ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    shown = ""
+    while not re.search(r"\| *[1-9]\d*/", shown):
+        read = process.stderr.read(1)
+        assert read, shown
+        shown += read
+    with process:
+        yield process
 
 
 def assert_opens(path, words, folder, has_figure=True):

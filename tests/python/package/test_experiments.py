@@ -1,7 +1,5 @@
 """Calls of the program: the same results as on the command line, its errors as exceptions, interruptions."""
 
-import os
-import re
 import signal
 import subprocess
 import sys
@@ -12,7 +10,7 @@ import h5py
 import numpy as np
 import pint
 import pytest
-from conftest import CONFIGS
+from conftest import CONFIGS, begun
 
 import stiction
 from stiction import FileError, SceneError, StictionError
@@ -198,23 +196,9 @@ except KeyboardInterrupt:
 
 def test_what_an_interrupted_run_has_done_is_gone_on_with(tmp_path):
     scene, output = CONFIGS / "case_ii.toml", tmp_path / "long.h5"
-    process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, scene, output],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ,
-        # A shell that runs tests in the background has them ignore it.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    shown = ""
-    # What is interrupted before its first batch is done keeps nothing.
-    while not re.search(r"\| *[1-9]\d*/", shown):
-        read = process.stderr.read(1)
-        assert read, shown
-        shown += read
-    process.send_signal(signal.SIGINT)
-    out, _ = process.communicate(timeout=60)
+    with begun(INTERRUPTED, scene, output, folder=tmp_path) as process:
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)
     assert out.strip() == "interrupted" and not output.exists()
     assert (tmp_path / "long.h5.partial").exists()
     run = stiction.run(scene, output, replicas=700, resume=True, **{"ensemble.seed": 7})

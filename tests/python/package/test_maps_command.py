@@ -84,26 +84,6 @@ def test_the_program_reads_what_the_package_writes(tmp_path, monkeypatch):
         assert own.dimensions in (tuple(re.findall(r"`(\w+)`", dimensions)), ()), name
 
 
-@pytest.mark.parametrize("scene", ["measured", "whole"])
-def test_a_scene_has_the_patches_of_its_file(scene, tmp_path):
-    """A run of a scene with the asperities that the package has just found, and with the file of the
-    program's tests."""
-    results = []
-    for name in ("found", "given"):
-        folder = tmp_path / name
-        folder.mkdir()
-        (folder / "scene.toml").write_bytes((CONFIGS / "surfaces" / f"{scene}.toml").read_bytes())
-        if name == "found":
-            stiction.find_asperities(MAP, folder / "polished.h5").close()
-        else:
-            (folder / "polished.h5").write_bytes((ROOT / "tests" / "data" / "polished.h5").read_bytes())
-        replicas = 1 if scene == "whole" else 16
-        with stiction.run(folder / "scene.toml", folder / "run.h5", replicas=replicas) as run:
-            results.append(run.tree["replicas"].load())
-    for name, one in results[0].data_vars.items():
-        np.testing.assert_allclose(one, results[1][name], rtol=1e-12, atol=0.0, err_msg=name)
-
-
 def test_kinds_of_files_give_one_result(command):
     """Whatever the kind of file, one map has one result."""
     np.save("map.npy", heights())

@@ -253,6 +253,7 @@ def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
             assert np.isnan(file["replicas/preload"][()]).all()
 
 
+@pytest.mark.slow
 def test_short_snaps_need_not_count(tmp_path, file):
     """0.5 nm is two steps and a half: what is shorter is none, and what is longer is as it was."""
     path, _ = run_scene(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
@@ -302,7 +303,7 @@ def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray, flatt
     return np.where(own < 0.0, near, np.where(x > 1.0, plastic, elastic))
 
 
-@pytest.mark.parametrize("radius", ["kept", "elastic"])
+@pytest.mark.parametrize("radius", [pytest.param("kept", marks=pytest.mark.slow), "elastic"])
 def test_the_integral_of_the_retraction_is_that_of_the_published_formulas(tmp_path, radius):
     text = changed(
         ROOT / "configs" / "case_i.toml", ('law = "hybrid"', 'law = "isbl"'), ("replicas = 1000", "replicas = 8"),

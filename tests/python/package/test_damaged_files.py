@@ -62,7 +62,10 @@ def said(main, file, output, capsys):
     return code, line
 
 
-@pytest.mark.parametrize("name", KINDS)
+QUICK = ["run", "comparison", "alone", "asperities"]
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in KINDS])
 def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
     source = result(name).path
     cases = damages.cases(source)
@@ -130,6 +133,7 @@ def test_a_file_of_many_groups_is_refused_soon(result, folder, capsys):
     assert code == 2 and "more than 1000 groups and datasets" in line
 
 
+@pytest.mark.slow
 def test_names_with_dollars_are_no_formulas(result, folder, capsys):
     odd = "$\\frac{$_\n\x1b[2J"
     for name in ("comparison", "run"):

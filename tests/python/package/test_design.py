@@ -154,7 +154,7 @@ def test_plain_sampling_agrees(below, area):
     tables = priors.opened(scene)
     tables["surface"]["nominal_area"] = area
     patches = Patches(tables)
-    rare = patches.probability(threshold, below=below, error=0.05 if FULL else 0.09)
+    rare = patches.probability(threshold, below=below, error=0.05 if FULL else 0.09 if area == "100 um^2" else 0.2)
     inside = plain < threshold if below else plain > threshold
     error = np.hypot(np.sqrt(inside.mean() / replicas), rare.standard_error)
     assert abs(rare.value - inside.mean()) < 4.5 * error
@@ -391,6 +391,7 @@ def test_coupled_patches_have_the_shares_of_plain_ones():
         Patches({**scene, "surface": {**scene["surface"], "count": "poisson"}})
 
 
+@slow
 def test_the_largest_preload_is_taken_in_any_order():
     rising, falling = pressed("0.6 mN"), pressed("0.6 mN")
     falling["instability"]["preload"].reverse()
@@ -452,7 +453,7 @@ def test_what_is_wrong_is_named(arguments, told):
         probability(extremes(9.0), **arguments)
 
 
-QUANTILES = [(2.0, 1e-5, False, 10), pytest.param(3.0, 1e-6, False, 1000, marks=slow)]
+QUANTILES = [pytest.param(2.0, 1e-5, False, 10, marks=slow), pytest.param(3.0, 1e-6, False, 1000, marks=slow)]
 
 
 @pytest.mark.parametrize("h, rarity, below, area", QUANTILES + [(2.5, 1.02e-5, True, 1000)] * FULL)

@@ -40,7 +40,7 @@ MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
     "retraction": of_scene("quick", 40, **{"model.history": "retraction"}),
-    "loop": of_scene("loop", 8),
+    "loop": of_scene("loop", 20),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
     "preload": of_scene("preload", 4),

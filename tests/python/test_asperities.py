@@ -14,6 +14,7 @@ import scipy.integrate
 import scipy.ndimage
 import xarray
 from program import ROOT
+from stiction.maps.reading import read_map
 
 MAP, PIXEL = ROOT / "configs" / "maps" / "polished.txt", 3e-8
 
@@ -113,22 +114,9 @@ def test_arrays_of_numpy(tmp_path, dtype, order):
     """What NumPy writes is read as NumPy reads it, whatever type and order."""
     z = np.random.Generator(np.random.PCG64(3)).normal(60.0, 12.0, (40, 30)).round().astype(dtype)
     np.save(tmp_path / "map.npy", np.asarray(z, order=order))
-    run = stiction(tmp_path / "map.npy", "--pixel", "2 nm,1 nm", "--height-unit", "pm", "--level", "none", "-o", tmp_path / "map.h5")
-    assert run.returncode == 0, run.stderr
-    with h5py.File(tmp_path / "map.h5") as file:
-        steps = {"x": 2e-9, "y": 1e-9}
-        place = {axis: file[f"asperities/{axis}"][()] / step - 0.5 for axis, step in steps.items()}
-        row, column = (np.rint(place[axis]).astype(int) for axis in "yx")
-        for axis, of in (("x", column), ("y", row)):
-            np.testing.assert_allclose(place[axis], of, rtol=0.0, atol=1e-12)
-        heights = 1e-12 * (z.astype(float) - z.astype(float).mean())
-        np.testing.assert_allclose(file["asperities/height"], heights[row, column], rtol=1e-9, atol=1e-24)
-        # All pixels that are higher than their neighbours, and one of each plateau.
-        found, alone = set(zip(row, column)), set(zip(*summits(z.astype(float))))
-        assert len(alone) > 50 and alone <= found and len(found - alone) == 3
-        around = scipy.ndimage.maximum_filter(z.astype(float), size=3)
-        assert all(z[place] == around[place] for place in found)
-        assert file["surface/m0"][()] == pytest.approx(np.mean(heights**2), rel=1e-12)
+    read = read_map(tmp_path / "map.npy", pixel="2 nm,1 nm", height_unit="pm")
+    np.testing.assert_allclose(read.heights, 1e-12 * z.astype(float), rtol=1e-14)
+    assert read.pixel == (2e-9, 1e-9)
 
 
 @pytest.mark.parametrize("options", [{}, {"chunks": (16, 16), "compression": "gzip"}, {"dtype": ">f4"}])
@@ -137,12 +125,9 @@ def test_datasets_of_hdf5(tmp_path, options):
     z = np.random.Generator(np.random.PCG64(4)).normal(0.0, 1.0, (48, 64)).astype("f4")
     with h5py.File(tmp_path / "in.h5", "w") as file:
         file.create_dataset("height", data=z, **options).attrs["units"] = "nm"
-    run = stiction(tmp_path / "in.h5", "--pixel", "1 nm", "-o", tmp_path / "out.h5", "--level", "none")
-    assert run.returncode == 0, run.stderr
-    with h5py.File(tmp_path / "out.h5") as file:
-        assert file.attrs["map"] == "in.h5" and "height" in file.attrs["map_source"]
-        assert file["asperities/asperity"].size == summits(z)[0].size
-        assert file["surface/m0"][()] == pytest.approx(1e-18 * np.var(z.astype(float)), rel=1e-9)
+    read = read_map(tmp_path / "in.h5", pixel="1 nm")
+    np.testing.assert_allclose(read.heights, 1e-9 * z.astype(float), rtol=1e-14)
+    assert read.source.endswith("in.h5, channel height")
 
 
 def test_nayaks_density_in_the_plot():

@@ -41,6 +41,7 @@ def results(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_pictures_and_table_come_from_the_files(results, tmp_path):
     done = draw(results, "-o", tmp_path, "--dpi", 60)
     assert done.returncode == 0, done.stderr

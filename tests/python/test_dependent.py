@@ -20,6 +20,7 @@ fn main() {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("cargo"), reason="no cargo")
 def test_the_line_of_the_page_gives_a_cmake(tmp_path, monkeypatch):
     line = re.search(r"^env\.CMAKE = .*$", (ROOT / "docs/library.md").read_text(), re.M)[0]

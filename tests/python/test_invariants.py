@@ -20,6 +20,7 @@ COSTLY = "humidity instability loop preload slider voltage coupled sweep_flatten
 SHORT = {name: FEW for name in COSTLY.split()} | {
     "patches": {"sweep": '{ "substrate.coupling" = ["none", "patch"] }'} | FEW
 }
+SLOW = "sweep_flattened sweep_plastic sweep_roughness sweep_lubricant sweep_hardness probe probe_wet humidity".split()
 ROUNDING = 1e-9
 
 # NaN stands where something did not happen, or has no scatter.
@@ -42,21 +43,19 @@ FLAGS = re.compile(r"/tested_|/in_contact|/has_touched|/at_rest|_at_edge$|target
 WAYS = ("", "retraction_", "reapproach_")
 
 
-@pytest.fixture(scope="module", params=SCENES, ids=lambda scene: f"{scene.parent.name}/{scene.stem}")
-def tree(request, tmp_path_factory):
+def written(scene, folder):
     """What a scene writes of three replicas."""
-    folder, scene = tmp_path_factory.mktemp("run"), request.param
-    output = folder / "out.h5"
+    name, output = scene.stem, folder / "out.h5"
     if "polished.h5" in scene.read_text():
         search = [PROGRAM, "asperities", CONFIGS / "maps/polished.txt", "-o", folder / "polished.h5"]
         subprocess.run(search, check=True, capture_output=True)
         scene = Path(shutil.copy(scene, folder))
-    overrides = SHORT.get(request.param.stem, {})
+    overrides = SHORT.get(name, {})
     sets = [word for key, value in overrides.items() for word in ("--set", f"{key}={value}")]
     command = [PROGRAM, "run", scene, "--quiet", "-o", output, "--replicas", "3", *sets]
     subprocess.run(command, check=True, capture_output=True, cwd=CONFIGS)
     with xarray.open_datatree(output, engine="h5netcdf") as opened:
-        yield opened.load()
+        return opened.load()
 
 
 def numbers(tree):
@@ -68,7 +67,7 @@ def numbers(tree):
                 yield f"{group.path.rstrip('/')}/{name.removeprefix(way)}", values
 
 
-def test_numbers_are_finite_and_of_their_sign(tree):
+def numbers_are_finite_and_of_their_sign(tree):
     wrong = []
     for path, values in numbers(tree):
         # Points of a sweep without coupling have none of it.
@@ -87,13 +86,13 @@ def test_numbers_are_finite_and_of_their_sign(tree):
     assert not wrong
 
 
-def test_coordinates_rise(tree):
+def coordinates_rise(tree):
     for path, values in numbers(tree):
         if path.rsplit("/", 1)[1] in RISING and values.ndim == 1:
             assert (numpy.diff(values.values) > 0).all(), path
 
 
-def test_intervals_and_quantiles_are_ordered(tree):
+def intervals_and_quantiles_are_ordered(tree):
     for path, values in numbers(tree):
         for dimension in {"range_end", "quantile"} & set(values.dims) - {path.rsplit("/", 1)[1]}:
             steps = numpy.diff(values.values, axis=values.dims.index(dimension))
@@ -113,7 +112,7 @@ def close(found, expected, size):
     return bool((abs(found - expected) <= ROUNDING * abs(size)).all())
 
 
-def test_forces_and_regimes_add_up(tree):
+def forces_and_regimes_add_up(tree):
     for group, way, end in curves(tree):
         names = ("adhesion", "contact", "external")
         adhesion, contact, external = (group[f"{way}{name}_force{end}"] for name in names)
@@ -129,7 +128,7 @@ def test_forces_and_regimes_add_up(tree):
             assert close(of_regimes.sum("regime"), external + beside, adhesion + contact + abs(beside)), way
 
 
-def test_asperities_are_counted_once(tree):
+def asperities_are_counted_once(tree):
     count = tree["replicas"]["asperity_count"].mean("replica")
     for way in WAYS:
         counts = tree["ensemble"].get(f"{way}regime_count_mean")
@@ -137,7 +136,7 @@ def test_asperities_are_counted_once(tree):
             assert close(counts.sum("regime"), count, count), way
 
 
-def test_means_are_those_of_the_replicas(tree):
+def means_are_those_of_the_replicas(tree):
     ensemble, replicas = tree["ensemble"], tree["replicas"]
     for scalar in ensemble["scalar"].values:
         own = ensemble["scalar_mean"].sel(scalar=scalar)
@@ -146,7 +145,7 @@ def test_means_are_those_of_the_replicas(tree):
         assert close(own, mean, abs(values).max("replica")) or own.isnull().any(), scalar
 
 
-def test_differences_are_with_coupling_less_without(tree):
+def differences_are_with_coupling_less_without(tree):
     coupling = tree["coupling"] if "coupling" in tree.children else {}
     differences = [name for name in coupling if re.fullmatch(r"(re[a-z]+_)?difference_.*_mean", str(name))]
     for name in differences:
@@ -157,7 +156,7 @@ def test_differences_are_with_coupling_less_without(tree):
         assert close(coupling[name].fillna(0), (coupled - independent).fillna(0), size), name
 
 
-def test_pull_offs_are_no_less_than_those_of_the_curves(tree):
+def pull_offs_are_no_less_than_those_of_the_curves(tree):
     """They are searched between the separations too, and a mean of minima is below the minimum of the mean."""
     way = "retraction_" if "retraction_external_force" in tree["integral"] else ""
     along = "separation" if "separation" in tree["integral"].dims else "separation_index"
@@ -166,7 +165,7 @@ def test_pull_offs_are_no_less_than_those_of_the_curves(tree):
     assert bool((tree["replicas"]["pull_off_force"].mean("replica") >= deepest - ROUNDING * size).all())
 
 
-def test_loops_lose_energy(tree):
+def loops_lose_energy(tree):
     # The adhesion of other laws jumps where surfaces turn back: docs/plastic.md.
     if tree.attrs["law"] != "md_plastic" or "model.law" in tree.attrs.get("sweep_keys", ""):
         return
@@ -174,3 +173,24 @@ def test_loops_lose_energy(tree):
         energy = tree["replicas"].get(name)
         if energy is not None:
             assert bool((energy >= -ROUNDING * abs(energy).max()).all()), name
+
+
+RULES = (
+    numbers_are_finite_and_of_their_sign,
+    coordinates_rise,
+    intervals_and_quantiles_are_ordered,
+    forces_and_regimes_add_up,
+    asperities_are_counted_once,
+    means_are_those_of_the_replicas,
+    differences_are_with_coupling_less_without,
+    pull_offs_are_no_less_than_those_of_the_curves,
+    loops_lose_energy,
+)
+
+
+@pytest.mark.parametrize("scene", [pytest.param(scene, marks=[pytest.mark.slow] * (scene.stem in SLOW)) for scene in SCENES],
+                         ids=lambda scene: f"{scene.parent.name}/{scene.stem}")
+def test_a_file_keeps_all_rules(scene, tmp_path):
+    tree = written(scene, tmp_path)
+    for rule in RULES:
+        rule(tree)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray
-from program import PATCH, PROGRAM, ROOT
+from program import PATCH, PROGRAM, ROOT, changed, close, run_scene
 
 
 REPLICAS, SEPARATIONS = 48, 41
@@ -42,27 +42,15 @@ curves = true
 WAYS = ["", "retraction_"]
 
 
-def run_program(folder: Path, text: str) -> tuple[Path, str]:
-    scene, output = folder / "scene.toml", folder / "result.h5"
-    scene.write_text(text)
-    run = subprocess.run([PROGRAM, "run", scene, "-o", output, "--quiet"], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    return output, run.stdout
-
-
 @pytest.fixture(scope="module")
 def result(tmp_path_factory) -> tuple[Path, str]:
-    return run_program(tmp_path_factory.mktemp("loop"), SCENE)
+    return run_scene(tmp_path_factory.mktemp("loop"), SCENE)
 
 
 @pytest.fixture(scope="module")
 def file(result):
     with h5py.File(result[0], "r") as file:
         yield file
-
-
-def close(actual, expected, scale, tolerance=1e-12) -> bool:
-    return bool(np.all(np.abs(np.asarray(actual) - np.asarray(expected)) <= tolerance * np.asarray(scale)))
 
 
 def snap(places: np.ndarray, forces: np.ndarray, stiffness: float) -> tuple[float, float, float]:
@@ -252,7 +240,7 @@ def test_validate_and_summary_speak_of_both_ways(result):
 @pytest.mark.parametrize("path_name, has, lacks", [("approach", "in", "off"), ("retraction", "off", "in")])
 def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
     text = SCENE.replace('"loop"', f'"{path_name}"').replace('preload = ["0.1 mN", "10 mN", "1 kN"]\n', "")
-    path, _ = run_program(tmp_path, text)
+    path, _ = run_scene(tmp_path, text)
     with h5py.File(path, "r") as file:
         assert f"snap_{has}" in file["replicas"] and f"snap_{lacks}" not in file["replicas"]
         h, force = file["ensemble/separation"][()], file["replicas/external_force"][()]
@@ -265,9 +253,10 @@ def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
             assert np.isnan(file["replicas/preload"][()]).all()
 
 
+@pytest.mark.slow
 def test_short_snaps_need_not_count(tmp_path, file):
     """0.5 nm is two steps and a half: what is shorter is none, and what is longer is as it was."""
-    path, _ = run_program(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
+    path, _ = run_scene(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
     check = subprocess.run([PROGRAM, "check", path.parent / "scene.toml"], capture_output=True, text=True)
     assert "of at least 500.0 pm" in check.stdout
     with h5py.File(path, "r") as other:
@@ -314,14 +303,14 @@ def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray, flatt
     return np.where(own < 0.0, near, np.where(x > 1.0, plastic, elastic))
 
 
-@pytest.mark.parametrize("radius", ["kept", "elastic"])
+@pytest.mark.parametrize("radius", [pytest.param("kept", marks=pytest.mark.slow), "elastic"])
 def test_the_integral_of_the_retraction_is_that_of_the_published_formulas(tmp_path, radius):
-    text = (ROOT / "configs" / "case_i.toml").read_text()
-    for old, new in [('law = "hybrid"', 'law = "isbl"'), ('history = "approach"', f'history = "loop"\nunloaded_radius = "{radius}"'), ("replicas = 1000", "replicas = 8"),
-                     ("{ from = 0.7, to = 8.0, count = 147 }", "[-0.5, 0.0, 0.7, 1.5, 2.5, 4.0]")]:
-        assert old in text
-        text = text.replace(old, new)
-    path, _ = run_program(tmp_path, text)
+    text = changed(
+        ROOT / "configs" / "case_i.toml", ('law = "hybrid"', 'law = "isbl"'), ("replicas = 1000", "replicas = 8"),
+        ('history = "approach"', f'history = "loop"\nunloaded_radius = "{radius}"'),
+        ("{ from = 0.7, to = 8.0, count = 147 }", "[-0.5, 0.0, 0.7, 1.5, 2.5, 4.0]"),
+    )  # fmt: skip
+    path, _ = run_scene(tmp_path, text)
     with h5py.File(path, "r") as file:
         std, count = file.attrs["asperity_height_std"], file["replicas/asperity_count"][0]
         surface = {"offset": file.attrs["mean_plane_offset"]}

@@ -4,13 +4,13 @@ numpy: in the angle and the gap, where nothing has to be inverted. Nothing of it
 The program is $STICTION, by default target/release/stiction.
 """
 
-import subprocess
+import re
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from program import PROGRAM, ROOT
+from program import ROOT, changed, run_scene
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
@@ -147,16 +147,10 @@ class Rough:
 
 
 def run(folder: Path, case: str, changes: list[tuple[str, str]]) -> h5py.File:
-    text = (ROOT / "configs" / f"case_{case.lower()}.toml").read_text(encoding="utf-8")
-    start = text.index("h_star")
-    changes = [(text[start : text.index("\n", start)], "h_star = [0.5, 1.5, 2.5, 3.5]"), ("replicas = 1000", "replicas = 8"), *changes]
-    for old, new in changes:
-        assert old in text, old
-        text = text.replace(old, new)
-    (folder / "scene.toml").write_text(text, encoding="utf-8")
-    done = subprocess.run([PROGRAM, "run", "scene.toml", "-o", "out.h5", "--force", "--quiet"], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return h5py.File(folder / "out.h5", "r")
+    path = ROOT / "configs" / f"case_{case.lower()}.toml"
+    separations = re.search("h_star.*", path.read_text(encoding="utf-8"))[0]
+    text = changed(path, (separations, "h_star = [0.5, 1.5, 2.5, 3.5]"), ("replicas = 1000", "replicas = 8"), *changes)
+    return h5py.File(run_scene(folder, text)[0], "r")
 
 
 @pytest.mark.parametrize("case, law, film, gamma", [
@@ -264,16 +258,10 @@ def test_the_published_fits_miss_first_touch_and_the_last_tenth_of_a_nanometre(c
 def test_a_pull_off_after_a_preload_is_that_of_a_loop_that_turns_there(tmp_path):
     """The same surface in a scene whose smallest separation is where the preload was reached."""
     def loop(h: str, more: str = "") -> h5py.File:
-        text = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
-        start = text.index("h_star")
-        for old, new in [(text[start : text.index("\n", start)], h), ("replicas = 200", "replicas = 1"),
-                         ('history = "approach"', 'history = "loop"')]:
-            assert old in text
-            text = text.replace(old, new)
-        (tmp_path / "scene.toml").write_text(text + more, encoding="utf-8")
-        done = subprocess.run([PROGRAM, "run", "scene.toml", "-o", "out.h5", "--force", "--quiet"], cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        return h5py.File(tmp_path / "out.h5", "r")
+        path = ROOT / "configs" / "quick.toml"
+        separations = re.search("h_star.*", path.read_text(encoding="utf-8"))[0]
+        text = changed(path, (separations, h), ("replicas = 200", "replicas = 1"), ('history = "approach"', 'history = "loop"'))
+        return h5py.File(run_scene(tmp_path, text + more)[0], "r")
 
     more = '\n[instability]\nstiffness = "1 MN/m"\npreload = ["30 uN", "1 mN"]\n'
     with loop("h_star = { from = 0.0, to = 7.0, count = 141 }", more) as file:

@@ -183,7 +183,7 @@ def test_the_program_has_the_adhesive_spheres_of_the_referee(name):
         assert found["external_force"] == pytest.approx(row["force"], abs=row["force_error"] + 0.01 * largest)
 
 
-@pytest.mark.parametrize("tops", ["summits", "map_summits"])
+@pytest.mark.parametrize("tops", ["summits", pytest.param("map_summits", marks=pytest.mark.slow)])
 def test_the_program_has_the_summits_of_the_map(tops):
     """Each load of coupled summits of radii of their own as the dense solution has it."""
     surface, rows = REFEREE["map"][tops], REFEREE["map"]["states"][:2]
@@ -196,13 +196,18 @@ def test_the_program_has_the_summits_of_the_map(tops):
 
 
 def test_the_referee_says_it_again(elements):
-    """One small surface and a rough sphere on three grids, and the twelve paraboloids on one."""
+    """One small surface on three grids."""
     one = REFEREE["paraboloids"]["one"]
     row = one["states"][1]
     again = three_grids(lambda heights, owner: elements.press(heights, owner, one["cell"], MODULUS, row["pressure"]),
                         lambda points, shift: elements.paraboloids(one, points, shift), 128, ORDER)
     assert again["separation"] == pytest.approx(row["separation"], rel=1e-7)
     assert again["area"] == pytest.approx(row["area"], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_referee_says_larger_ones_again(elements):
+    """A rough sphere on three grids, without and with adhesion, and the twelve paraboloids on one."""
     probe = REFEREE["probes"]["coarse"]
     adhesion = probe["work_of_adhesion"], probe["theoretical_stress"]
     for (row, *_), points, order, adhesion, error in [(probe["states"], 64, ORDER, (), 1e-4),

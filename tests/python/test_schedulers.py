@@ -52,7 +52,9 @@ def test_the_commands_for_gnu_parallel(site):
 
 
 @pytest.mark.parametrize("task, directory", [
-    ("PBS_ARRAY_INDEX", "PBS_O_WORKDIR"), ("LSB_JOBINDEX", None), ("SGE_TASK_ID", "SGE_O_WORKDIR"),
+    ("PBS_ARRAY_INDEX", "PBS_O_WORKDIR"),
+    pytest.param("LSB_JOBINDEX", None, marks=pytest.mark.slow),
+    pytest.param("SGE_TASK_ID", "SGE_O_WORKDIR", marks=pytest.mark.slow),
 ])
 def test_the_job_script_of_arrays(site, task, directory):
     folder, environment = site

@@ -539,6 +539,7 @@ def test_the_merge_names_every_shard_and_validates(site):
 # --- With the program itself
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_a_node", [False, True])
 def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     """Shards keep each point of a sweep by itself."""

@@ -4,14 +4,13 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 """
 
 import math
-import subprocess
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import xarray
-from program import PROGRAM, ROOT
+from program import ROOT, changed, run_scene
 
 TARGETS = """target = [
     { quantity = "pull_off_force", relative_standard_error = 0.03 },
@@ -26,13 +25,8 @@ sampling = "antithetic"
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory) -> Path:
-    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    folder = tmp_path_factory.mktemp("stopping")
-    scene = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
-    (folder / "scene.toml").write_text(scene.replace("replicas = 200\n", TARGETS), encoding="utf-8")
-    run = subprocess.run([PROGRAM, "run", "scene.toml", "--quiet"], cwd=folder, capture_output=True, text=True, encoding="utf-8")
-    assert run.returncode == 0, run.stderr
-    return folder / "scene.h5"
+    scene = changed(ROOT / "tests" / "data" / "quick.toml", ("count = 91", "count = 31"), ("replicas = 200\n", TARGETS))
+    return run_scene(tmp_path_factory.mktemp("stopping"), scene)[0]
 
 
 @pytest.fixture(scope="module")

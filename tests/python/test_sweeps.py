@@ -3,14 +3,13 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import subprocess
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import xarray
-from program import PROGRAM, ROOT
+from program import ROOT, changed, run_scene
 
 REPLICAS = 24
 KEYS = ["material.work_of_adhesion", "surface.lubricant_thickness"]
@@ -28,14 +27,9 @@ material.hardness = ["2.5 GPa", "2 GPa", "1.5 GPa"]
 """
 
 
-def run(folder: Path, sweep: str, *arguments: str) -> Path:
-    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    quick = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
-    (folder / "sweep.toml").write_text(quick + sweep, encoding="utf-8")
-    command = [PROGRAM, "run", "sweep.toml", "--quiet", "--replicas", str(REPLICAS), *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8")
-    assert done.returncode == 0, done.stderr
-    return folder / "sweep.h5"
+def run(folder: Path, sweep: str) -> Path:
+    quick = changed(ROOT / "tests" / "data" / "quick.toml", ("count = 91", "count = 31"))
+    return run_scene(folder, quick + sweep, "--replicas", REPLICAS)[0]
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,10 @@
 """Results of every kind, computed once by the program from the shipped scenes with few replicas."""
 
+import contextlib
 import html
 import os
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -30,6 +33,9 @@ def of_scene(name, replicas, **overrides):
     return make
 
 
+TARGETS = [
+    {"quantity": "pull_off_force", "relative_standard_error": 0.02}, {"quantity": "pull_off_separation", "standard_error": "20 pm"},
+]  # fmt: skip
 MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
@@ -37,19 +43,19 @@ MADE = {
     "loop": of_scene("loop", 20),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),
-    "preload": of_scene("preload", 20),
+    "preload": of_scene("preload", 4),
     "spots": of_scene("probe", 20),
     "springs": of_scene("instability", 8, **{"output.curves": True}),
-    "device": of_scene("preload", 20, **{"device.restoring_force": "0.6 mN"}),
+    "device": of_scene("preload", 8, **{"device.restoring_force": "0.6 mN"}),
     "pressed_sweep": lambda path: stiction.sweep(
         CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,
         **{"model.history": "loop", "instability.preload": ["1 mN", "30 mN", "10 N"], "device.restoring_force": "0.1 mN"},
     ),
     "missed_preload": of_scene("preload", 4, **{"instability.preload": "10 N", "device.restoring_force": "0.1 mN"}),
-    "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
-    "coupled": of_scene("coupled", 4),
+    "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path, **{"ensemble.target": TARGETS}),
+    "coupled": of_scene("coupled", 4, **{"surface.nominal_area": "30 um^2"}),
     "background": of_scene("slider", 20),
-    "sweep": of_scene("sweep_lubricant", 20),
+    "sweep": of_scene("sweep_lubricant", 8),
     "grid": lambda path: stiction.sweep(
         CONFIGS / "quick.toml",
         {"surface.lubricant_thickness": ["0 nm", "0.5 nm"], "material.hardness": ["1 GPa", "2 GPa", "4 GPa"]},
@@ -99,17 +105,9 @@ def partial(path):
 
 
 @pytest.fixture(scope="session")
-def result(tmp_path_factory):
+def result(shared):
     """The result of a name of `MADE`, opened; each is computed when it is first asked for."""
-    folder = tmp_path_factory.mktemp("results")
-
-    def get(name):
-        path = folder / f"{name}.h5"
-        if not path.exists():
-            MADE[name](path)
-        return stiction.open_run(path)
-
-    return get
+    return lambda name: stiction.open_run(shared(f"{name}.h5", MADE[name]))
 
 
 @pytest.fixture
@@ -126,6 +124,24 @@ def command(tmp_path, monkeypatch):
         return done.stderr if code else done.stdout
 
     return run
+
+
+@contextlib.contextmanager
+def begun(code, *arguments, folder):
+    """A Python that runs a scene with a bar of progress, once the first batch is done: what is interrupted before keeps nothing."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "TMPDIR": str(folder)},
+        # A shell that runs tests in the background has them ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    shown = ""
+    while not re.search(r"\| *[1-9]\d*/", shown):
+        read = process.stderr.read(1)
+        assert read, shown
+        shown += read
+    with process:
+        yield process
 
 
 def assert_opens(path, words, folder, has_figure=True):

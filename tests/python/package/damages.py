@@ -103,13 +103,7 @@ class Elsewhere:
         file[path] = h5py.ExternalLink("secret.h5", "/secret")
 
     def external_storage(file, path):
-        again(
-            file,
-            path,
-            shape=file[path].shape or (1,),
-            dtype="f8",
-            external=[("secret", 0, 8 * file[path].size)],
-        )
+        again(file, path, shape=file[path].shape or (1,), dtype="f8", external=[("secret", 0, 8 * file[path].size)])
 
     def virtual(file, path):
         length = file[path].size
@@ -165,21 +159,15 @@ def places(path):
     """Paths of the datasets and of the groups of a file, and paths and names of their attributes."""
     datasets, groups, attributes = [], [], []
     with h5py.File(path) as file:
-        file.visititems(
-            lambda name, item: (groups if isinstance(item, h5py.Group) else datasets).append(name)
-        )
+        file.visititems(lambda name, item: (groups if isinstance(item, h5py.Group) else datasets).append(name))
         for name in ["/", *groups]:
-            attributes += [
-                (name, attribute) for attribute in file[name].attrs if not attribute.startswith("_")
-            ]
+            attributes += [(name, attribute) for attribute in file[name].attrs if not attribute.startswith("_")]
     return datasets, groups, attributes
 
 
 def cases(path):
     """All damages of a file: the class, the name of the way, and where."""
     datasets, groups, attributes = places(path)
-    listed = [
-        (kind, way, (name,)) for kind in (OfDatasets, Elsewhere) for way in ways(kind) for name in datasets
-    ]
+    listed = [(kind, way, (name,)) for kind in (OfDatasets, Elsewhere) for way in ways(kind) for name in datasets]
     listed += [(kind, way, (name,)) for kind in (OfGroups, Circles) for way in ways(kind) for name in groups]
     return listed + [(OfAttributes, way, where) for way in ways(OfAttributes) for where in attributes]

@@ -1,31 +1,19 @@
 """The engine for xarray, and tables of single replicas."""
 
+import tomllib
+
 import h5py
 import numpy as np
 import pytest
 import xarray
+from conftest import CONFIGS
 
 import stiction
 from stiction.backend import StictionBackend
 
-QUICK = {
-    "material": {
-        "reduced_modulus": "85.29 GPa",
-        "hardness": "2.5 GPa",
-        "poisson_ratio": 0.27,
-        "work_of_adhesion": "0.09 J/m^2",
-        "equilibrium_spacing": "0.2 nm",
-    },
-    "surface": {
-        "asperity_radius": "3.33 um",
-        "asperity_density": "7.39 /um^2",
-        "surface_height_std": "1.619 nm",
-        "nominal_area": "30 um^2",
-    },
-    "model": {"law": "hybrid", "history": "approach"},
-    "separation": {"h_star": {"from": 1.0, "to": 6.0, "count": 11}},
-    "ensemble": {"replicas": 8, "seed": 1},
-}
+QUICK = tomllib.loads((CONFIGS / "quick.toml").read_text(encoding="utf-8")) | {
+    "separation": {"h_star": {"from": 1.0, "to": 6.0, "count": 11}}, "ensemble": {"replicas": 8, "seed": 1},
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -62,7 +62,10 @@ def said(main, file, output, capsys):
     return code, line
 
 
-@pytest.mark.parametrize("name", KINDS)
+QUICK = ["run", "comparison", "alone", "asperities"]
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in KINDS])
 def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
     source = result(name).path
     cases = damages.cases(source)
@@ -81,53 +84,22 @@ def test_every_damage_ends_in_a_line_or_a_figure(result, name, folder, capsys):
         file.unlink()
 
 
+H_STAR = "ensemble/h_star"
+ELSEWHERE = "whose values are in other files, which are not read"
+
+
 @pytest.mark.parametrize(
     "kind, way, where, message",
     [
-        (damages.OfDatasets, "missing", "ensemble/h_star", "is damaged or not whole: something is missing"),
-        (
-            damages.OfDatasets,
-            "compound",
-            "ensemble/scalar",
-            "has a dataset /ensemble/scalar that holds neither numbers nor texts",
-        ),
-        (
-            damages.OfDatasets,
-            "without_values",
-            "ensemble/h_star",
-            "has a dataset /ensemble/h_star without values",
-        ),
-        (
-            damages.OfDatasets,
-            "a_type",
-            "ensemble/h_star",
-            "has /ensemble/h_star, which is neither a group nor a dataset",
-        ),
-        (
-            damages.OfDatasets,
-            "a_sea_of_zeros",
-            "ensemble/h_star",
-            "/ensemble/h_star that has more values than the file holds",
-        ),
-        (
-            damages.Elsewhere,
-            "soft_loop",
-            "ensemble/h_star",
-            "has a link /ensemble/h_star to elsewhere, which is not followed",
-        ),
-        (damages.Elsewhere, "external_link", "ensemble/h_star", "has a link /ensemble/h_star to elsewhere"),
-        (
-            damages.Elsewhere,
-            "external_storage",
-            "ensemble/h_star",
-            "whose values are in other files, which are not read",
-        ),
-        (
-            damages.Elsewhere,
-            "virtual",
-            "ensemble/h_star",
-            "whose values are in other files, which are not read",
-        ),
+        (damages.OfDatasets, "missing", H_STAR, "is damaged or not whole: something is missing"),
+        (damages.OfDatasets, "compound", "ensemble/scalar", "/ensemble/scalar that holds neither numbers nor texts"),
+        (damages.OfDatasets, "without_values", H_STAR, "has a dataset /ensemble/h_star without values"),
+        (damages.OfDatasets, "a_type", H_STAR, "has /ensemble/h_star, which is neither a group nor a dataset"),
+        (damages.OfDatasets, "a_sea_of_zeros", H_STAR, "/ensemble/h_star that has more values than the file holds"),
+        (damages.Elsewhere, "soft_loop", H_STAR, "has a link /ensemble/h_star to elsewhere, which is not followed"),
+        (damages.Elsewhere, "external_link", H_STAR, "has a link /ensemble/h_star to elsewhere"),
+        (damages.Elsewhere, "external_storage", H_STAR, ELSEWHERE),
+        (damages.Elsewhere, "virtual", H_STAR, ELSEWHERE),
         (damages.Circles, "in_itself", "ensemble", "has the group /ensemble/again twice"),
         (damages.Circles, "in_the_root", "ensemble", "has the group /ensemble/root twice"),
         (damages.OfGroups, "missing", "integral", "lacks the group /integral"),
@@ -161,6 +133,7 @@ def test_a_file_of_many_groups_is_refused_soon(result, folder, capsys):
     assert code == 2 and "more than 1000 groups and datasets" in line
 
 
+@pytest.mark.slow
 def test_names_with_dollars_are_no_formulas(result, folder, capsys):
     odd = "$\\frac{$_\n\x1b[2J"
     for name in ("comparison", "run"):
@@ -173,9 +146,7 @@ def test_names_with_dollars_are_no_formulas(result, folder, capsys):
             for law in [opened[path] for path in ("model_law", *(f"{where}/model_law" for where in opened)) if path in opened]:
                 law.attrs["long_name"] = "law: " + ", ".join(f"{i} {odd}{i}" for i in range(19))
             opened.attrs["title"] = opened.attrs["warnings"] = odd
-        assert (
-            plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0
-        )
+        assert (plot([str(file), "--title"]) == 0 and said(report, file, folder / f"{name}.html", capsys)[0] == 0)
     with h5py.File(result("sweep").path) as opened:
         key = opened.attrs["sweep_keys"].replace(".", "_")
     file = folder / "sweep.h5"

@@ -35,34 +35,38 @@ def extremes(h, heights="gaussian", area="1000 um^2"):
     }  # fmt: skip
 
 
-# Name: heights, h/σ, asperities, whether fewer than those. Of the first two the event is that the highest asperity is above h.
+# Name: heights, h/σ, asperities, whether fewer than those, patch. Of the first three the event is that the highest asperity is above h.
 CASES = {
-    "highest above, 8e-6": ("gaussian", 6.0, 1, False),
-    "highest above, 3e-7": ("gaussian", 6.5, 1, False),
-    "none above, 1e-5": ("gaussian", 3.0, 1, True),
-    "thirty above, 4e-6": ("gaussian", 3.0, 30, False),
-    "less than 25 above, 7e-6": ("gaussian", 2.5, 25, True),
-    "exponential, 7 above, 5e-6": ("exponential", 8.5, 7, False),
+    "highest of 85 above, 2e-6": ("gaussian", 5.5, 1, False, 10),
+    "highest above, 8e-6": ("gaussian", 6.0, 1, False, 1000),
+    "highest above, 3e-7": ("gaussian", 6.5, 1, False, 1000),
+    "none above, 1e-5": ("gaussian", 3.0, 1, True, 1000),
+    "thirty above, 4e-6": ("gaussian", 3.0, 30, False, 1000),
+    "less than 25 above, 7e-6": ("gaussian", 2.5, 25, True, 1000),
+    "exponential, 7 above, 5e-6": ("exponential", 8.5, 7, False, 1000),
 }
-# In the short form of the tests; the others with STICTION_RARE=full.
-SHORT = ["highest above, 8e-6", "less than 25 above, 7e-6"]
 FULL = os.environ.get("STICTION_RARE") == "full"
+# Without STICTION_RARE=full two of them, which are slow, and the smallest.
+SHORT = ["highest above, 8e-6", "less than 25 above, 7e-6"]
+slow = pytest.mark.slow
+NAMES = ["highest of 85 above, 2e-6", *(pytest.param(name, marks=slow) for name in (list(CASES)[1:] if FULL else SHORT))]
 
 
-@pytest.mark.parametrize("name", CASES if FULL else SHORT)
+@pytest.mark.parametrize("name", NAMES)
 def test_probabilities_are_those_of_extremes(name):
-    """N = 8510 independent asperities: the number above h is binomial, and the highest is below h with probability Φ(h/σ)^N.
+    """N = 8510 or 85 independent asperities: the number above h is binomial, and the highest is below h with probability Φ(h/σ)^N.
 
     An estimate is within 4.5 standard errors of 10 % or less, and the weights are 1 on average: false alarm 7e-6 if normal, above; below it is
     5e-4, as 16 runs tell the error.
     """
-    heights, h, at_least, fewer = CASES[name]
+    heights, h, at_least, fewer, area = CASES[name]
+    count = COUNT * area // 1000
     above = stats.norm.sf(h) if heights == "gaussian" else stats.expon.sf(h + 1.0)
-    law = stats.binom(COUNT, above)
+    law = stats.binom(count, above)
     truth = law.cdf(at_least - 1) if fewer else law.sf(at_least - 1)
     if at_least == 1 and not fewer:
-        assert truth == pytest.approx(-np.expm1(COUNT * np.log1p(-above)), rel=1e-9)
-    found = Patches(extremes(SIGMA * h, heights)).probability((at_least - 0.5) * ONE, below=fewer, error=0.1)
+        assert truth == pytest.approx(-np.expm1(count * np.log1p(-above)), rel=1e-9)
+    found = Patches(extremes(SIGMA * h, heights, f"{area} um^2")).probability((at_least - 0.5) * ONE, below=fewer, error=0.1)
     assert found.relative_error <= 0.1 and 2e-7 < truth < 2e-5
     assert abs(found.value - truth) < 4.5 * found.standard_error
     assert abs(found.total - 1.0) < 4.5 * found.total_error
@@ -71,6 +75,7 @@ def test_probabilities_are_those_of_extremes(name):
     assert found.effective > (8 if fewer else 25) and found.largest < 0.2
 
 
+@slow
 @pytest.mark.parametrize("error_of_each", [0.1, 0.5] if FULL else [0.5])
 @pytest.mark.parametrize("name", rare_patches.SCENES if FULL else ["dmt, 100, counted"])
 def test_intervals_of_many_seeds_hold_the_truth(name, error_of_each):
@@ -102,6 +107,7 @@ if FULL:  # three minutes
         assert held >= 33
 
 
+@slow
 def test_a_rough_answer_takes_fewer_patches_and_is_said_as_one_in_n(tmp_path, capsys):
     """An error of 0.5 takes at most 0.6 of the patches of 0.1, as half as many alike ones do; one in 1.19e5 patches has an asperity above 6.0 σ
     (8510 of 9.9e-10), and the number is right within 4.5 errors of 14 %.
@@ -131,20 +137,24 @@ def test_what_rests_on_a_few_patches_is_refused():
 
 
 @functools.cache
-def plainly(scene, replicas):
-    return stiction.run(scene, replicas=replicas, seed=77, progress=False)["replicas/pull_off_force"].values
+def plainly(scene, replicas, area):
+    return stiction.run(scene, replicas=replicas, seed=77, progress=False, **{"surface.nominal_area": area})["replicas/pull_off_force"].values
 
 
-@pytest.mark.parametrize("below", [False, True])
-def test_plain_sampling_agrees(below):
+@pytest.mark.parametrize("below, area", [(False, "10 um^2"), pytest.param(False, "100 um^2", marks=slow), pytest.param(True, "100 um^2", marks=slow)])
+def test_plain_sampling_agrees(below, area):
     """A patch of case II, by its own law, at about 1 in 100; with STICTION_RARE=full case I at 1 in 1000. Within 4.5 standard errors of
     the difference (7e-6).
     """
     scene, replicas, share = (CONFIGS / "case_i.toml", 30_000, 1e-3) if FULL else (CONFIGS / "quick.toml", 4000, 1e-2)
-    plain = plainly(scene, replicas)
+    if FULL:
+        area = "1000 um^2"
+    plain = plainly(scene, replicas, area)
     threshold = float(np.quantile(plain, share if below else 1.0 - share))
-    patches = Patches(priors.opened(scene))
-    rare = patches.probability(threshold, below=below, error=0.05 if FULL else 0.09)
+    tables = priors.opened(scene)
+    tables["surface"]["nominal_area"] = area
+    patches = Patches(tables)
+    rare = patches.probability(threshold, below=below, error=0.05 if FULL else 0.09 if area == "100 um^2" else 0.2)
     inside = plain < threshold if below else plain > threshold
     error = np.hypot(np.sqrt(inside.mean() / replicas), rare.standard_error)
     assert abs(rare.value - inside.mean()) < 4.5 * error
@@ -155,7 +165,7 @@ def test_pull_off_of_explicit_heights_is_the_programs(tmp_path):
     tables = priors.opened(CONFIGS / "quick.toml")
     patches = Patches(tables)
     curves = patches._below
-    some = curves.drawn(6, np.random.default_rng(5))
+    some = curves.drawn(3, np.random.default_rng(5))
     path = tmp_path / "asperities.h5"
     with stiction.find_asperities(CONFIGS / "maps" / "polished.txt", path):
         pass
@@ -184,13 +194,14 @@ def test_pull_off_of_explicit_heights_is_the_programs(tmp_path):
         assert force == pytest.approx(program, rel=2e-4)
 
 
+@pytest.mark.parametrize("area", ["10 um^2", pytest.param("100 um^2", marks=slow)])
 @pytest.mark.parametrize("count", ["fixed", "poisson"])
-def test_moves_keep_the_law_of_patches(count):
+def test_moves_keep_the_law_of_patches(count, area):
     """Moves without a level leave mean weight, tall asperities, and highest asperities as they are drawn. Each of the three is within 4.5
     standard errors of the closed form (2e-5).
     """
     tables = priors.opened(CONFIGS / "quick.toml")
-    tables["surface"]["count"] = count
+    tables["surface"] |= {"count": count, "nominal_area": area}
     curves = Patches(tables)._below
     rng = np.random.default_rng(3)
     some = curves.drawn(600, rng)
@@ -205,6 +216,7 @@ def test_moves_keep_the_law_of_patches(count):
         assert abs(values.mean() - mean) < 4.5 * values.std(ddof=1) / 600**0.5
 
 
+@slow
 def test_patches_pull_least_where_one_asperity_holds_the_others_apart():
     """Of 100 µm² of case I 1.3e-6 pull less than 0.12 µN, as an asperity is above about 5.93 σ_s; with STICTION_RARE=full of all of
     case I 1e-6 less than 0.24 µN, by one above 6.34 σ_s. The probability of such an asperity is within a factor of 1.5; in full two seeds
@@ -221,6 +233,7 @@ def test_patches_pull_least_where_one_asperity_holds_the_others_apart():
     assert abs(found[0].value - found[-1].value) <= 4.5 * np.hypot(found[0].standard_error, found[-1].standard_error)
 
 
+@slow
 def test_a_search_ends_where_the_closed_form_has_it():
     """P(highest above 5 nm) = 1 − Φ(5 nm/σ)^N = 1e-4 at a known σ; the search is within 4.5 errors and its interval narrow."""
     scene = extremes(5.0, area="100 um^2")
@@ -261,6 +274,7 @@ def test_intervals_of_searches_hold_the_value(monkeypatch, wanted, end):
     assert abs(values.mean() - truth) < 4.5 * values.std(ddof=1) / 20.0 + 0.1 * half
 
 
+@slow
 def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
     scene = extremes(5.0, area="10 um^2")
     scene["surface"]["asperity_height_std"] = {"prior": "uniform", "from": "1.5 nm", "to": "2 nm"}
@@ -272,9 +286,9 @@ def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
 
 def test_what_never_or_always_happens_is_said(tmp_path, capsys):
     """No patch pulls harder than all its asperities at once; the 200 patches all pull at least almost nothing."""
-    assert Patches(extremes(9.0)).probability(1.0).value == 0.0
+    assert Patches(extremes(9.0, area="10 um^2")).probability(1.0).value == 0.0
     path = tmp_path / "scene.toml"
-    path.write_text(stiction.scenes.toml({"format": 1, **extremes(3.0)}), encoding="utf-8")
+    path.write_text(stiction.scenes.toml({"format": 1, **extremes(3.0, area="10 um^2")}), encoding="utf-8")
     for above, said in (("1 N", "none, or rarer than"), ("0.1 fN", "at least 0.982, as all of 200 patches are such")):
         assert command.main([str(path), "--above", above]) == 0
         assert said in capsys.readouterr().out
@@ -334,6 +348,7 @@ def pressed(preload=None):
     }  # fmt: skip
 
 
+@slow
 @pytest.mark.parametrize("preload", [None, "0.6 mN"] if FULL else ["0.6 mN"])
 def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
     """Against 3000 patches by the program, of another seed, after the largest preload: within 4.5 errors of the difference, false alarm 7e-6
@@ -356,6 +371,7 @@ def test_loops_and_preloads_have_the_shares_of_plain_patches(preload):
     assert 0.0 < rarer.value < 1e-3 and rarer.relative_error < 0.15
 
 
+@slow
 def test_coupled_patches_have_the_shares_of_plain_ones():
     """Against 1500 patches by the program, of another seed, of 15 asperities on a half-space: within 4.5 errors of the difference (7e-6)."""
     scene = {**pressed(), "substrate": {"coupling": "patch"}, "model": {"law": "md_plastic"}}
@@ -375,6 +391,7 @@ def test_coupled_patches_have_the_shares_of_plain_ones():
         Patches({**scene, "surface": {**scene["surface"], "count": "poisson"}})
 
 
+@slow
 def test_the_largest_preload_is_taken_in_any_order():
     rising, falling = pressed("0.6 mN"), pressed("0.6 mN")
     falling["instability"]["preload"].reverse()
@@ -436,19 +453,24 @@ def test_what_is_wrong_is_named(arguments, told):
         probability(extremes(9.0), **arguments)
 
 
-@pytest.mark.parametrize("h, rarity, below", [(3.0, 1e-6, False), (2.5, 1.02e-5, True)] if FULL else [(3.0, 1e-6, False)])
-def test_forces_of_a_probability_are_quantiles_of_the_closed_form(h, rarity, below):
-    """The number above h is binomial: 31 asperities is what patches exceed with less than 1e-6, P(> 30) = 1.7e-6 and P(> 31) = 7e-7; and
-    of those above 2.5 σ_s 25 is the quantile at 1.02e-5, P(< 25) = 6.9e-6 and P(< 26) = 1.51e-5.
+QUANTILES = [pytest.param(2.0, 1e-5, False, 10, marks=slow), pytest.param(3.0, 1e-6, False, 1000, marks=slow)]
+
+
+@pytest.mark.parametrize("h, rarity, below, area", QUANTILES + [(2.5, 1.02e-5, True, 1000)] * FULL)
+def test_forces_of_a_probability_are_quantiles_of_the_closed_form(h, rarity, below, area):
+    """The number above h is binomial: of 8510 asperities 31 is what patches exceed with less than 1e-6, P(> 30) = 1.7e-6 and P(> 31) = 7e-7; and
+    of the ones above 2.5 σ_s 25 is the quantile at 1.02e-5, P(< 25) = 6.9e-6 and P(< 26) = 1.51e-5. Of 85 it is 10, P(> 9) = 2.5e-5 and
+    P(> 10) = 3.8e-6.
 
     An estimate of 10 % that is 4 errors off would tell another number (false alarm 6e-5; below 1e-3, as 16 runs tell the error).
     """
-    force, interval = Patches(extremes(SIGMA * h)).quantile(rarity, below=below, error=0.1)
-    law = stats.binom(COUNT, stats.norm.sf(h))
+    force, interval = Patches(extremes(SIGMA * h, area=f"{area} um^2")).quantile(rarity, below=below, error=0.1)
+    law = stats.binom(COUNT * area // 1000, stats.norm.sf(h))
     assert force / ONE == pytest.approx(law.ppf(rarity) if below else law.isf(rarity), abs=0.01)
     assert interval[0] <= force <= interval[1]
 
 
+@slow
 def test_the_least_pull_off_is_within_a_range_or_at_its_end(tmp_path, capsys):
     """Patches with fewer asperities above h have less pull-off: of σ from 1.5 to 2 nm the least is at 1.5 nm, the quantile of the binomial."""
     scene = extremes(3.0, area="10 um^2")

@@ -20,8 +20,8 @@ SPEC.loader.exec_module(doc_blocks)
 @pytest.mark.parametrize(
     "page, languages, count",
     [
-        ("docs/tutorial.md", {"sh", "python", "toml"}, 5),
-        ("docs/python.md", {"python", "toml"}, 10),
+        pytest.param("docs/tutorial.md", {"sh", "python", "toml"}, 5, marks=pytest.mark.slow),
+        pytest.param("docs/python.md", {"python", "toml"}, 10, marks=pytest.mark.slow),
         ("README.md", {"python"}, 1),
     ],
 )

@@ -1,7 +1,5 @@
 """Calls of the program: the same results as on the command line, its errors as exceptions, interruptions."""
 
-import os
-import re
 import signal
 import subprocess
 import sys
@@ -12,7 +10,7 @@ import h5py
 import numpy as np
 import pint
 import pytest
-from conftest import CONFIGS
+from conftest import CONFIGS, begun
 
 import stiction
 from stiction import FileError, SceneError, StictionError
@@ -43,9 +41,7 @@ def test_a_scene_is_a_path_or_its_tables(tmp_path):
     )
     stiction.run(QUICK, tmp_path / "path.h5", replicas=20)
     stiction.run(TABLES, tmp_path / "tables.h5", replicas=20, threads=1)
-    assert same(tmp_path / "plain.h5", tmp_path / "path.h5") and same(
-        tmp_path / "plain.h5", tmp_path / "tables.h5"
-    )
+    assert same(tmp_path / "plain.h5", tmp_path / "path.h5") and same(tmp_path / "plain.h5", tmp_path / "tables.h5")
     other = stiction.run(QUICK, tmp_path / "other.h5", replicas=20, seed=5)
     assert not same(tmp_path / "plain.h5", other.path)
 
@@ -74,11 +70,7 @@ def test_overrides_of_paths_and_tables_are_one(tmp_path):
     for value in ("0.05 J/m^2", ureg("50 mJ/m^2"), ureg.Quantity(0.05, "N/m")):
         overrides = {"material.work_of_adhesion": value, "output.curves": True}
         one = stiction.run(QUICK, tmp_path / "one.h5", replicas=10, force=True, **overrides)
-        tables = {
-            **TABLES,
-            "material": {**TABLES["material"], "work_of_adhesion": value},
-            "output": {"curves": True},
-        }
+        tables = {**TABLES, "material": {**TABLES["material"], "work_of_adhesion": value}, "output": {"curves": True}}
         two = stiction.run(tables, tmp_path / "two.h5", replicas=10, force=True)
         assert same(one.path, two.path)
         assert "external_force" in one.curves
@@ -93,10 +85,7 @@ def test_arrays_of_heights_and_radii_are_scenes(tmp_path):
         for key, value in TABLES["surface"].items()
         if key not in ("asperity_radius", "surface_height_std")
     }
-    scene = {
-        **TABLES,
-        "surface": {**surface, "heights": heights, "radii": radii, "mean_plane_offset": "1.8 nm"},
-    }
+    scene = {**TABLES, "surface": {**surface, "heights": heights, "radii": radii, "mean_plane_offset": "1.8 nm"}}
     run = stiction.run(scene, tmp_path / "arrays.h5", replicas=10)
     again = stiction.run(scene, tmp_path / "again.h5", replicas=10)
     assert same(run.path, again.path)
@@ -207,23 +196,9 @@ except KeyboardInterrupt:
 
 def test_what_an_interrupted_run_has_done_is_gone_on_with(tmp_path):
     scene, output = CONFIGS / "case_ii.toml", tmp_path / "long.h5"
-    process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, scene, output],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ,
-        # A shell that runs tests in the background has them ignore it.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    shown = ""
-    # What is interrupted before its first batch is done keeps nothing.
-    while not re.search(r"\| *[1-9]\d*/", shown):
-        read = process.stderr.read(1)
-        assert read, shown
-        shown += read
-    process.send_signal(signal.SIGINT)
-    out, _ = process.communicate(timeout=60)
+    with begun(INTERRUPTED, scene, output, folder=tmp_path) as process:
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)
     assert out.strip() == "interrupted" and not output.exists()
     assert (tmp_path / "long.h5.partial").exists()
     run = stiction.run(scene, output, replicas=700, resume=True, **{"ensemble.seed": 7})

@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import rare_patches
 import scipy.stats
 from conftest import CONFIGS
 
@@ -31,17 +32,13 @@ def test_moments_and_quantiles_are_those_of_the_replicas(result):
         forces, integral = file["replicas/pull_off_force"][()], file["integral/pull_off_force"][()]
         areas, density = file["surface_nominal_area"][()], file["asperity_density"][()]
         scalar = [name.decode() for name in file["ensemble/scalar"]].index("pull_off_force")
-        mean, error = (
-            file[f"ensemble/scalar_controlled_{of}"][:, scalar] for of in ("mean", "standard_error")
-        )
+        mean, error = (file[f"ensemble/scalar_controlled_{of}"][:, scalar] for of in ("mean", "standard_error"))
         counts = file["replicas/asperity_count"][:, 0]
     assert list(found["asperity_count"].values) == list(counts) == [30, 95, 300, 949, 3000]
     np.testing.assert_allclose(areas * density, counts, rtol=1e-12)
     np.testing.assert_allclose(found["bias"], mean / integral - 1.0, rtol=1e-12)
     np.testing.assert_allclose(found["bias_standard_error"], error / integral, rtol=1e-12)
-    np.testing.assert_allclose(
-        found["relative_std"], forces.std(axis=1, ddof=1) / forces.mean(axis=1), rtol=1e-9
-    )
+    np.testing.assert_allclose(found["relative_std"], forces.std(axis=1, ddof=1) / forces.mean(axis=1), rtol=1e-9)
     np.testing.assert_allclose(found["skewness"], scipy.stats.skew(forces, axis=1, bias=False), rtol=1e-8)
     quantiles = np.quantile(forces, found["quantile"].values, axis=1).T / integral[:, None]
     np.testing.assert_allclose(found["pull_off_quantiles"], quantiles, rtol=1e-12)
@@ -56,10 +53,7 @@ def test_the_fit_of_a_study_is_that_of_its_biases(result):
     if "fit_refusal" in found.attrs:
         assert not taken.any() and np.isnan(found["bias_fitted"]).all()
         return
-    assert (
-        not taken[found["bias"].values > 0.5].any()
-        and taken.sum() == found.attrs["fit_degrees_of_freedom"] + 2
-    )
+    assert (not taken[found["bias"].values > 0.5].any() and taken.sum() == found.attrs["fit_degrees_of_freedom"] + 2)
     law = power(found["asperity_count"], found.attrs["fit_coefficient"], found.attrs["fit_exponent"])
     np.testing.assert_allclose(found["bias_fitted"], law, rtol=1e-12)
     residuals = ((law - found["bias"]) / found["bias_standard_error"]).values[taken]
@@ -97,17 +91,13 @@ def test_biases_that_carry_no_power_law_are_refused_with_the_reason():
         Approach.of(counts[:2], np.array([0.2, 0.1]), np.full(2, 0.01))
     # Local exponents 0.3 and 0.65 at the end, as of a rough surface.
     growing = np.array([30.0, 9.0, 4.0, 0.5, 0.5 * 10**-0.3, 0.5 * 10**-0.95])
-    with pytest.raises(
-        NoApproach, match=r"from 0\.30 to 0\.65 .* \(chi squared \d{3,}\.\d for 1 degree of freedom\)"
-    ):
+    with pytest.raises(NoApproach, match=r"from 0\.30 to 0\.65 .* \(chi squared \d{3,}\.\d for 1 degree of freedom\)"):
         Approach.of(counts, growing, 0.02 * growing)
     # A first size off the power law that the others lie on is left out.
     bent = law / 300.0
     bent[0] *= 0.6
     fit = Approach.of(counts, bent, 0.01 * bent)
-    assert list(fit.fitted) == [False, True, True, True, True, True] and fit.exponent == pytest.approx(
-        0.6, rel=1e-9
-    )
+    assert list(fit.fitted) == [False, True, True, True, True, True] and fit.exponent == pytest.approx(0.6, rel=1e-9)
     for bias in ([0.1, 0.2, 0.3, 0.4, 0.45, 0.5], [-0.1] * 6):
         with pytest.raises(NoApproach, match="the bias does not fall with N within its errors"):
             Approach.of(counts, np.array(bias), np.full(6, 0.01))
@@ -126,9 +116,7 @@ def test_errors_of_a_fit_are_those_of_a_line():
     assert law.standard_errors**2 == pytest.approx([1e-4 * 5.0 / 6.0, 5e-5], rel=2e-6)
     assert law.degrees_of_freedom == 1 and law.chi_squared < 1e-12
     law = Approach.of(counts, bias, bias * [0.01, 0.01, 0.02])
-    assert 2.25e8 * law.covariance == pytest.approx(
-        np.array([[20_000.0, 15_000.0], [15_000.0, 22_500.0]]), rel=2e-6
-    )
+    assert 2.25e8 * law.covariance == pytest.approx(np.array([[20_000.0, 15_000.0], [15_000.0, 22_500.0]]), rel=2e-6)
 
 
 def test_errors_grow_with_the_misfit():
@@ -139,9 +127,7 @@ def test_errors_grow_with_the_misfit():
     bias = 0.3 / counts * np.exp(misfit * np.array([1.0, -1.0, -1.0, 1.0]))
     law = Approach.of(counts, bias, error * bias)
     slope = misfit * math.sqrt(2.0 / 5.0)
-    assert law.degrees_of_freedom == 2 and law.chi_squared == pytest.approx(
-        4.0 * (misfit / error) ** 2, rel=1e-2
-    )
+    assert law.degrees_of_freedom == 2 and law.chi_squared == pytest.approx(4.0 * (misfit / error) ** 2, rel=1e-2)
     assert law.standard_errors[1] == pytest.approx(slope, rel=1e-2) and abs(law.exponent - 1.0) < 0.1 * slope
 
 
@@ -246,34 +232,16 @@ def test_sums_are_direct_where_the_scene_says_so():
 
 def test_the_command_leaves_the_sweep_and_prints_its_table(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    command = [
-        str(QUICK),
-        "--counts",
-        "100:1e4:3",
-        "--replicas",
-        "40",
-        "--quiet",
-        "--set",
-        "separation.h_star.count=16",
-    ]
+    command = [str(QUICK), *"--counts 100:1e4:3 --replicas 40 --quiet --set separation.h_star.count=16".split()]
     assert main(command) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["quick_finite_size.h5"]
     words = capsys.readouterr().out
-    for part in (
-        "\n         100 ",
-        "\n        1000 ",
-        "\n       10000 ",
-        "approach",
-        "10 % from N = ",
-        "cross-check",
-        "quick_finite_size.h5",
-    ):
+    numbers = [f"\n{number:12} " for number in (100, 1000, 10_000)]
+    for part in (*numbers, "approach", "10 % from N = ", "cross-check", "quick_finite_size.h5"):
         assert part in words
-    # The mean of minima is below the minimum of the mean, the less so the more asperities; and patches
-    # scatter less. With 40 replicas
-    # biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and scatters of 57 % and 12 %
-    # each to 11 % of themselves:
-    # to miss a factor of 2 between them has a probability below 1e-4.
+    # The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter less. With 40 replicas
+    # biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and scatters of 57 % and 12 % each to 11 % of themselves: to miss
+    # a factor of 2 between them has a probability below 1e-4.
     found = finite_size.study("quick_finite_size.h5")
     bias, scatter = found["bias"].values, found["relative_std"].values
     assert (bias[:-1] > 2.0 * bias[1:]).all() and bias[-1] > 0.0 and scatter[0] > 2.0 * scatter[-1]
@@ -282,17 +250,7 @@ def test_the_command_leaves_the_sweep_and_prints_its_table(tmp_path, monkeypatch
 
 
 def test_a_scene_comes_from_standard_input(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "stiction.finite_size",
-        "-",
-        "--counts",
-        "10,100",
-        "--replicas",
-        "8",
-        "--quiet",
-    ]
+    command = [sys.executable, "-m", "stiction.finite_size", "-", "--counts", "10,100", "--replicas", "8", "--quiet"]
     nameless = subprocess.run(command, input=QUICK.read_text(), text=True, capture_output=True, cwd=tmp_path)
     assert nameless.returncode == 2 and "name one with -o" in nameless.stderr
     done = subprocess.run(
@@ -301,32 +259,12 @@ def test_a_scene_comes_from_standard_input(tmp_path):
     assert done.returncode == 0 and (tmp_path / "sizes.h5").is_file(), done.stderr
 
 
-# One soft asperity pulls 2πRΔγ in every patch.
-ALIKE = {
-    "material": {
-        "reduced_modulus": "100 Pa",
-        "hardness": "1 TPa",
-        "poisson_ratio": 0.3,
-        "work_of_adhesion": "20 mJ/m^2",
-        "equilibrium_spacing": "0.3 nm",
-    },
-    "surface": {
-        "asperity_radius": "1 um",
-        "asperity_density": "1 /um^2",
-        "asperity_height_std": "1.5 nm",
-        "mean_plane_offset": "0 nm",
-        "nominal_area": "1 um^2",
-    },
-    "model": {"law": "dmt"},
-    "separation": {"h": {"from": "-9 nm", "to": "9 nm", "count": 73}},
-    "ensemble": {"replicas": 8},
-}
-
-
 def test_equal_replicas_are_no_certainty(capsys):
-    """Of 8 that agree there is no error: of all patches at most 1 − 0.05^(1/8) = 31.23 % differ, with 95 %
-    confidence."""
-    sweep = finite_size.run(ALIKE, [1, 20])
+    """One soft asperity pulls 2πRΔγ in every patch. Of 8 that agree there is no error: of all patches at most 1 − 0.05^(1/8) = 31.23 %
+    differ, with 95 % confidence.
+    """
+    tables = rare_patches.Scene("dmt", 1, 1.0, rare_patches.SOFT).tables() | {"ensemble": {"replicas": 8}}
+    sweep = finite_size.run({**tables, "separation": {"h": {"from": "-9 nm", "to": "9 nm", "count": 73}}}, [1, 20])
     found = finite_size.study(sweep)
     assert np.isnan(found["bias_standard_error"].values[0]) and found["bias_standard_error"].values[1] > 0.0
     assert found["most_differing"].values[0] == pytest.approx(1.0 - 0.05 ** (1.0 / 8.0), rel=1e-9)
@@ -345,14 +283,9 @@ def test_the_integral_leaves_coupling_out():
 def test_sizes_of_loops_end_at_their_own_targets():
     """Loops are pulled off on retraction, against the integral there; and targets end each size by
     itself."""
-    ensemble = {
-        "target": {"quantity": "pull_off_force", "relative_standard_error": 0.05},
-        "min_replicas": 8,
-        "max_replicas": 1600,
-    }
-    tables = {
-        **_tables(QUICK),
-        "ensemble": ensemble,
+    target = {"quantity": "pull_off_force", "relative_standard_error": 0.05}
+    tables = tomllib.loads(QUICK.read_text()) | {
+        "ensemble": {"target": target, "min_replicas": 8, "max_replicas": 1600},
         "separation": {"h_star": {"from": 0.5, "to": 8.0, "count": 16}},
     }
     forces = []
@@ -362,7 +295,3 @@ def test_sizes_of_loops_end_at_their_own_targets():
     replicas = (~np.isnan(sweep["replicas/pull_off_force"].values)).sum(axis=1)
     assert replicas[0] > replicas[1] and (sweep["replica_count"].values == replicas).all()
     assert forces[1] > 1.1 * forces[0]
-
-
-def _tables(path):
-    return tomllib.loads(path.read_text())

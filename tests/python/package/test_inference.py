@@ -5,6 +5,7 @@
 
 import contextlib
 import copy
+import functools
 import io
 import os
 import subprocess
@@ -139,7 +140,7 @@ def test_gaps_are_not_measured_where_they_may_be(tmp_path):
         ("pull_off_force (uN),pull_off_force_error.1\n3,1\n", "column 2 (pull_off_force_error.1): no outcome of this scene; did you mean"),
         ("pull_off_force (uN),surface.nominal_area.1 (um^2)\n3,5\n", "column 2 (surface.nominal_area.1): no outcome"),
         ("pull_off_force (N)\n1.1\n1.7\n", "pull_off_force: the median of the data is 1.400 N, and trial patches over the priors have at most "),
-        ("pull_off_force (pN)\n1.1\n", "the data is 1.100 pN, and trial patches over the priors have at least "),
+        pytest.param("pull_off_force (pN)\n1.1\n", "the data is 1.100 pN, and trial patches over the priors have at least ", marks=pytest.mark.slow),
         ("pull_off_force (uN),surface.nominal_aria (um^2)\n3,5\n", "nominal_aria"),
         ("pull_off_force (uN),material.work_of_adhesion (J/m^2)\n3,0.1\n", "a column of the data has its values, and the scene a prior"),
         ("pull_off_force (uN),surface.nominal_area (nm)\n3,5\n", "nominal_area"),
@@ -160,6 +161,7 @@ def test_patches_that_are_all_alike_have_no_density():
         posterior._check_scatter(measured, [patches])
 
 
+@pytest.mark.slow
 def test_every_number_of_a_patch_can_be_an_outcome():
     """Pull-off, stiffness, energy of a cycle and snap-in of one spring of a loop are those of the program's own run; forces over a mesh are no number of a patch."""
     tables = small(nominal_area="100 um^2")
@@ -175,6 +177,7 @@ def test_every_number_of_a_patch_can_be_an_outcome():
     assert "not one number of each patch" in told(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
 
 
+@pytest.mark.slow
 def test_the_radius_of_a_probe_has_a_prior_and_a_preload_is_a_condition():
     """Pull-offs after a preload are those of a run of the program with the radius and the preload in the place of prior and list."""
     tables = probe(model={"law": "md", "history": "loop"}, instability={"stiffness": "40 N/m", "preload": ["1 uN", "2 uN"]})
@@ -190,6 +193,7 @@ def test_the_radius_of_a_probe_has_a_prior_and_a_preload_is_a_condition():
         assert np.log(own.group("replicas").pull_off_after_preload.values.ravel()) == pytest.approx(logs.ravel(), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_common_factor_scales_what_has_a_newton_and_nothing_else():
     """Measured forces, stiffnesses and energies are 1.25 times the true ones, separations as they are; by a number, and by a prior."""
     names = ("pull_off_force", "peak_secant_stiffness", "dissipated_energy", "pull_off_separation")
@@ -256,6 +260,7 @@ def test_the_data_of_the_probe_are_what_their_first_line_says():
     assert group.values == pytest.approx(np.exp(logs) + noise, abs=0.51e-9)
 
 
+@pytest.mark.slow
 def test_an_interval_holds_the_work_of_adhesion_whatever_the_lever():
     """Ten spots with each of 40 levers at 50 mJ/m², which are wrong by the quantiles of 10 %: of central intervals as large a share
     holds it as their probability, and hardly any where the factor is taken for known. Fixed seed.
@@ -318,6 +323,7 @@ def test_a_likelihood_is_a_number_however_far_off_the_part_is(kind):
             assert np.isfinite(found).all() and found.max() <= (1e-12 if kind != data.EXACT else -np.log(2.5 * max(0.1 * width, 0.0003)))
 
 
+@functools.cache
 def normal_experiment(points=64, replicas=100):
     """Outcomes whose logarithm is normal with the parameter as mean and the scatter 0.3, and their emulator."""
     prior = priors.read({"surface": {"asperity_radius": {"prior": "normal", "mean": 1.0, "std": 1.0}}})
@@ -327,8 +333,9 @@ def normal_experiment(points=64, replicas=100):
     return prior, emulator.Emulator(prior, [emulator.Patches(values, logs)])
 
 
-def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form():
-    """Means within half of the conjugate posterior's standard deviation and widths within 15 %, by chains and by importance sampling, which agree within 0.1; fixed seed.
+@pytest.mark.parametrize("chains", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form(chains):
+    """Means within half of the conjugate posterior's standard deviation and widths within 15 %, by importance sampling and by chains, which agree within 0.1; fixed seed.
 
     Over 12 fits to 25 600 patches over the whole prior the root mean square of the shift of the mean was 0.15 standard deviations: half of one is 3.4 times that.
     """
@@ -337,15 +344,17 @@ def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form():
     groups = (data.Group({}, np.exp(logs), np.zeros_like(logs), np.zeros(logs.shape, dtype=int)),)
     precision = 20 / 0.09 + 1.0
     mean, std = (logs.sum() / 0.09 + 1.0) / precision, precision**-0.5
-    chains = sampling.sample(lambda values: made.log_likelihood(groups, values), prior, seed=1)
-    drawn = prior.of_scores(chains.z.reshape(-1, 1))[:, 0]
     z, weights = weighted_posterior(made, groups, prior, np.random.default_rng(7).standard_normal((2000, 1)), np.random.default_rng(8))
     weighed = prior.of_scores(z)[:, 0]
-    of_weights = weights @ weighed, np.sqrt(weights @ (weighed - weights @ weighed) ** 2)
-    for found_mean, found_std in ((drawn.mean(), drawn.std()), of_weights):
+    found = [(weights @ weighed, np.sqrt(weights @ (weighed - weights @ weighed) ** 2))]
+    if chains:
+        sampled = sampling.sample(lambda values: made.log_likelihood(groups, values), prior, seed=1)
+        drawn = prior.of_scores(sampled.z.reshape(-1, 1))[:, 0]
+        found.append((drawn.mean(), drawn.std()))
+        assert abs(found[1][0] - found[0][0]) < 0.1 * std and abs(found[1][1] / found[0][1] - 1.0) < 0.1
+        assert sampled.r_hat.max() < 1.01 and sampled.end_errors.max() <= 0.02
+    for found_mean, found_std in found:
         assert abs(found_mean - mean) < 0.5 * std and abs(found_std / std - 1.0) < 0.15
-    assert abs(drawn.mean() - of_weights[0]) < 0.1 * std and abs(drawn.std() / of_weights[1] - 1.0) < 0.1
-    assert chains.r_hat.max() < 1.01 and chains.end_errors.max() <= 0.02
 
 
 def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
@@ -357,6 +366,7 @@ def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
     assert check.anderson_darling(stats.norm.cdf(numbers)[None])[0] == pytest.approx(wanted, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_check_knows_limits_and_catches_another_scatter():
     """30 normal outcomes at the known parameter, those below 2 as limits: p below 0.05 in at most 5 of 100 sets of data; of a scatter twice as large in most.
 
@@ -371,8 +381,12 @@ def test_the_check_knows_limits_and_catches_another_scatter():
             group = data.Group({}, np.maximum(values, 2.0), np.zeros_like(values), np.where(values < 2.0, data.BELOW, data.EXACT))
             small_ones += check.check_p_values(made, (group,), np.full((100, 1), 0.8), random)[0] < 0.05
         assert wanted(small_ones / 100)
-    # Twenty too low and twenty too high are together as they should be, and are seen by their conditions.
-    groups = []
+
+
+def test_the_check_sees_conditions():
+    """Twenty too low and twenty too high are together as they should be, and are seen by their conditions."""
+    _, made = normal_experiment(points=256)
+    random, groups = np.random.default_rng(3), []
     for shift in (-0.2, 0.2):
         values = np.exp(0.8 + shift + 0.2 * random.standard_normal((20, 1)))
         groups.append(data.Group({"shift": shift}, values, np.zeros_like(values), np.full(values.shape, data.EXACT)))
@@ -381,13 +395,17 @@ def test_the_check_knows_limits_and_catches_another_scatter():
     assert check.check_p_values(twice, tuple(groups), np.full((100, 1), 0.8), random)[0] < 0.01
 
 
-def test_a_datum_far_off_is_named():
-    """Of 30 normal outcomes one is eight standard deviations off: it is named, with p below 1e-6. Of data that the model has
-    made the farthest has p below 0.05 in at most 5 of 100 sets, over 100 sets with three standard errors of 0.022 (1e-3);
-    an upper limit is far off only below the others.
+@pytest.mark.parametrize("sets", [0, pytest.param(100, marks=pytest.mark.slow)])
+def test_a_datum_far_off_is_named(sets):
+    """Of 30 normal outcomes one is eight standard deviations off: it is named, with p below 1e-6; an upper limit is far off only below
+    the others. Of data that the model has made the farthest has p below 0.05 in at most 5 of 100 sets, over 100 sets with three standard
+    errors of 0.022 (1e-3).
     """
     _, made = normal_experiment(points=256)
     random = np.random.default_rng(4)
+
+    def drawn():
+        return np.exp(0.8 + 0.3 * random.standard_normal((30, 1)))
 
     def found(values, kinds=None):
         kinds = np.zeros(values.shape, dtype=int) if kinds is None else kinds
@@ -395,11 +413,9 @@ def test_a_datum_far_off_is_named():
         draws = np.log(values).mean() + 0.3 / 30**0.5 * random.standard_normal((400, 1))
         return check.farthest(made, (group,), draws, random)[0]
 
-    below = 0
-    for _ in range(100):
-        values = np.exp(0.8 + 0.3 * random.standard_normal((30, 1)))
-        below += found(values)[1] < 0.05
-    assert below / 100 <= 0.05 + 3.0 * 0.022
+    if sets:
+        assert sum(found(drawn())[1] < 0.05 for _ in range(sets)) / sets <= 0.05 + 3.0 * 0.022
+    values = drawn()
     values[17] = np.exp(0.8 + 8 * 0.3)
     patch, p = found(values)
     assert patch == 17 and p < 1e-6
@@ -423,11 +439,13 @@ def inferred(tmp_path_factory):
     return folder, said.getvalue()
 
 
+@pytest.mark.slow
 def test_the_file_is_opened_by_info_plot_and_report(inferred, tmp_path):
     folder, printed = inferred
     assert_opens(folder / "out.h5", printed.splitlines()[1].strip(), tmp_path)
 
 
+@pytest.mark.slow
 def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     folder, said = inferred
     opened = arviz.from_netcdf(str(folder / "out.h5"))
@@ -453,6 +471,7 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     assert "has a link /y to elsewhere" in told(open_inference, other)
 
 
+@pytest.mark.slow
 def test_models_are_compared_by_their_prediction(inferred):
     """Gaussian and exponential heights by PSIS-LOO, as ArviZ has it of the two files: the differences are of the same patches."""
     folder, said = inferred
@@ -466,6 +485,7 @@ def test_models_are_compared_by_their_prediction(inferred):
     assert "the same data" in told(posterior.models, {**results, "gaussian": fewer})
 
 
+@pytest.mark.slow
 def test_the_expected_information_is_that_of_the_closed_form():
     """20 normal outcomes of the scatter 0.3 have 20/0.09 about the mean; within 15 %, fixed seed."""
     prior, made = normal_experiment()
@@ -489,6 +509,7 @@ def test_the_command_says_what_is_wrong(tmp_path):
 FULL = [("first", 50), ("first", 10), ("extremes", 50), ("extremes", 10)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "patches"), FULL if EXPERIMENTS else [("", 20)])
 def test_intervals_are_calibrated(scene, patches):
     """Ranks of true parameters are uniform and intervals hold their share; fixed seed, short form of 40 experiments of 37 asperities.

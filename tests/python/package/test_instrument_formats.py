@@ -242,10 +242,7 @@ def test_a_topography_has_x_first_and_is_transposed():
 
 @pytest.mark.parametrize("dims", [("y", "x"), ("x", "y")])
 def test_a_data_array_names_its_axes_and_has_its_pixels(dims):
-    coordinates = {
-        "x": ("x", 20.0 * np.arange(NX), {"units": "nm"}),
-        "y": ("y", 25.0 * np.arange(NY), {"units": "nm"}),
-    }
+    coordinates = {"x": ("x", 20.0 * np.arange(NX), {"units": "nm"}), "y": ("y", 25.0 * np.arange(NY), {"units": "nm"})}
     array = xarray.DataArray(heights() / 1e-9, dims=("y", "x"), coords=coordinates, attrs={"units": "nm"})
     assert_as_put(stiction.find_asperities(array.transpose(*dims), level="none"))
     uneven = array.assign_coords(x=20.0 * np.arange(NX) ** 1.1)

@@ -56,13 +56,9 @@ def test_a_column_of_numbers_has_no_row_behind_a_mark(tmp_path):
 
 def test_sentences_and_headers_stay_comments(tmp_path):
     before = "########\n# 1 2 3 4 5 6 7 8 9\n#a b c d e f g h i\n"
-    between = (
-        "# the second half of the scan\n## one two three four five six seven eight\n% half\n#\n//\n####\n"
-    )
+    between = ("# the second half of the scan\n## one two three four five six seven eight\n% half\n#\n//\n####\n")
     lines = rows(separator=" ").splitlines()
-    assert_read(
-        written(tmp_path, before + "\n".join([*lines[:4], between, *lines[4:], "# the end"])), **GIVEN
-    )
+    assert_read(written(tmp_path, before + "\n".join([*lines[:4], between, *lines[4:], "# the end"])), **GIVEN)
     padded = HEADER.replace("\n", ";;;;;;;;\n")
     assert_read(written(tmp_path, padded + "\n".join(LINES)))
 
@@ -133,9 +129,7 @@ def test_pixels_that_are_not_square_are_warned_of(tmp_path, capsys):
     assert "not square" in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.parametrize(
-    ("height", "warned"), [("90.8 nm", 0), ("89.2 nm", 0), ("91.5 nm", 1), ("88.5 nm", 1)]
-)
+@pytest.mark.parametrize(("height", "warned"), [("90.8 nm", 0), ("89.2 nm", 0), ("91.5 nm", 1), ("88.5 nm", 1)])
 def test_pixels_are_square_to_a_percent(tmp_path, height, warned):
     header = HEADER.replace("# Height: 90 nm", f"# Height: {height}")
     assert len(read_map(written(tmp_path, header + "\n".join(LINES))).warnings) == warned
@@ -145,9 +139,7 @@ def test_pixels_are_square_to_a_percent(tmp_path, height, warned):
 
 
 def decimal_commas(z, digits, separator=",", form="f"):
-    return "\n".join(
-        separator.join(f"{height:.{digits}{form}}".replace(".", ",") for height in row) for row in z
-    )
+    return "\n".join(separator.join(f"{height:.{digits}{form}}".replace(".", ",") for height in row) for row in z)
 
 
 @pytest.mark.parametrize("z", [Z, Z + 10.0, ROUGH, 3.0 * ROUGH + 40.0])
@@ -193,9 +185,7 @@ def test_other_whole_numbers_are_no_decimals(tmp_path):
     z = np.random.default_rng(3).normal(scale=0.6, size=(40, 30))
     for form in ("%.0f", "%03.0f", "%+.0f", "%05.0f"):
         np.savetxt(tmp_path / "scan.csv", 10.0 * z, fmt=form, delimiter=",")
-        np.testing.assert_allclose(
-            read_map(tmp_path / "scan.csv", **GIVEN).heights, 1e-9 * np.round(10.0 * z)
-        )
+        np.testing.assert_allclose(read_map(tmp_path / "scan.csv", **GIVEN).heights, 1e-9 * np.round(10.0 * z))
     places = "\n".join(f"{x},{x % 7}" for x in range(-40, 41))
     assert read_map(written(tmp_path, places), **GIVEN, lines=True).heights.shape == (1, 81)
     listed = "\n".join(f"{x},{y},{(x * y) % 9}" for x in range(-5, 5) for y in range(10))
@@ -307,9 +297,7 @@ def test_channels_of_one_name_have_numbers(tmp_path):
 
 def places(width, height, form="{:g}"):
     """Points with steps without a unit."""
-    places = [
-        (form.format(width * i), form.format(height * j), ROUGH[j, i]) for j in range(12) for i in range(10)
-    ]
+    places = [(form.format(width * i), form.format(height * j), ROUGH[j, i]) for j in range(12) for i in range(10)]
     return "\n".join(" ".join(str(one) for one in place) for place in places)
 
 
@@ -398,17 +386,13 @@ def test_names_of_columns_begin_with_a_blank_behind_the_mark(tmp_path):
     body = rows(ROUGH, separator=",")
     for first in ("row", "#row"):
         header = f"{first},{','.join(str(20 * i) for i in range(9))}\n"
-        refused(
-            tmp_path, header + body, rf"column 1: `{first}` is not a number.*begin with `# `, with a blank"
-        )
+        refused(tmp_path, header + body, rf"column 1: `{first}` is not a number.*begin with `# `, with a blank")
     for named in (header.replace("#", "# "), "#a,b,c,d,e,f,g,h,i,j\n"):
         np.testing.assert_allclose(read_map(written(tmp_path, named + body), **GIVEN).heights, 1e-9 * ROUGH)
 
 
 def test_places_are_named_from_the_first_on(tmp_path):
-    down = "\n".join(
-        f"{11 + 20 * i},{line}" for i, line in enumerate(rows(ROUGH, separator=",").splitlines())
-    )
+    down = "\n".join(f"{11 + 20 * i},{line}" for i, line in enumerate(rows(ROUGH, separator=",").splitlines()))
     refused(tmp_path, down, "column 1 goes evenly from 11 to 231")
     across = f"11,{','.join(str(31 + 20 * i) for i in range(9))}\n" + rows(ROUGH, separator=",")
     refused(tmp_path, across, "line 1 goes evenly from 11 to 191.*begin it with `# `")
@@ -453,7 +437,5 @@ def test_the_step_of_a_missing_line_is_named(axis, attrs):
     even[axis] = np.delete(20.0 * np.arange(len(even[axis]) + 1), 5)
     z = xarray.DataArray(ROUGH, dims=("y", "x"), coords={one: (one, at, attrs) for one, at in even.items()})
     for pixel in (None, "20 nm"):
-        with pytest.raises(
-            SceneError, match=f"{axis} is not evenly spaced: from 8.* it has a step of 4.*as NaN"
-        ):
+        with pytest.raises(SceneError, match=f"{axis} is not evenly spaced: from 8.* it has a step of 4.*as NaN"):
             read_map(z, pixel=pixel, height_unit="nm")

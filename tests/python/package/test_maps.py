@@ -1,5 +1,4 @@
-"""Maps in metres, in other programs' files: places, radii along each axis and signs, against SurfaceTopography; the filter against
-`scipy.ndimage` and a sum of its own; Hertz contacts of ellipsoids against `scipy.special`."""
+"""Smoothed maps and series over cut-offs against numpy and SurfaceTopography; Hertz contacts of ellipsoids against `scipy.special`."""
 
 import math
 import re
@@ -17,118 +16,12 @@ from stiction import FileError, SceneError
 from stiction.plot import page, panels
 from stiction.program import find
 
-# Pixels that are not square, not as many in x as in y, heights in m.
-DX, DY, NX, NY = 20e-9, 30e-9, 70, 48
-# Column, row, height (m), radii of curvature along x and y (m).
-TOPS = [(12, 9, 4e-9, 1.2e-6, 4e-6), (52, 12, 6e-9, 3e-6, 2e-6), (25, 36, 5e-9, 2.2e-6, 9e-6)]
-# A pit, which a wrong sign would make the highest summit of all.
-PIT = (50, 35, -9e-9, 2e-6, 2e-6)
-
-
-def heights():
-    """Heights over y and x, m: tops and a pit, a tilted floor, and a corner that is marked, the first of the first row."""
-    y, x = np.mgrid[0:NY, 0:NX].astype(float)
-    z = 1e-13 * x + 3e-13 * y
-    for column, row, height, rx, ry in [*TOPS, PIT]:
-        bend = ((x - column) * DX) ** 2 / rx + ((y - row) * DY) ** 2 / ry
-        z += height * np.exp(-0.5 * bend / abs(height))
-    z[0, 0] = 2e-8
-    return z
-
-
-def topography():
-    return SurfaceTopography.Topography(heights().T, (NX * DX, NY * DY), unit="m")
-
-
-def npy(path):
-    np.save(path, heights())
-
-
-def text(path):
-    """As Gwyddion exports a scan: a row of the map on each line."""
-    np.savetxt(
-        path,
-        heights(),
-        header=f"Width: {NX * DX * 1e9:.12g} nm\nHeight: {NY * DY * 1e9:.12g} nm\nValue units: m",
-    )
-
-
-WRITTEN = {
-    "npy": npy,
-    "txt": text,
-    "x3p": lambda path: topography().to_x3p(str(path)),
-    "nc": lambda path: topography().to_netcdf(str(path)),
-}
-
-
-def bends(z, axis, pixel):
-    """−∂²z along an axis by the pixels on either side."""
-    return -(np.roll(z, 1, axis) - 2.0 * z + np.roll(z, -1, axis)) / pixel**2
-
-
-@pytest.mark.parametrize("suffix", WRITTEN)
-def test_summits_are_those_of_surface_topography(suffix, tmp_path):
-    """The file as SurfaceTopography reads it, with its places and heights, and as the program reads it: the same summits."""
-    path = tmp_path / f"scan.{suffix}"
-    WRITTEN[suffix](path)
-    options = {"pixel": (DX, DY), "height_unit": "m"} if suffix == "npy" else {}
-    found = stiction.find_asperities(path, level="none", **options).asperities
-    if suffix in ("x3p", "nc"):
-        theirs = SurfaceTopography.read_topography(str(path))
-        z, (x, y) = np.asarray(theirs.heights()), theirs.positions()
-        # Their pixels are at their corners, and their first index is x.
-        factor = {"m": 1.0, "nm": 1e-9, "µm": 1e-6, "um": 1e-6}[theirs.unit]
-        z, x, y = factor * z.T, factor * x.T, factor * y.T
-    else:
-        z = heights()
-        y, x = np.mgrid[0:NY, 0:NX] * np.array([DY, DX])[:, None, None]
-    assert z.shape == (NY, NX) and z.argmax() == 0 and z[0, 0] == pytest.approx(2e-8)
-    high = found.where(found.height > 1e-9, drop=True)
-    assert high.sizes["asperity"] == len(TOPS)
-    kx, ky = bends(z, 1, DX), bends(z, 0, DY)
-    for i, (column, row, height, rx, ry) in enumerate(sorted(TOPS, key=lambda top: top[1])):
-        own = high.isel(asperity=i)
-        assert float(own.x) == pytest.approx(x[row, column] + 0.5 * DX, rel=1e-6)
-        assert float(own.y) == pytest.approx(y[row, column] + 0.5 * DY, rel=1e-6)
-        assert float(own.height) == pytest.approx(z[row, column] - z.mean(), rel=1e-6)
-        assert float(own.height) == pytest.approx(height - heights().mean(), rel=2e-2)
-        # An instrument's file may have single precision.
-        assert float(own.curvature_x) == pytest.approx(kx[row, column], rel=1e-3)
-        assert float(own.curvature_y) == pytest.approx(ky[row, column], rel=1e-3)
-        assert 1.0 / float(own.curvature_x) == pytest.approx(rx, rel=0.1)
-        assert 1.0 / float(own.curvature_y) == pytest.approx(ry, rel=0.1)
-        assert sorted([float(own.principal_radius_1), float(own.principal_radius_2)]) == pytest.approx(
-            sorted([1.0 / float(own.curvature_x), 1.0 / float(own.curvature_y)]), rel=1e-2
-        )
-
 
 def rough(seed=3, shape=(90, 110)):
     """Roughness of several wavelengths, and noise, m."""
     rng = np.random.default_rng(seed)
     smooth = scipy.ndimage.gaussian_filter(rng.normal(size=shape), 3.0)
     return 1e-9 * (smooth / smooth.std() + 0.2 * rng.normal(size=shape))
-
-
-SIGMA = math.sqrt(math.log(2.0) / 2.0) / math.pi
-
-
-def test_the_filter_is_that_of_scipy():
-    """exp(−π r²/(α²λ²)) is a Gaussian of the standard deviation λ √(ln 2/2)/π; pixels that are not square."""
-    z, cutoff, (dx, dy) = rough(), 150e-9, (10e-9, 12e-9)
-    z -= z.mean()
-    found = stiction.find_asperities(z, pixel=(dx, dy), level="none", smooth=cutoff)
-    expected = scipy.ndimage.gaussian_filter(
-        z, [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant"
-    )
-    inner = (slice(20, -20), slice(22, -22))
-    np.testing.assert_allclose(found.map.values[inner], expected[inner], rtol=0.0, atol=1e-8 * z.std())
-    # At the border the weights of what is there: the same filter of a map of ones.
-    ones = scipy.ndimage.gaussian_filter(
-        np.ones_like(z), [SIGMA * cutoff / dy, SIGMA * cutoff / dx], truncate=7.0, mode="constant"
-    )
-    np.testing.assert_allclose(found.map.values, expected / ones, rtol=0.0, atol=1e-8 * z.std())
-    assert list(found.attrs["border"]) == [math.ceil(75 / 12), math.ceil(75 / 10)]
-    assert found.attrs["smooth"] == cutoff
 
 
 def test_moments_of_a_smoothed_map_are_those_of_numpy_and_of_surface_topography():
@@ -203,9 +96,7 @@ def test_the_summary_tells_the_shape_and_its_force(tmp_path):
     np.testing.assert_allclose(of.principal_radius_1, 1.0 / eigen[:, 1], rtol=1e-9)
     np.testing.assert_allclose(of.principal_radius_2[there], 1.0 / eigen[there, 0], rtol=1e-7)
     assert np.isnan(of.principal_radius_2[~there]).all()
-    np.testing.assert_allclose(
-        of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8
-    )
+    np.testing.assert_allclose(of.equivalent_radius[there], 1.0 / np.sqrt(eigen[there].prod(axis=1)), rtol=1e-8)
     np.testing.assert_allclose(of.radius, 2.0 / eigen.sum(axis=1), rtol=1e-9)
     ratio = float(np.median(eigen[there, 1] / eigen[there, 0]))
     assert float(found.tree["measured"].curvature_ratio_median) == pytest.approx(ratio, rel=1e-9)
@@ -245,15 +136,11 @@ def test_panels_over_the_cutoff_have_the_numbers_of_the_file():
                 name != "asperity_density" or shown[0] == pytest.approx(1.0 / factor)
             )
             words = [str(line.get_label()) for line in ax.lines]
-            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), (
-                words
-            )
+            assert any(word.startswith("smoothed with 90" if smooth else "not smoothed") for word in words), (words)
 
 
-def test_pixels_that_are_not_square_are_drawn_as_they_are(tmp_path):
-    found = stiction.find_asperities(heights(), pixel=(DX, DY), level="none")
+def test_pixels_that_are_not_square_are_drawn_as_they_are():
+    found = stiction.find_asperities(rough(shape=(48, 70)), pixel=(20e-9, 30e-9), level="none")
     ax = page(found, what="asperities").axes[0]
     assert ax.get_xlabel() == "x (µm)"
-    left, right, bottom, top = ax.images[0].get_extent()
-    assert (left, top) == (0.0, 0.0)
-    assert right == pytest.approx(NX * DX * 1e6) and bottom == pytest.approx(NY * DY * 1e6)
+    assert ax.images[0].get_extent() == pytest.approx([0.0, 70 * 0.02, 48 * 0.03, 0.0])

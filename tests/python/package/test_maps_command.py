@@ -35,9 +35,7 @@ def values(path):
     """Every dataset of a file by its path."""
     found = {}
     with h5py.File(path) as file:
-        file.visititems(
-            lambda name, one: found.update({name: one[()]}) if isinstance(one, h5py.Dataset) else None
-        )
+        file.visititems(lambda name, one: found.update({name: one[()]}) if isinstance(one, h5py.Dataset) else None)
     return found
 
 
@@ -62,22 +60,14 @@ def test_the_file_is_the_one_that_the_program_is_tested_with(tmp_path):
                 key: other.attrs[key] for key in ("units", "long_name")
             }
             # Heights are differences: of these the largest counts.
-            scale = (
-                np.nanmax(np.abs(other[()])) if name.endswith(("height", "curvature_xy", "skewness")) else 0.0
-            )
+            scale = (np.nanmax(np.abs(other[()])) if name.endswith(("height", "curvature_xy", "skewness")) else 0.0)
             np.testing.assert_allclose(one[()], other[()], rtol=1e-12, atol=1e-12 * scale, err_msg=name)
 
 
 def test_the_program_reads_what_the_package_writes(tmp_path, monkeypatch):
     """Every part of the file: `validate` reads all of it, and it has each name of the page with its units."""
-    options = {
-        "level_rows": "median",
-        "smooth": "200 nm",
-        "prominence": "0.2 nm",
-        "min_distance": "90 nm",
-        "cutoffs": 4,
-    }
-    with stiction.find_asperities(MAP, tmp_path / "map.h5", **options) as found:
+    steps = {"level_rows": "median", "smooth": "200 nm", "prominence": "0.2 nm", "min_distance": "90 nm", "cutoffs": 4}
+    with stiction.find_asperities(MAP, tmp_path / "map.h5", **steps) as found:
         assert found.attrs["level_rows"] == "median" and found.attrs["min_distance"] == pytest.approx(90e-9)
     said = call(["validate", str(tmp_path / "map.h5")])
     assert "asperities of a measured surface" in said and "whole: all of it was read" in said
@@ -94,26 +84,6 @@ def test_the_program_reads_what_the_package_writes(tmp_path, monkeypatch):
         assert own.dimensions in (tuple(re.findall(r"`(\w+)`", dimensions)), ()), name
 
 
-@pytest.mark.parametrize("scene", ["measured", "whole"])
-def test_a_scene_has_the_patches_of_its_file(scene, tmp_path):
-    """A run of a scene with the asperities that the package has just found, and with the file of the
-    program's tests."""
-    results = []
-    for name in ("found", "given"):
-        folder = tmp_path / name
-        folder.mkdir()
-        (folder / "scene.toml").write_bytes((CONFIGS / "surfaces" / f"{scene}.toml").read_bytes())
-        if name == "found":
-            stiction.find_asperities(MAP, folder / "polished.h5").close()
-        else:
-            (folder / "polished.h5").write_bytes((ROOT / "tests" / "data" / "polished.h5").read_bytes())
-        replicas = 1 if scene == "whole" else 16
-        with stiction.run(folder / "scene.toml", folder / "run.h5", replicas=replicas) as run:
-            results.append(run.tree["replicas"].load())
-    for name, one in results[0].data_vars.items():
-        np.testing.assert_allclose(one, results[1][name], rtol=1e-12, atol=0.0, err_msg=name)
-
-
 def test_kinds_of_files_give_one_result(command):
     """Whatever the kind of file, one map has one result."""
     np.save("map.npy", heights())
@@ -121,29 +91,10 @@ def test_kinds_of_files_give_one_result(command):
         for name in ("forward", "backward"):
             file[f"scan/{name}"] = heights()
     summary = command(MAP, "-o", "text.h5")
-    for part in (
-        "pixels",
-        "levelled",
-        "alpha",
-        "of summits",
-        "of moments",
-        "density",
-        "eta R sigma_s",
-        "text.h5",
-    ):
+    for part in ("pixels", "levelled", "alpha", "of summits", "of moments", "density", "eta R sigma_s", "text.h5"):
         assert part in summary
     command("map.npy", *UNITS, "-o", "npy.h5")
-    command(
-        "map.h5",
-        "--channel",
-        "scan/forward",
-        "--pixel",
-        "0.03 um,30 nm",
-        "--height-unit",
-        "nm",
-        "-o",
-        "hdf5.h5",
-    )
+    command("map.h5", "--channel", "scan/forward", "--pixel", "0.03 um,30 nm", "--height-unit", "nm", "-o", "hdf5.h5")
     expected = values("text.h5")
     for name in ("npy.h5", "hdf5.h5"):
         own = values(name)
@@ -197,14 +148,10 @@ def test_the_file_has_the_map_that_was_searched(level, command):
     fit = np.linalg.lstsq(basis[known], z.ravel()[known], rcond=None)[0]
     with h5py.File("map.h5") as file:
         assert file.attrs["height_unit"] == "nm" and file.attrs["missing_pixels"] == 2
-        np.testing.assert_allclose(
-            file["map/height"], 1e-9 * (z - (basis @ fit).reshape(z.shape)), rtol=0, atol=1e-21
-        )
+        np.testing.assert_allclose(file["map/height"], 1e-9 * (z - (basis @ fit).reshape(z.shape)), rtol=0, atol=1e-21)
         np.testing.assert_allclose(file["map/x"], (np.arange(z.shape[1]) + 0.5) * 30e-9, rtol=1e-12)
         np.testing.assert_allclose(file["map/y"], (np.arange(z.shape[0]) + 0.5) * 20e-9, rtol=1e-12)
-        places = [
-            (file[f"asperities/{name}"][()] / size).astype(int) for name, size in (("y", 20e-9), ("x", 30e-9))
-        ]
+        places = [(file[f"asperities/{name}"][()] / size).astype(int) for name, size in (("y", 20e-9), ("x", 30e-9))]
         np.testing.assert_array_equal(file["map/height"][()][tuple(places)], file["asperities/height"])
 
 
@@ -224,18 +171,14 @@ def test_a_smoothed_map_is_told_as_such(command):
         assert file.attrs["nominal_area"] == pytest.approx((184 * 30e-9) ** 2, rel=1e-12)
         assert file["asperities/prominence"][()].min() >= 3e-10 and file["asperities/height"].size > 20
         cutoffs = file["cutoffs/cutoff"][()]
-        assert (
-            cutoffs.size == 6 and cutoffs[0] == 60e-9 and cutoffs[-1] == pytest.approx(48 * 30e-9, rel=1e-12)
-        )
+        assert (cutoffs.size == 6 and cutoffs[0] == 60e-9 and cutoffs[-1] == pytest.approx(48 * 30e-9, rel=1e-12))
         place = cutoffs.tolist().index(2e-7)
         for name in ("asperity_density", "asperity_radius", "asperity_height_std", "asperity_curvature_std"):
             assert file[f"cutoffs/{name}"][place] == file[f"measured/{name}"][()]
     said = command(MAP, "-o", "map.h5", "--force")
     assert not any(word in said for word in ("smoothed", "prominent", "cut-off", "rows levelled"))
     with h5py.File("map.h5") as file:
-        assert (
-            "cutoffs" not in file and "prominence" not in file["asperities"] and file.attrs["smooth"] == 0.0
-        )
+        assert ("cutoffs" not in file and "prominence" not in file["asperities"] and file.attrs["smooth"] == 0.0)
 
 
 def test_rows_are_levelled_before_the_plane(command):
@@ -266,30 +209,13 @@ def test_summits_that_are_apart_in_the_file(command):
 def test_a_picture_has_the_map_after_each_step(command):
     """As measured, rows levelled, levelled, smoothed and prominent: five panels with the numbers of their
     summits."""
-    command(
-        MAP,
-        "--level-rows",
-        "differences",
-        "--smooth",
-        "200 nm",
-        "--prominence",
-        "1 nm",
-        "--figure",
-        "steps.svg",
-        "-o",
-        "map.h5",
-    )
+    steps = ("--level-rows", "differences", "--smooth", "200 nm", "--prominence", "1 nm")
+    command(MAP, *steps, "--figure", "steps.svg", "-o", "map.h5")
     picture = Path("steps.svg").read_text(encoding="utf-8")
     with h5py.File("map.h5") as file:
         count = file["asperities/height"].size
     titles = re.findall(r">\s*([\w ]+: \d+ summits)\s*<", picture)
-    assert [title.split(":")[0] for title in titles] == [
-        "as measured",
-        "rows levelled",
-        "levelled",
-        "smoothed",
-        "prominent",
-    ]
+    assert [title.split(":")[0] for title in titles] == ["as measured", "rows levelled", "levelled", "smoothed", "prominent"]
     assert titles[-1] == f"prominent: {count} summits" and titles[0] == "as measured: 206 summits"
     before = os.listdir()
     assert "figure" in command(MAP, "--figure", "steps.tiff", code=2)
@@ -305,10 +231,7 @@ def test_a_picture_has_the_map_after_each_step(command):
             "--smooth 59.00 nm is below two pixels, which is the shortest wave of the map; "
             "give 60.00 nm or more",
         ),
-        (
-            ("--smooth", "2.9 um"),
-            "--smooth 2.900 µm is above half the shorter side of the map; give 2.880 µm or less",
-        ),
+        (("--smooth", "2.9 um"), "--smooth 2.900 µm is above half the shorter side of the map; give 2.880 µm or less"),
         (("--smooth", "-1 nm"), "a cut-off wavelength is above 0"),
         (("--smooth", "200"), 'such as "10 nm"'),
         (("--prominence", "1 um"), "--prominence 1.000 µm: no summit has that; the most prominent one has "),
@@ -331,12 +254,7 @@ def test_maps_that_are_none_are_refused(command):
     row = "\t".join(["1.5"] * 10) + "\n"
     slope = "".join("\t".join([str(i * i)] * 10) + "\n" for i in range(10))
     few = "".join(f"0 {i} 3 0 {i % 3} 2 5 1\n" for i in range(8))
-    maps = {
-        "flat": row * 10,
-        "small": row * 5,
-        "slope": slope,
-        "few": few,
-    }
+    maps = {"flat": row * 10, "small": row * 5, "slope": slope, "few": few}
     for name, text in maps.items():
         Path(f"{name}.txt").write_text(text, encoding="utf-8")
     np.save("line.npy", np.where(np.arange(10) == 4, 1.0, np.full((10, 10), np.nan)))
@@ -399,17 +317,11 @@ def test_a_result_shows_its_summits_and_names_the_moments(command):
     moments."""
     found = stiction.find_asperities(MAP)
     shown, said = str(found), command(MAP)
-    for label, group in (
-        ("density", "density"),
-        ("1/mean curvature", "radius"),
-        ("height std", "height_std"),
-    ):
+    for label, group in (("density", "density"), ("1/mean curvature", "radius"), ("height std", "height_std")):
         line = next(line for line in shown.splitlines() if line.strip().startswith(label))
         own = re.match(rf"\s*{re.escape(label)}\s+([\d.]+).* of the summits, ([\d.]+).* by moments$", line)
         theirs = re.search(rf"^  {re.escape(label)}\s+([\d.]+) \S+\s+([\d.]+) ", said, flags=re.MULTILINE)
-        assert [float(own[i]) for i in (1, 2)] == pytest.approx(
-            [float(theirs[i]) for i in (1, 2)], rel=1e-3
-        ), label
+        assert [float(own[i]) for i in (1, 2)] == pytest.approx([float(theirs[i]) for i in (1, 2)], rel=1e-3), label
         factor = {"density": 1e-12, "radius": 1e6, "height_std": 1e9}[group]
         of = [float(found.tree[one][f"asperity_{group}"]) * factor for one in ("measured", "equivalent")]
         assert [float(own[i]) for i in (1, 2)] == pytest.approx(of, rel=1e-3), label
@@ -432,9 +344,7 @@ found_on(*of)
 print(took, tracemalloc.get_traced_memory()[1] / z.nbytes)
 """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
-    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
     took, memory = map(float, done.stdout.split())
     assert took < 2.0 and memory < 11.0, done.stdout
 

@@ -1,10 +1,6 @@
 """Messages of the program speak of arguments of Python, not of the command line."""
 
-import os
-import re
 import signal
-import subprocess
-import sys
 import time
 import tomllib
 from pathlib import Path
@@ -12,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from conftest import begun
 
 import stiction
 from stiction import SceneError
@@ -95,10 +92,7 @@ def test_complex_numbers_are_no_lengths(tmp_path):
 
 
 def test_options_of_false_and_none_are_left_out():
-    assert list(options(seed=None, force=False, resume=True, height_unit="nm")) == [
-        "--resume",
-        "--height-unit=nm",
-    ]
+    assert list(options(seed=None, force=False, resume=True, height_unit="nm")) == ["--resume", "--height-unit=nm"]
     assert call(["--version"]).startswith("stiction ")
 
 
@@ -115,23 +109,9 @@ except KeyboardInterrupt as interruption:
 @pytest.mark.parametrize("named", [True, False])
 def test_an_interruption_says_what_was_kept(named, tmp_path):
     output = str(tmp_path / "long.h5") if named else ""
-    process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, output, QUICK],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "TMPDIR": str(tmp_path)},
-        # A shell that runs tests in the background has them ignore it.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    shown = ""
-    # What is interrupted before its first batch is done keeps nothing.
-    while not re.search(r"\| *[1-9]\d*/", shown):
-        read = process.stderr.read(1)
-        assert read, shown
-        shown += read
-    process.send_signal(signal.SIGINT)
-    told, _ = process.communicate(timeout=60)
+    with begun(INTERRUPTED, output, QUICK, folder=tmp_path) as process:
+        process.send_signal(signal.SIGINT)
+        told, _ = process.communicate(timeout=60)
     if named:
         assert f"kept in {output}.partial; resume=True goes on" in told.replace("\n", " ")
     else:
@@ -142,21 +122,13 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
 def test_the_program_ends_with_python(how, tmp_path):
     """However Python ends: what was done is kept, and the output is free."""
-    output = tmp_path / "long.h5"
-    process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, str(output), QUICK], stderr=subprocess.PIPE, text=True, env=os.environ
-    )
-    shown = ""
-    while not re.search(r"\| *[1-9]\d*/", shown):
-        read = process.stderr.read(1)
-        assert read, shown
-        shown += read
-    (program,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    process.send_signal(how)
-    assert process.wait() == -how
-    process.stderr.close()
-    given_up = time.monotonic() + 30.0
-    while Path(f"/proc/{program}").exists() and time.monotonic() < given_up:
-        time.sleep(0.05)
+    with begun(INTERRUPTED, tmp_path / "long.h5", QUICK, folder=tmp_path) as process:
+        (program,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.send_signal(how)
+        assert process.wait() == -how
+        process.stderr.close()
+        given_up = time.monotonic() + 30.0
+        while Path(f"/proc/{program}").exists() and time.monotonic() < given_up:
+            time.sleep(0.05)
     assert not Path(f"/proc/{program}").exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["long.h5.partial"]

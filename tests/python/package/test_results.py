@@ -127,17 +127,6 @@ def test_points_of_choices_are_selected_by_name(result):
         assert ", ".join(names) in repr(sweep) or name == "choice"
 
 
-def test_the_engine_of_xarray_has_h_star_to_select_by(result):
-    path = result("run").path
-    tree = xarray.open_datatree(path, engine="stiction")
-    group = xarray.open_dataset(path, engine="stiction", group="ensemble")
-    for mean in (tree["ensemble/external_force_mean"], group.external_force_mean):
-        assert float(mean.sel(h_star=2.8, method="nearest")) == float(
-            result("run").ensemble.external_force_mean.sel(h_star=2.8, method="nearest")
-        )
-    assert xarray.open_datatree(path)["ensemble"].sizes == tree["ensemble"].sizes
-
-
 def test_results_without_a_name_are_there_as_long_as_they_are_used(result):
     run = stiction.run(result("run").scene, replicas=10)
     path, ensemble = run.path, run.ensemble

@@ -149,7 +149,7 @@ nominal_area = "10 um^2"
 [model]
 law = "dmt"
 [separation]
-h = { from = "1.5 nm", to = "9 nm", count = 16 }
+h = { from = "1.5 nm", to = "9 nm", count = 4 }
 [ensemble]
 replicas = 20
 """
@@ -168,11 +168,13 @@ def studied(tmp_path_factory):
     return folder, printed.getvalue()
 
 
+@pytest.mark.slow
 def test_the_file_is_opened_by_info_plot_and_report(studied, tmp_path):
     folder, printed = studied
     assert_opens(folder / "counts_sensitivity.h5", printed.splitlines()[0], tmp_path)
 
 
+@pytest.mark.slow
 def test_a_scene_with_a_closed_form(studied):
     """Pull-off is 2πRΔγ n with n binomial of N = 80 and p = 1 − Φ(1), independent of R and Δγ; R and Δγ are log-normal.
 
@@ -203,6 +205,7 @@ def test_a_scene_with_a_closed_form(studied):
     assert low < noise / (of_mean + noise) < high and high - low < 0.4
 
 
+@pytest.mark.slow
 def test_the_command_leaves_file_and_figure_and_overwrites_nothing(studied, monkeypatch, capsys):
     folder, printed = studied
     monkeypatch.chdir(folder)

@@ -17,9 +17,7 @@ def test_hertz_is_its_closed_form():
     load = 4.0 / 3.0 * TIP["reduced_modulus"] * np.sqrt(TIP["radius"] * depth**3)
     assert np.allclose(solved.external_force, load, rtol=1e-13)
     assert np.allclose(solved.contact_radius, np.sqrt(TIP["radius"] * depth), rtol=1e-13)
-    assert solved.external_force.attrs["units"] == "N" and list(solved.external_force.interference) == list(
-        depth
-    )
+    assert solved.external_force.attrs["units"] == "N" and list(solved.external_force.interference) == list(depth)
 
 
 def test_pull_off_is_that_of_jkr_and_dmt():
@@ -54,9 +52,7 @@ def test_arrays_broadcast_by_their_names():
     named = xarray.DataArray([0.05, 0.1], dims="surface")
     both = stiction.asperity(**{**TIP, "work_of_adhesion": named}, interference=0.0)
     ratio = both.adhesion_parameter[1] / both.adhesion_parameter[0]
-    assert both.adhesion_parameter.dims == ("surface",) and float(ratio) == pytest.approx(
-        2 ** (2 / 3), rel=1e-12
-    )
+    assert both.adhesion_parameter.dims == ("surface",) and float(ratio) == pytest.approx(2 ** (2 / 3), rel=1e-12)
 
 
 def test_plastic_tips_flow_and_lubricated_ones_pull_from_afar():

@@ -58,9 +58,7 @@ def told(function, *arguments, **named):
 def test_every_dialect_is_read(text, encoding, tmp_path):
     table = stiction.read_table(written(tmp_path, text, encoding))
     assert list(table) == ["force", "radius"] and table.force.attrs == {"units": "N"}
-    assert np.allclose(table.force, FORCES, rtol=1e-15, atol=0) and np.allclose(
-        table.radius, RADII, rtol=1e-15, atol=0
-    )
+    assert np.allclose(table.force, FORCES, rtol=1e-15, atol=0) and np.allclose(table.radius, RADII, rtol=1e-15, atol=0)
 
 
 def test_what_pandas_writes_is_read(tmp_path):
@@ -90,15 +88,9 @@ def test_what_pandas_writes_is_read(tmp_path):
         ("force (uN)\n1\n1.2.3\n", "line 3, column 1 (force): 1.2.3 is not a number"),
         ("force (uN)\n1\ninf\n", "line 3, column 1 (force): inf is not a number"),
         ("force (uN)\n1\n1e999\n", "1e999 is not finite"),
-        (
-            "force (uN);x\n1,5;2\n1.5;2\n",
-            "line 3, column 1 (force): 1.5, but line 2, column 1 has a decimal comma",
-        ),
+        ("force (uN);x\n1,5;2\n1.5;2\n", "line 3, column 1 (force): 1.5, but line 2, column 1 has a decimal comma"),
         ("force (uN);x\n1.234,5;2\n", "1.234,5 is not a number"),
-        (
-            'force (uN),x\n"1,234",2\n',
-            "1,234, but commas are between the columns; write all numbers with points",
-        ),
+        ('force (uN),x\n"1,234",2\n', "1,234, but commas are between the columns; write all numbers with points"),
         ('force (uN),x\n"1,2\n', "line 2: unexpected end of data"),
         (b"PK\x03\x04rest", "is a workbook or an archive; save the sheet as CSV"),
         (b"\x89HDF\r\n\x1a\n", "is an HDF5 file"),
@@ -114,22 +106,7 @@ def test_what_is_no_table_is_refused_by_its_place(text, part, tmp_path):
 
 @pytest.mark.parametrize(
     "gap",
-    [
-        "",
-        "NA",
-        "n/a",
-        "NaN",
-        "null",
-        "--",
-        "-",
-        "#N/A",
-        "#NV",
-        "#REF!",
-        "#BEZUG!",
-        "#DIV/0!",
-        "#NAME?",
-        "#NOM?",
-    ],
+    ["", "NA", "n/a", "NaN", "null", "--", "-", "#N/A", "#NV", "#REF!", "#BEZUG!", "#DIV/0!", "#NAME?", "#NOM?"],
 )
 def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
     for text, place in (
@@ -174,9 +151,7 @@ def test_names_are_guessed():
         tables.meant("pull_of_force", ["pull_off_force", "pull_off_separation"])
         == "; did you mean pull_off_force?"
     )
-    assert (
-        tables.meant("force", ["pull_off_separation", "pull_off_force"]) == "; did you mean pull_off_force?"
-    )
+    assert (tables.meant("force", ["pull_off_separation", "pull_off_force"]) == "; did you mean pull_off_force?")
     assert tables.meant("colour", ["pull_off_force"]) == ""
 
 
@@ -196,9 +171,7 @@ def test_a_table_is_of_asperities_and_of_heights(tmp_path):
     assert solved.external_force.dims == ("row",)
     assert np.allclose(solved.external_force, [float(one.external_force) for one in alone], rtol=1e-13)
     numbers = np.random.default_rng(1).normal(0, 1.7, 200)
-    heights = stiction.read_table(
-        written(tmp_path, "z (nm)\n" + "".join(f"{value:.6f}\n" for value in numbers))
-    )
+    heights = stiction.read_table(written(tmp_path, "z (nm)\n" + "".join(f"{value:.6f}\n" for value in numbers)))
     given = {"surface.heights": heights.z}
     own = {"surface.heights": np.array([float(f"{value:.6f}e-9") for value in numbers])}
     pull_offs = [

@@ -10,7 +10,7 @@
 use super::asperities::{Rest, SLOPE_STEP};
 use super::solver::Solver;
 use super::systems::{CLOSEST, System};
-use crate::math::linalg::Lu;
+use crate::math::lu::Lu;
 
 /// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;

@@ -9,7 +9,8 @@
 use super::asperities::Rest;
 use super::half_space::HalfSpace;
 use crate::math::gmres;
-use crate::math::linalg::{Lu, smallest_real_part};
+use crate::math::linalg::smallest_real_part;
+use crate::math::lu::Lu;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most neighbours of an asperity at rest that give way to its force to all orders.

@@ -14,6 +14,7 @@ pub mod instruction_set;
 pub mod interpolation;
 pub mod interval;
 pub mod linalg;
+pub mod lu;
 pub mod moments;
 pub mod piecewise;
 pub mod polynomials;

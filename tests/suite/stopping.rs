@@ -99,11 +99,8 @@ fn bits_do_not_depend_on_threads() {
         Folder::new(&scene(&targets, "sampling = \"antithetic\"").replace("curves = false", "curves = true"));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
     let reference = bits(&folder.path("1.h5"));
-    for threads in ["3"] {
-        let output = format!("{threads}.h5");
-        assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &output]), 0);
-        assert!(bits(&folder.path(&output)) == reference, "{threads} threads");
-    }
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "3", "-o", "3.h5"]), 0);
+    assert!(bits(&folder.path("3.h5")) == reference);
     let replicas = number(&folder.path("1.h5"), "/", "replicas") as usize;
     assert!(replicas > 64 && replicas < 100_000);
     assert_eq!(values(&folder.path("1.h5"), "/replicas/external_force").len(), 16 * replicas);

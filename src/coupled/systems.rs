@@ -147,15 +147,17 @@ impl System<'_> {
         of: &[usize],
         is_first_order: bool,
     ) -> impl Fn(usize, usize) -> f64 {
-        move |k, l| {
-            let (i, j) = (of[k], of[l]);
-            let is_free = !self.is_at_rest(i);
-            if is_first_order && i != j && is_free && !self.is_at_rest(j) {
-                return 0.0;
-            }
-            let own = if i == j && is_free { 1.0 + self.shift } else { 0.0 };
-            own + self.slopes[i] * half_space.influence(i, j)
+        move |k, l| self.element(half_space, [of[k], of[l]], is_first_order)
+    }
+
+    /// The element of the row of one asperity and the column of another.
+    fn element(&self, half_space: &HalfSpace, [i, j]: [usize; 2], is_first_order: bool) -> f64 {
+        let is_free = !self.is_at_rest(i);
+        if is_first_order && i != j && is_free && !self.is_at_rest(j) {
+            return 0.0;
         }
+        let own = if i == j && is_free { 1.0 + self.shift } else { 0.0 };
+        own + self.slopes[i] * half_space.influence(i, j)
     }
 
     /// 1 + s + G K of some asperities: G is symmetric.

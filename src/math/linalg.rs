@@ -1,9 +1,9 @@
 //! Linear algebra in a fixed order of operations.
 //!
-//! Products of long matrices are formed here, eigenvalues are by faer. faer's products
-//! split their sums by the size of the caches where these have more than [`LARGEST`] terms, and with its feature
-//! `std` take a buffer of twice the last cache, however small the matrices: so this feature is off, and no
-//! larger matrix is decomposed.
+//! Products of long matrices are formed here, eigenvalues are by faer. faer's products split their sums by the
+//! size of the caches where these have more than [`LARGEST`] terms, and with its feature `std` take a buffer
+//! of twice the last cache, however small the matrices: so this feature is off, and no larger matrix is
+//! decomposed.
 
 use super::instruction_set::InstructionSet;
 use faer::{Mat, Par, Side};

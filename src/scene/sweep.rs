@@ -344,7 +344,7 @@ mod tests {
         keys_are_of_scenes(|name| !FILMS.contains(&name));
     }
 
-    /// Those of films, which are solved whenever a scene is read.
+    /// Keys of films, which are solved whenever a scene is read.
     const FILMS: [&str; 2] = ["capillary.film_thickness", "capillary.hamaker_constant"];
 
     #[test]

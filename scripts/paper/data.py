@@ -109,7 +109,7 @@ def compare_all(program):
     for energy in ENERGIES:
         runs[energy] = program.compare(f"case_iii_{energy}", "hybrid")
     runs["delta_A"] = program.compare("case_iii_delta_a", "fit:paper", ensemble=False)
-    runs["retraction"] = program.compare("case_iii_retraction", "hybrid,fit:paper", ensemble=False)
+    runs["retraction"] = program.compare("case_iii_retraction", "md_plastic,fit:paper", ensemble=False)
     return runs
 
 

@@ -181,7 +181,7 @@ def pull_off_reason(program, runs, name):
         reason += ("; Table 3 instead of the direct solution makes up the rest of its own value. Tried: "
                    f"delta_A = 0.30 nm gives "
                    f"{tried.number('fit:paper', 'pull_off_force') / MN:.1f} mN with the fits, retraction "
-                   f"{back.number('hybrid', 'pull_off_force') / MN:.1f} mN solved directly")
+                   f"{back.number('md_plastic', 'pull_off_force') / MN:.1f} mN solved directly")
     return reason
 
 
@@ -189,7 +189,7 @@ def stiffness_reason(runs, name):
     if name == "III":
         return ("Unexplained. With delta_A = 0.30 nm the fits are stiffest at "
                 f"{runs['delta_A'].place('fit:paper', 'peak_stiffness'):.2f}; on "
-                f"retraction directly at {runs['retraction'].place('hybrid', 'peak_stiffness'):.2f}, "
+                f"retraction directly at {runs['retraction'].place('md_plastic', 'peak_stiffness'):.2f}, "
                 f"the fits at {runs['retraction'].place('fit:paper', 'peak_stiffness'):.2f}")
     return ("It depends on t, nu and the standard deviation and offset of heights, which the paper does not "
             "state")

@@ -45,22 +45,6 @@ pub enum LawError {
     /// The law is fitted to one asperity, and there are asperities of many radii.
     #[error("it is a fit to one asperity, and asperities differ in their radii")]
     OneRadius,
-    /// The law is fitted to one asperity, and tops that have flowed have radii of their own.
-    #[error(
-        "it is a fit to one radius, so tops that have flowed have to keep it: unloading = \"ekk\", unloaded_radius = \"kept\""
-    )]
-    NotFlattened,
-    /// The unloading is of other contacts than the law's.
-    #[error(
-        "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic and capillary alone, \"ekk\" \
-         (Etsion, Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but md_plastic and capillary"
-    )]
-    NoUnloading {
-        /// Name of the law.
-        law: &'static str,
-        /// Name of the unloading.
-        unloading: &'static str,
-    },
     /// The range of the published fits is so large that no number holds their forces.
     #[error("the published fits give forces of this asperity that are no numbers")]
     NoFit,

@@ -8,7 +8,7 @@ use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
 use super::scale::Asperity;
-use super::unloading::{Loop, Unloading};
+use super::unloading::Loop;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -131,17 +131,12 @@ impl SurfaceLoops {
     ///
     /// # Errors
     /// As [`Loop::new`] for one of these two.
-    pub fn of_radii(
-        model: Model,
-        asperity: Asperity,
-        unloading: Unloading,
-        (least, most): (f64, f64),
-    ) -> Result<Self, LawError> {
+    pub fn of_radii(model: Model, asperity: Asperity, (least, most): (f64, f64)) -> Result<Self, LawError> {
         let of_radius = move |radius: f64| {
             let parameters =
                 LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
             let inner_state = InnerState::Ignored;
-            Loop::new(&model, &LawParameters { table_range: None, inner_state, ..parameters }, unloading)
+            Loop::new(&model, &LawParameters { table_range: None, inner_state, ..parameters })
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;

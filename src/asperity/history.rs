@@ -24,10 +24,10 @@ impl Path {
 ///
 /// # Examples
 /// ```
-/// use stiction::asperity::{ContactHistory, LawParameters, Loop, UnloadedRadius, Path, model};
+/// use stiction::asperity::{ContactHistory, LawParameters, Loop, Path, model};
 ///
 /// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
-/// let cycle = Loop::new(&model("jkr").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let cycle = Loop::new(&model("jkr").unwrap(), &parameters)?;
 /// assert_eq!(cycle.history(-0.1), ContactHistory::Untouched);
 /// assert_eq!(cycle.history(0.1), ContactHistory::Touched);
 /// # Ok::<(), stiction::asperity::LawError>(())

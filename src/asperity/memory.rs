@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | has not touched | pieces of the law on approach | at the capture, into contact | |
 //! | has touched | pieces of the law on retraction, and above ω_c those on approach | | at the end of what retraction does not share with approach, to "has not touched" |
-//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact, without load where it outlasts that; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
+//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
 //!
 //! Laws of which the unloading is not known retrace their approach in every state.
 //!
@@ -18,8 +18,8 @@ use super::block::Responses;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
-use super::springback::{Springback, within};
 use super::stats::SolverStats;
+use super::top::within;
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
@@ -122,7 +122,7 @@ impl Memory<'_> {
     /// The interference from which the asperity flows, m; ∞ where it does not, or where what follows is not known.
     pub fn onset(&self) -> f64 {
         match self {
-            Self::Loop(cycle) if cycle.flows() => cycle.onset,
+            Self::Loop(cycle) if cycle.flows() => cycle.critical(),
             _ => f64::INFINITY,
         }
     }
@@ -164,30 +164,11 @@ impl Memory<'_> {
         }
         let residual = largest - cycle.recovery(largest);
         let ratio = cycle.radius_ratio(largest);
-        let kinks = cycle.flattened_kinks(largest);
-        let is_own = matches!(cycle.springback, Springback::Flattened(_) | Springback::Elastic(None));
-        let own = is_own.then(|| cycle.of(cycle.lane(ratio)));
-        let own = own.as_ref().unwrap_or(cycle);
-        let [release, capture, lost] = match (&cycle.springback, kinks) {
-            // JKR's contact begins where the surfaces meet.
-            (Springback::Elastic(Some(_)), Some([.., release, _])) => [release, 0.0, release],
-            (Springback::Powers(_) | Springback::Punch(_), Some([.., release, _])) => [release; 3],
-            // A top that has let go is an asperity of the law, of its own radius.
-            _ => [own.release(), own.capture, own.lost()],
-        };
-        let lost_contact = lowered(own, Path::Approach, f64::NEG_INFINITY..capture, residual);
-        let mut contact = lowered(own, Path::Retraction, lost..release, residual);
-        let end = release + residual;
-        let unloading = |within| Segment::unloading(within, UNLOADING);
-        match (&cycle.springback, kinks) {
-            (Springback::Punch(_), Some([.., opening])) => {
-                let opened = Segment::unloading(opening + residual..largest, 1);
-                contact.push(Segment::unloading(end..opening + residual, 2));
-                contact.push(Segment { smoothness: Smoothness::Smooth, ..opened });
-            }
-            (Springback::Elastic(_) | Springback::Flattened(_), _) => contact.push(unloading(end..largest)),
-            _ => contact.extend([end..residual, residual..largest].map(unloading)),
-        }
+        // A top that has let go is an asperity of the law, of its own radius.
+        let own = cycle.of(cycle.lane(ratio));
+        let lost_contact = lowered(&own, Path::Approach, f64::NEG_INFINITY..own.capture, residual);
+        let mut contact = lowered(&own, Path::Retraction, own.lost()..own.release(), residual);
+        contact.push(Segment::unloading(own.release() + residual..largest));
         let mut virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
         virgin.retain(|segment| segment.upper > largest);
         virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
@@ -230,13 +211,9 @@ impl Memory<'_> {
             }
             Source::Lowered(path, regime) => {
                 let (law, mut own) = (self.law(path), [interference - flowed.residual]);
-                if cycle.own_radii {
-                    let lane = [cycle.lane(flowed.ratio)];
-                    within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
-                    law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
-                } else {
-                    law.evaluate(regime, Lanes::Own, &own, out, stats);
-                }
+                let lane = [cycle.lane(flowed.ratio)];
+                within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
+                law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
             }
         }
         [out.adhesion[0], out.contact[0], out.area[0]]
@@ -255,8 +232,8 @@ impl Loop {
 
 impl Segment {
     /// A contact that has flowed, in an interval of δ, m, at whose lower end it varies like a root.
-    fn unloading(within: Range<f64>, order: i32) -> Self {
-        let smoothness = Smoothness::Root { end: End::Lower, place: within.start, order };
+    fn unloading(within: Range<f64>) -> Self {
+        let smoothness = Smoothness::Root { end: End::Lower, place: within.start, order: UNLOADING };
         let Range { start: lower, end: upper } = within;
         Self { source: Source::Unloading, lower, upper, next: [None; 2], smoothness }
     }

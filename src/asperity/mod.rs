@@ -14,7 +14,6 @@ mod bridge;
 pub mod contact;
 #[doc(hidden)]
 pub mod curve;
-mod decohesion;
 #[doc(hidden)]
 pub mod elastic;
 #[doc(hidden)]
@@ -40,7 +39,6 @@ pub mod models;
 #[doc(hidden)]
 pub mod noncontact;
 mod parameters;
-mod plastic_unloading;
 #[doc(hidden)]
 pub mod quantity;
 #[doc(hidden)]
@@ -49,11 +47,11 @@ mod retraction;
 #[doc(hidden)]
 pub mod scale;
 mod solved;
-mod springback;
 mod starts;
 mod stats;
 #[doc(hidden)]
 pub mod table;
+mod top;
 mod turned;
 #[doc(hidden)]
 pub mod unloading;
@@ -83,4 +81,4 @@ pub use stats::SolverStats;
 pub use table::{Interaction, Row, Table};
 #[doc(hidden)]
 pub use turned::Turned;
-pub use unloading::{Loop, UnloadedRadius, Unloading};
+pub use unloading::Loop;

@@ -86,7 +86,12 @@ impl Model {
 
     /// The plastic contact of a law that takes any; none of one that has its own, or none.
     pub fn contact(&self) -> Option<PlasticContact> {
-        (self.validity.plasticity == Plasticity::FlattenedTop).then_some(self.contact)
+        self.unloads_flow().then_some(self.contact)
+    }
+
+    /// Whether it knows how contacts unload that have flowed.
+    pub(crate) fn unloads_flow(&self) -> bool {
+        self.validity.plasticity == Plasticity::FlattenedTop
     }
 
     /// The law with a liquid, of which it makes nothing where it is not for one.
@@ -200,11 +205,9 @@ pub struct Validity {
 pub enum Plasticity {
     /// None: the law is elastic only.
     Without,
-    /// Kogut and Etsion's, of which an unloading is published.
-    KogutEtsion,
-    /// Another.
-    Other,
-    /// Any, under an adhesion that follows the flattened top.
+    /// Loading alone: of tops that have flowed it knows no outline. The contact is that of `md_plastic` which is nearest.
+    Loading(PlasticContact),
+    /// Any, under an adhesion that follows the flattened top, on loading and unloading.
     FlattenedTop,
 }
 

@@ -3,8 +3,8 @@
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
-use super::springback::{POWERS, Springback, Top, within};
 use super::stats::SolverStats;
+use super::top::{Top, within};
 use super::unloading::{Loop, begin_of};
 use crate::math::roots::{Sample, safe_newton};
 
@@ -15,29 +15,20 @@ const KINK_PARTS: usize = 64;
 const STEP: f64 = 1e-6;
 
 impl Loop {
-    /// The ω_max, m, between limits on one regime of flow, of the asperities that come into a regime before contact from above
-    /// at a distance, m; of radii of their own; the lower limit where none of them have yet, the upper where all have.
-    fn let_go_from(&self, distance: f64, regime: usize, limits: (f64, f64)) -> f64 {
-        self.passing(distance, limits, |largest| self.left_at(regime, largest))
-    }
-
-    /// The ω_max, m, between limits on one regime of flow, at which a distance that rises with ω_max, about as the recovery
-    /// does, is `wanted`, m; the lower limit where it is more for all of them, the upper where it is less.
-    fn passing(&self, wanted: f64, (begin, end): (f64, f64), distance: impl Fn(f64) -> f64) -> f64 {
+    /// The ω_max, m, between limits on one regime of flow, above which asperities are still in contact, or deeper than a regime
+    /// before it, at a distance, m: the lower limit where all are, the upper where none is.
+    fn let_go_from(&self, distance: f64, regime: usize, (begin, end): (f64, f64)) -> f64 {
         let low = begin.next_up();
-        let beyond = |largest: f64| wanted - distance(largest);
+        let beyond = |largest: f64| distance - self.left_at(regime, largest);
         if !(low < end && beyond(low) > 0.0) {
             return begin;
         }
         if end.is_finite() && beyond(end) > 0.0 {
             return end;
         }
-        let slope: Box<dyn Fn(f64) -> f64 + '_> = match &self.springback {
-            Springback::Powers(plastic) => Box::new(|largest| plastic.slope(largest)),
-            _ => Box::new(|largest| {
-                let step = STEP * largest.abs().max(self.onset.abs());
-                (self.recovery(largest + step) - self.recovery(largest)) / step
-            }),
+        let slope = |largest: f64| {
+            let step = STEP * largest.abs().max(self.critical().abs());
+            (self.recovery(largest + step) - self.recovery(largest)) / step
         };
         let mut reach = low.abs();
         while low + reach < end && beyond(low + reach) > 0.0 {
@@ -45,7 +36,7 @@ impl Loop {
         }
         let high = end.min(low + reach);
         let sample = |largest: f64| Sample { value: beyond(largest), slope: -slope(largest) };
-        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
+        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * distance;
         safe_newton(sample, low, high, high, close).x
     }
 
@@ -66,22 +57,19 @@ impl Loop {
         let mut meetings: Vec<f64> =
             further.iter().map(|further| self.capture - self.release() + further).collect();
         let boundaries = &self.approach.boundaries()[self.first_plastic - 1..];
-        for largest in boundaries.iter().map(|end| end.interference).chain([self.onset]) {
+        for largest in boundaries.iter().map(|end| end.interference) {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
             if self.flows() {
                 let above = largest.next_up();
                 let detachment = self.detachment(above).unwrap_or(f64::NAN);
-                let left_at = |regime: usize| {
-                    if self.own_radii { self.left_at(regime, above) } else { detachment + further[regime] }
-                };
-                meetings.extend((0..self.first_contact).map(left_at));
+                meetings.extend((0..self.first_contact).map(|regime| self.left_at(regime, above)));
                 meetings.push(detachment + further[self.first_contact]);
                 meetings.push(self.recovery(above));
             }
         }
-        // Tops of radii of their own let go at other distances below a joint than above it.
-        for joint in boundaries.iter().skip(1).filter(|_| self.own_radii) {
+        // Tops let go at other distances below a joint than above it.
+        for joint in boundaries.iter().skip(1).filter(|_| self.flows()) {
             meetings.extend((0..self.first_contact).map(|regime| self.left_at(regime, joint.interference)));
         }
         meetings
@@ -146,8 +134,7 @@ impl<'a> Retraction<'a> {
             base: Vec::with_capacity(16),
             boundaries: Vec::with_capacity(16),
         };
-        let Loop { approach, retraction, capture, first_contact, first_plastic, onset, .. } = cycle;
-        let elastic = cycle.elastic_regimes().0;
+        let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
@@ -157,12 +144,10 @@ impl<'a> Retraction<'a> {
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on retraction it is known again.
-        let top = approach
-            .boundaries()
-            .get(first_plastic - 1)
-            .map(|end| if flows { Boundary { interference: *onset, ..*end } } else { shifted(*end) });
-        for regime in 0..elastic {
-            let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < elastic);
+        let top =
+            approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
+        for regime in 0..*first_plastic {
+            let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
             let end = end.map(|end| higher(shifted(*end), captured));
             let end = match (end, top) {
                 (Some(end), Some(top)) => Some(lower(end, top)),
@@ -177,34 +162,22 @@ impl<'a> Retraction<'a> {
     }
 
     /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
-    /// regime to the next, tops of radii of their own can let go sooner above the jump than below it.
+    /// regime to the next, tops can let go sooner above the jump than below it.
     fn push_flowed(&mut self, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
-        let Self { cycle, distance, .. } = *self;
+        let Self { cycle, .. } = *self;
         let boundaries = cycle.approach.boundaries();
-        let flowing: Vec<usize> = (cycle.elastic_regimes().1..cycle.approach.regimes().len()).collect();
         let mut begin = onset;
-        for regimes in flowing.chunks(if cycle.own_radii { 1 } else { flowing.len() }) {
-            let top = regimes.last().and_then(|last| boundaries.get(*last)).map(|top| higher(*top, begin));
+        for regime in cycle.first_plastic..cycle.approach.regimes().len() {
+            let top = boundaries.get(regime).map(|top| higher(*top, begin));
+            let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
             let mut end = begin;
-            for regime in 0..cycle.first_contact {
-                let Boundary { interference, belongs_below } = cycle.retraction.boundaries()[regime];
-                let interference = match &cycle.springback {
-                    Springback::Powers(plastic) if !cycle.own_radii => {
-                        plastic.recovered_from(interference + distance)
-                    }
-                    _ => let_go(
-                        regime,
-                        (begin.interference, top.map_or(f64::INFINITY, |top| top.interference)),
-                    ),
-                };
-                end = higher(Boundary { interference, belongs_below }, begin);
+            for before in 0..cycle.first_contact {
+                let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
+                end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
                 end = top.map_or(end, |top| lower(end, top));
-                self.push(Condition::Lowered(regime), Some(end));
+                self.push(Condition::Lowered(before), Some(end));
             }
-            for &regime in regimes {
-                let upper = boundaries.get(regime).map(|upper| higher(*upper, end));
-                self.push(Condition::Unloading(regime), upper);
-            }
+            self.push(Condition::Unloading(regime), boundaries.get(regime).map(|upper| higher(*upper, end)));
             begin = top.unwrap_or(end);
         }
     }
@@ -252,34 +225,22 @@ impl<'a> Retraction<'a> {
         moved.filter(|piece| piece.lower < piece.upper)
     }
 
-    /// Pieces of a contact that is unloaded: before the place where the load ends, or an edge begins to open, and after
-    /// it.
+    /// Pieces of a contact that is unloaded, which ends like a root.
     fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
-        let (cycle, distance) = (self.cycle, self.distance);
-        let root = |place: f64, order: i32| match order {
+        let smoothness = match self.order() {
             1 => Smoothness::Smooth,
-            _ => Smoothness::Root { end: End::Lower, place, order },
+            order => Smoothness::Root { end: End::Lower, place: limits.0, order },
         };
-        // From where contact lasts.
-        let lowered = |condition: &Condition| matches!(condition, Condition::Lowered(_));
-        let lost = self.conditions[..index].iter().rposition(lowered);
-        let lost = lost.map_or(limits.0, |lost| self.boundaries[lost].interference);
-        let lost = root(lost, cycle.springback.order(cycle.retraction()));
-        let (kink, before, after) = match &cycle.springback {
-            Springback::Powers(plastic) => {
-                let unloaded = plastic.recovered_from(distance);
-                (unloaded, Some(lost), root(unloaded, POWERS))
-            }
-            Springback::Elastic(_) | Springback::Flattened(_) => (limits.0, None, lost),
-            Springback::Punch(_) => {
-                let opening = |largest: f64| cycle.opening(largest);
-                (cycle.passing(distance, limits, opening), Some(lost), Smoothness::Smooth)
-            }
-        };
-        let below = self.moved(index, (limits.0, limits.1.min(kink)), |place| place);
-        let below = below.map(|piece| Piece { smoothness: before.unwrap_or(piece.smoothness), ..piece });
-        let above = self.moved(index, (limits.0.max(kink), limits.1), |place| place);
-        below.chain(above.map(|piece| Piece { smoothness: after, ..piece })).collect()
+        self.moved(index, limits, |place| place).map(|piece| Piece { smoothness, ..piece }).collect()
+    }
+
+    /// Order of the root by which a contact varies at its end.
+    fn order(&self) -> i32 {
+        let pieces = self.cycle.retraction.pieces_of(self.cycle.first_contact, None);
+        match pieces.first().map(|piece| piece.smoothness) {
+            Some(Smoothness::Root { end: End::Lower, order, .. }) => order,
+            _ => 1,
+        }
     }
 
     /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
@@ -353,25 +314,18 @@ impl Law for Retraction<'_> {
     fn pieces_of(&self, index: usize, _: Option<&Lane>) -> Vec<Piece> {
         let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
         let limits = (begin_of(self, index), upper);
-        match (self.conditions[index], &self.cycle.springback) {
-            (Condition::Untouched(_) | Condition::Elastic(_), _) => {
+        match self.conditions[index] {
+            Condition::Untouched(_) | Condition::Elastic(_) => {
                 self.moved(index, limits, |place| place + self.distance).collect()
             }
-            (Condition::Lowered(_), Springback::Powers(plastic)) if !self.cycle.own_radii => {
-                self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)).collect()
-            }
-            (Condition::Lowered(_), _) => self.flattened(index, limits),
-            (Condition::Unloading(_), _) => self.unloading(index, limits),
+            Condition::Lowered(_) => self.flattened(index, limits),
+            Condition::Unloading(_) => self.unloading(index, limits),
         }
     }
 
     fn method(&self, regime: usize) -> Method {
         let condition = self.conditions[regime];
-        let varies = match condition {
-            Condition::Unloading(_) => true,
-            Condition::Lowered(_) => self.cycle.own_radii,
-            Condition::Untouched(_) | Condition::Elastic(_) => false,
-        };
+        let varies = matches!(condition, Condition::Unloading(_) | Condition::Lowered(_));
         match self.law(condition).method(condition.regime()) {
             Method::Constant(_) if varies => Method::ClosedForm,
             method => method,
@@ -394,20 +348,15 @@ impl Law for Retraction<'_> {
         }
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
-        match (condition, &self.cycle.springback) {
-            (Condition::Lowered(_), Springback::Powers(plastic)) if !self.cycle.own_radii => {
-                plastic.recoveries(interference, own);
-            }
-            (Condition::Lowered(_), _) => {
-                let mut tops = vec![Top::default(); interference.len()];
-                self.cycle.tops(interference, &mut tops, out, stats);
-                own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
-                let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
-                within(law, base, &lanes, own, f64::NEG_INFINITY);
-                return law.evaluate(base, Lanes::each(&lanes), own, out, stats);
-            }
-            _ => own.copy_from_slice(interference),
+        if let Condition::Lowered(_) = condition {
+            let mut tops = vec![Top::default(); interference.len()];
+            self.cycle.tops(interference, &mut tops, out, stats);
+            own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
+            let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
+            within(law, base, &lanes, own, f64::NEG_INFINITY);
+            return law.evaluate(base, Lanes::each(&lanes), own, out, stats);
         }
+        own.copy_from_slice(interference);
         own.iter_mut().for_each(|delta| *delta -= self.distance);
         // Rounding must not lead out of the regime.
         let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);

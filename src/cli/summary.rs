@@ -5,13 +5,13 @@ use super::describe::{height_std, title, unit};
 use super::independence::independence;
 use super::instability::instability;
 use super::rows::{labelled, paragraph};
-use crate::asperity::{Path, Quantity, Unloading};
+use crate::asperity::{Path, Quantity};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
 use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
-use crate::format::{duration, percent, si, si_all, si_with_error, signed_percent};
+use crate::format::{duration, percent, si, si_all, si_with_error};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
@@ -32,7 +32,6 @@ pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     text += "\n";
     text += &verdict(&results.joint);
     text += &independence(&results.independence, &results.scene);
-    text += &flowed_tops(results);
     text += &sums(&results.summation);
     text += &coupling::troubles(results);
     text += &open_loops(results);
@@ -251,16 +250,8 @@ fn cycle(results: &Results) -> String {
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(
             "",
-            match results.scene.unloading {
-                Unloading::FlattenedTop => {
-                    "no result: a loop cannot give out energy. Contacts flow by adhesion alone, of which their \
-                     plastic contact does not know: see the warning"
-                }
-                _ => {
-                    "no result: a loop cannot give out energy. The adhesion of loading is not that of unloading; \
-                     model.law = \"md_plastic\" has one for both"
-                }
-            },
+            "no result: a loop cannot give out energy. Contacts flow by adhesion alone, of which their plastic contact does \
+             not know: see the warning",
         );
     }
     if let Some(mean) = results.scalar("repeated_dissipated_energy") {
@@ -320,16 +311,6 @@ pub(super) fn verdict(joint: &JointTest) -> String {
         ),
     };
     labelled("cross-check", &text)
-}
-
-/// The pull-off with the other radius of tops that have flowed: so uncertain is the model.
-fn flowed_tops(results: &Results) -> String {
-    let by_radius = results.retraction.as_ref().and_then(|retraction| retraction.by_radius);
-    let Some([(_, force), (other, other_force)]) = by_radius.filter(|[(_, force), _]| *force > 0.0) else {
-        return String::new();
-    };
-    let (name, change) = (other.name(), signed_percent(other_force / force - 1.0));
-    labelled("flowed tops", &format!("{change} by the integral with unloaded_radius = \"{name}\""))
 }
 
 /// Sums by moments and their error, or the reason why surfaces were summed directly although they were asked for.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::models::model;
-use crate::asperity::{Asperity, Law, LawParameters, Loop, Path, UnloadedRadius};
+use crate::asperity::{Asperity, Law, LawParameters, Loop, Path};
 use crate::engine::stream::{Purpose, stream};
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::{Heights, Places};
@@ -77,7 +77,7 @@ impl Given {
         let each = |radius: &f64| {
             let own = Asperity { radius: *radius, ..*of };
             let parameters = parameters(&own, Path::Approach);
-            let cycle = Loop::new(&model, &parameters, UnloadedRadius::Kept).unwrap();
+            let cycle = Loop::new(&model, &parameters).unwrap();
             (model.law(&parameters).unwrap(), cycle, parameters.scale.length)
         };
         let (radii, of_each) = distinct(&self.radii);
@@ -202,7 +202,7 @@ impl Case {
         ][number - 1];
         let asperity = Asperity { lubricant_thickness: 0.5e-9, ..asperity(radius, 85.29e9, work) };
         let parameters = parameters(&asperity, Path::Approach);
-        let cycle = Loop::new(&model(law).unwrap(), &parameters, UnloadedRadius::Kept).unwrap();
+        let cycle = Loop::new(&model(law).unwrap(), &parameters).unwrap();
         let side = (count as f64 / density).sqrt();
         let tops = density * radius;
         let std = (sigma * sigma - 3.717e-4 / (tops * tops)).sqrt();
@@ -247,7 +247,7 @@ impl Case {
 /// its own).
 #[test]
 fn case_iii_comes_down_in_an_avalanche() {
-    let case = Case::new(3, 600, "hybrid");
+    let case = Case::new(3, 600, "md_plastic");
     let mut solver = case.solver(Coupling::Patch, 1e-9);
     let mut largest = (0, 0.0);
     let (mut touched, mut before) = (0, 0.0);
@@ -276,7 +276,7 @@ fn loads_keep_their_tolerance() {
         (1, Coupling::Periodic, contact),
         (2, Coupling::Patch, contact),
     ] {
-        let case = Case::new(number, 150, "hybrid");
+        let case = Case::new(number, 150, "md_plastic");
         let [found, precise] = [1e-9, 1e-13].map(|tolerance| {
             let mut solver = case.solver_by(kernel, coupling, tolerance);
             let go = |k: i32| {
@@ -308,7 +308,7 @@ fn loads_keep_their_tolerance() {
 /// is not, an asperity has passed on the way there, with one of the two.
 #[test]
 fn steps_do_not_matter() {
-    let case = Case::new(2, 200, "hybrid");
+    let case = Case::new(2, 200, "md_plastic");
     for coupling in [Coupling::Periodic, Coupling::Patch] {
         let on = |step: f64| {
             let mut solver = case.solver(coupling, 1e-11);
@@ -333,9 +333,9 @@ fn steps_do_not_matter() {
 /// Moved by a part of a period, and mirrored, a repeated square has the same force.
 #[test]
 fn a_repeated_square_may_be_moved_and_mirrored() {
-    let case = Case::new(2, 100, "hybrid");
+    let case = Case::new(2, 100, "md_plastic");
     let force = |places: Vec<[f64; 2]>| {
-        let moved = Case { places, ..Case::new(2, 100, "hybrid") };
+        let moved = Case { places, ..Case::new(2, 100, "md_plastic") };
         let mut solver = moved.solver(Coupling::Periodic, 1e-11);
         moved.curve(&mut solver, [4.0, 3.5, 3.0, 2.5].into_iter()).last().unwrap().0
     };

@@ -45,7 +45,7 @@ pub struct Substrate<'a> {
     pub reduced_modulus: f64,
     /// The history of the surfaces.
     pub history: Path,
-    /// Memory of asperities; none where the unloading of their law is not known.
+    /// Memory of asperities.
     pub memory: Option<&'a SurfaceLoops>,
     /// The length over which the law of the typical asperity varies, m.
     pub length: f64,

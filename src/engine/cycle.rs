@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 ///
 /// # Examples
 /// ```
-/// use stiction::asperity::{LawParameters, Loop, Path, UnloadedRadius, model};
+/// use stiction::asperity::{LawParameters, Loop, Path, model};
 /// use stiction::engine::{Cycle, Job, Protocol};
 /// use stiction::surface::Surface;
 ///
 /// // Hertz's contact has no hysteresis, so nothing is lost.
 /// let parameters = LawParameters::scaled(1.0, Path::Approach)?;
-/// let cycle = Loop::new(&model("hertz").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let cycle = Loop::new(&model("hertz").unwrap(), &parameters)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
 /// let protocol = Protocol { cycle: Some(&cycle), ..Protocol::default() };
 /// let job = Job { protocol, ..Job::new(cycle.approach(), &surface, &[0.0, 1.0, 2.0], 8, 1) };

@@ -119,10 +119,7 @@ impl Kinks {
         let Some(cycle) = job.protocol.cycle else {
             return Self { approach, strays, retraction: Default::default() };
         };
-        let back = [cycle.retraction(), cycle.contact()];
-        let distinct = if std::ptr::addr_eq(back[0], back[1]) { &back[..1] } else { &back };
-        let back = distinct.iter().flat_map(|law| Kink::of(*law, width));
-        let known: Vec<Kink> = approach.iter().copied().chain(back).collect();
+        let known: Vec<Kink> = approach.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
         let retraction = cycle.kinks().map(|kinks| {
             // What begins or ends on retraction alone does so with about as much as what does so before
             // contact.

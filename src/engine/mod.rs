@@ -120,12 +120,12 @@ pub struct Job<'a> {
 ///
 /// # Examples
 /// ```
-/// use stiction::asperity::{LawParameters, Loop, Path, UnloadedRadius, model};
+/// use stiction::asperity::{LawParameters, Loop, Path, model};
 /// use stiction::engine::{Cycle, Job, Protocol};
 /// use stiction::surface::Surface;
 ///
 /// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
-/// let cycle = Loop::new(&model("md").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let cycle = Loop::new(&model("md").unwrap(), &parameters)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
 /// let separations: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k)).collect();
 /// let protocol = Protocol { cycle: Some(&cycle), ..Protocol::default() };

@@ -13,9 +13,8 @@ const FLOWED: usize = ContactHistory::Flowed as usize;
 const ROUNDINGS: f64 = 32.0;
 /// Largest ratio of the strays of flattened tops of the same radius to the stray of a kink.
 const UNLIKE: f64 = 1.5;
-/// Kinks of a top that has a radius of its own, and which of them is the end of contact.
-const OF_TOP: usize = 4;
-const CONTACT_END: usize = 2;
+/// Kinks of a top that has flowed, the last two the ends of its film or bridge and of contact.
+const OF_TOP: usize = 3;
 
 /// A surface on retraction from one separation, all heights held.
 pub(super) struct Retracted<'a> {
@@ -23,8 +22,7 @@ pub(super) struct Retracted<'a> {
     cycle: &'a Loop,
     /// Kinks in δ, by what has become of an asperity.
     kinks: [Vec<Kink>; 3],
-    /// Separations h, m, of the kinks of asperities that have flowed, where their tops have radii of their
-    /// own.
+    /// Tops of the asperities that have flowed.
     flattened: &'a [FlattenedTop],
     /// m, rising.
     heights: &'a [f64],
@@ -51,7 +49,7 @@ pub(super) struct Released {
     history: usize,
 }
 
-/// A top that has flowed and has a radius of its own.
+/// A top that has flowed.
 pub(super) struct FlattenedTop {
     /// Separations h of its kinks, m.
     places: [f64; OF_TOP],
@@ -71,18 +69,19 @@ pub(super) struct Pulled<'a> {
 }
 
 impl FlattenedTop {
-    /// The tops that have flowed; none where tops keep their radius.
+    /// The tops that have flowed.
     pub fn of(Pulled { job, cycle, heights, from }: Pulled<'_>) -> Vec<Self> {
         let closest = job.surface.asperity_separation(from);
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         let top = |largest: f64| {
-            let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
-            Some(Self {
+            let (kinks, recovery) = (cycle.flattened_kinks(largest), cycle.recovery(largest));
+            let [_, film, contact] = kinks;
+            Self {
                 places: kinks.map(|kink| from + recovery - kink),
-                lost: [recovery - kinks[CONTACT_END - 1], recovery - kinks[CONTACT_END]],
-            })
+                lost: [recovery - film, recovery - contact],
+            }
         };
-        heights[first..].iter().map_while(|u| top(u - closest)).collect()
+        heights[first..].iter().map(|u| top(u - closest)).collect()
     }
 
     /// Whether it passes a kink in `low..=high`, h in m.
@@ -92,7 +91,7 @@ impl FlattenedTop {
 }
 
 impl<'a> Retracted<'a> {
-    /// A surface whose asperities have kinks, and tops of radii of their own if there are any.
+    /// A surface whose asperities have kinks, and tops if any have flowed.
     pub fn new(
         Pulled { job, cycle, heights, from }: Pulled<'a>,
         kinks: &[Vec<Kink>; 3],
@@ -103,22 +102,13 @@ impl<'a> Retracted<'a> {
         let ends =
             ContactHistory::ALL.map(|last| heights.partition_point(|u| cycle.history(u - closest) <= last));
         let mut kinks = kinks.clone();
-        if !flattened.is_empty() {
-            // Forces grow with the radius.
-            let flattest = heights[ends[FLOWED - 1]..]
-                .iter()
-                .map(|u| cycle.radius_ratio(u - closest))
-                .fold(1.0, f64::max);
-            for kink in &mut kinks[FLOWED] {
-                (kink.fall, kink.stray) = (flattest * kink.fall, kink.stray.times(UNLIKE * flattest));
-            }
+        // Forces grow with the radius.
+        let flattest =
+            heights[ends[FLOWED - 1]..].iter().map(|u| cycle.radius_ratio(u - closest)).fold(1.0, f64::max);
+        for kink in &mut kinks[FLOWED] {
+            (kink.fall, kink.stray) = (flattest * kink.fall, kink.stray.times(UNLIKE * flattest));
         }
         Self { job, cycle, kinks, flattened, heights, ends, from, closest, sums, few: Vec::new() }
-    }
-
-    /// Whether asperities of a history have kinks of their own.
-    fn is_flattened(&self, history: usize) -> bool {
-        history == FLOWED && !self.flattened.is_empty()
     }
 
     /// The kink of a top that is not flattened which each of a flattened one is like: the last are alike.
@@ -128,7 +118,7 @@ impl<'a> Retracted<'a> {
 
     /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
     fn place(&self, asperity: &Released, number: usize) -> f64 {
-        if self.is_flattened(asperity.history) {
+        if asperity.history == FLOWED {
             return self.top(asperity).places[number];
         }
         self.from + asperity.recovery - self.kinks[asperity.history][number].interference
@@ -136,7 +126,7 @@ impl<'a> Retracted<'a> {
 
     /// The largest number of kinks of asperities of a history.
     fn count(&self, history: usize) -> usize {
-        if self.is_flattened(history) { OF_TOP } else { self.kinks[history].len() }
+        if history == FLOWED { OF_TOP } else { self.kinks[history].len() }
     }
 
     /// An asperity by its number among the heights.
@@ -154,7 +144,7 @@ impl<'a> Retracted<'a> {
         first + low..first + high
     }
 
-    /// The top of an asperity that has flowed and has a radius of its own.
+    /// The top of an asperity that has flowed.
     fn top(&self, asperity: &Released) -> &'a FlattenedTop {
         &self.flattened[asperity.number - self.ends[FLOWED - 1]]
     }
@@ -162,14 +152,10 @@ impl<'a> Retracted<'a> {
     /// External force, N, of a few asperities, rising, at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
         let distance = self.distance(separation);
-        let law = if self.flattened.is_empty() {
-            self.cycle.at(distance)
-        } else {
-            // Where each loses contact is known: to solve for it at every distance takes most of a search.
-            let flowed = asperities.iter().filter(|asperity| asperity.history == FLOWED);
-            let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).lost));
-            self.cycle.at_for(distance, &flowed.collect::<Vec<_>>())
-        };
+        // Where each loses contact is known: to solve for it at every distance takes most of a search.
+        let flowed = asperities.iter().filter(|asperity| asperity.history == FLOWED);
+        let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).lost));
+        let law = self.cycle.at_for(distance, &flowed.collect::<Vec<_>>());
         self.few.clear();
         self.few.extend(asperities.iter().map(|asperity| asperity.height));
         self.sums.over(&law, Some(law.base()), &self.few, self.closest);
@@ -193,7 +179,7 @@ impl Curve for Retracted<'_> {
     fn kinked(&mut self, low: f64, high: f64) -> Vec<Released> {
         let mut found = Vec::new();
         for (history, kinks) in self.kinks.iter().enumerate() {
-            if self.is_flattened(history) {
+            if history == FLOWED {
                 let is_near = |top: &FlattenedTop| (0..OF_TOP).any(|number| top.passes(number, low, high));
                 let near = self.flattened.iter().enumerate().filter(|(_, top)| is_near(top));
                 found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, history)));
@@ -216,7 +202,7 @@ impl Curve for Retracted<'_> {
             let first = asperities.partition_point(|asperity| asperity.history < history);
             let end = asperities.partition_point(|asperity| asperity.history <= history);
             for number in (0..self.count(history)).rev() {
-                let like = if self.is_flattened(history) { self.alike(number) } else { number };
+                let like = if history == FLOWED { self.alike(number) } else { number };
                 let kink = (history * KINKS + like) as u32;
                 for (i, asperity) in asperities[first..end].iter().enumerate() {
                     let place = self.place(asperity, number);
@@ -241,7 +227,7 @@ impl Curve for Retracted<'_> {
     }
 
     fn rounding(&self) -> f64 {
-        // A recovery is found by powers, and its inverse by solving.
+        // A recovery is found by solving.
         ROUNDINGS * rounding(self.job, self.heights.last().copied().unwrap_or(0.0))
     }
 
@@ -253,7 +239,7 @@ impl Curve for Retracted<'_> {
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
         for (history, kinks) in self.kinks.iter().enumerate() {
-            if self.is_flattened(history) {
+            if history == FLOWED {
                 for number in 0..OF_TOP {
                     let passing = |top: &&FlattenedTop| top.passes(number, low, high);
                     visit(kinks[self.alike(number)].fall, self.flattened.iter().filter(passing).count());

@@ -29,8 +29,7 @@ pub(super) trait Summed {
 }
 
 /// First touch and last contact of asperities of one radius, whose highest is known, m: the higher an
-/// asperity, the sooner it touches and the longer it keeps contact; by Mesarovic and Johnson's unloading but
-/// for one that has just not flowed.
+/// asperity, the sooner it touches and the longer it keeps contact.
 pub(super) fn of_highest(job: &Job<'_>, cycle: &Loop, highest: f64) -> (f64, f64) {
     let closest = job.separations[0];
     let detachment = cycle.detachment(highest - job.surface.asperity_separation(closest));

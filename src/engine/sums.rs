@@ -152,7 +152,7 @@ impl Sums {
     pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
         let d = |h: f64| job.surface.asperity_separation(h);
         match state.turned(job) {
-            Some((cycle, from, to)) if cycle.own_radii() => {
+            Some((cycle, from, to)) if cycle.flows() => {
                 self.flattened((job, cycle), heights, (from, d(from)), d(to));
             }
             Some((cycle, from, to)) => {

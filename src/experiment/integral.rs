@@ -2,14 +2,11 @@
 
 use crate::asperity::{self, Laws, Loop, Path, Quantity, Regime};
 use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
-use crate::math::extrema::{Extremum, Features, downhill, largest_secant, maximum};
+use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
-
-/// Steps of h* that see every dip of the integral.
-const SCAN: f64 = 0.5;
 
 /// Step of h* over which a slope is taken at an end of the separations.
 const END_STEP: f64 = 1e-4;
@@ -119,16 +116,6 @@ impl PathIntegral {
         let at = |h: f64| model.answer(&[h]);
         let read = Self::new(scene, model.answer(&scene.separations), at, |h| model.external_force(h));
         Self { forces: model.forces(), ..read }
-    }
-
-    /// The pull-off force of the integral of a loop, N, alone; 0 or negative where nothing pulls.
-    pub(crate) fn pull_off_of(scene: &Scene, cycle: &Loop) -> f64 {
-        let separations = &scene.separations;
-        let model = RetractionModel::new(cycle, &scene.surface, separations[0]);
-        let scan = if is_smooth(scene) { SCAN * scene.surface.surface_height_std } else { 0.0 };
-        let sample = |h: f64| model.answer(&[h]).expected[Quantity::ExternalForce.index()][0];
-        let curve = |h: f64| model.external_force(h);
-        -downhill(sample, curve, separations, (resolving(scene), scan)).value
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.

@@ -123,10 +123,6 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     if let Some(contact) = scene.model.contact() {
         writer.text("/", "plastic_contact", contact.name())?;
     }
-    if scene.cycle {
-        writer.text("/", "unloading", scene.unloading.name())?;
-        writer.text("/", "unloaded_radius", scene.unloading.radius().name())?;
-    }
     write_cycles(writer, scene)?;
     write_parameters(writer, scene)?;
     let asperity = &scene.asperity;

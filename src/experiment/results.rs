@@ -1,7 +1,7 @@
 //! Results of a run, for the file and for the summary.
 
 use super::integral::{PathIntegral, resolving};
-use crate::asperity::{FitReport, Laws, Loop, Quantity, UnloadedRadius};
+use crate::asperity::{FitReport, Laws, Loop, Quantity};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
@@ -78,9 +78,6 @@ pub(crate) struct RetractionResults {
     /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
-    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have, that is a choice, and the law can
-    /// be made for both.
-    pub by_radius: Option<[(UnloadedRadius, f64); 2]>,
 }
 
 impl RetractionResults {
@@ -96,18 +93,8 @@ impl RetractionResults {
             true => of_integral,
             false => near_features(force, scene, mean, &expectations.expected[q]),
         };
-        let by_radius = by_radius(scene, cycle, &of_integral);
-        Self { expectations, of_mean, of_integral, by_radius }
+        Self { expectations, of_mean, of_integral }
     }
-}
-
-/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is the radius of a
-/// loop with its features.
-fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
-    let other = scene.unloading.other_radius()?;
-    let cycle = scene.loop_law_of(other).ok().filter(|_| cycle.flows())?;
-    let pull_off = PathIntegral::pull_off_of(scene, &cycle);
-    Some([(scene.unloading.radius(), -features.minimum.value), (other.radius(), pull_off)])
 }
 
 impl Results {

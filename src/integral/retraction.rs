@@ -30,12 +30,12 @@ const LAST_TERM: f64 = 1e-6;
 ///
 /// # Examples
 /// ```
-/// use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, model};
+/// use stiction::asperity::{LawParameters, Loop, Path, Quantity, model};
 /// use stiction::integral::{Expectations, RetractionModel};
 /// use stiction::surface::Surface;
 ///
 /// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
-/// let cycle = Loop::new(&model("md").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let cycle = Loop::new(&model("md").unwrap(), &parameters)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
 /// let pulled = RetractionModel::new(&cycle, &surface, 0.0).answer(&[2.0]).expected;
 /// let approach = Expectations::new(cycle.approach(), &surface, &[2.0]).expected;

@@ -147,37 +147,6 @@ fn between(curve: impl Fn(f64) -> f64, places: &[f64], smallest: usize, value: f
     Extremum { place, value: curve(place), at_edge: false }
 }
 
-/// The minimum of [`Features::new`] without all samples, each of which has to be asked for: from the lowest of those that are
-/// `scan` apart downhill to one whose neighbours are higher.
-pub fn downhill(
-    sample: impl Fn(f64) -> f64,
-    curve: impl Fn(f64) -> f64,
-    places: &[f64],
-    (spacing, scan): (f64, f64),
-) -> Extremum {
-    let (places, _) = refined(|_| f64::NAN, places, places, spacing);
-    let mut known = vec![None; places.len()];
-    let mut value = |k: usize| *known[k].get_or_insert_with(|| sample(places[k]));
-    let (mut best, mut last) = (0, 0);
-    for k in 1..places.len() {
-        let is_next = places.get(k + 1).is_none_or(|next| next - places[last] > scan);
-        if is_next {
-            last = k;
-            best = if value(k) < value(best) { k } else { best };
-        }
-    }
-    loop {
-        let beside = [best.saturating_sub(1), (best + 1).min(places.len() - 1)];
-        let lower = beside.into_iter().fold(best, |best, k| if value(k) < value(best) { k } else { best });
-        if lower == best {
-            break;
-        }
-        best = lower;
-    }
-    let deepest = value(best);
-    between(curve, &places, best, deepest)
-}
-
 /// Most samples that are added to a curve.
 const MOST_ADDED: f64 = 400.0;
 
@@ -226,24 +195,6 @@ mod tests {
             assert!((features.steepest.place - 3f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
             assert!((features.steepest.value - 27f64.sqrt() / 8.0).abs() < 1e-4, "{features:?}");
         }
-    }
-
-    #[test]
-    fn the_way_downhill_leads_to_the_minimum_of_all_samples() {
-        let curve = |x: f64| -1.0 / (1.0 + x * x) - 0.9 / (1.0 + (x - 4.0).powi(2));
-        let places: Vec<f64> = (0..80).map(|i| -3.1 + 0.125 * f64::from(i)).collect();
-        let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
-        let asked = std::cell::Cell::new(0);
-        let count = |x: f64| {
-            asked.set(asked.get() + 1);
-            curve(x)
-        };
-        let all = Features::new(curve, &places, &values, 0.125).minimum;
-        assert_eq!(downhill(count, curve, &places, (0.125, 0.5)), all);
-        assert!(asked.get() < 27, "{}", asked.get());
-        // At an edge.
-        let rising = downhill(|x| x, |x| x, &places, (0.125, 0.5));
-        assert!(rising.at_edge && rising.place == -3.1, "{rising:?}");
     }
 
     /// Two samples on either side of what the curve does, and uneven ones, say as much as many.

@@ -8,9 +8,7 @@ use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{
-    Family, InnerState, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading,
-};
+use crate::asperity::{Family, InnerState, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops};
 use crate::engine::{Stopping, Ways};
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
@@ -65,8 +63,6 @@ pub struct Scene {
     pub cycle: bool,
     /// Cycles of a loop, at least 1; every cycle after the first repeats the second.
     pub cycles: u64,
-    /// Unloading of contacts that have flowed.
-    pub unloading: Unloading,
     /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
     /// The force that pulls the surfaces apart in the device, N, if there is one.
@@ -172,17 +168,9 @@ impl Scene {
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
         match self.ways() {
             Ways::One => Ok(None),
-            Ways::Loop => self.loop_law_of(self.unloading).map(Some),
-            Ways::Repeated => Loop::repeated(&self.model, &self.parameters()?, self.unloading).map(Some),
+            Ways::Loop => Loop::new(&self.model, &self.parameters()?).map(Some),
+            Ways::Repeated => Loop::repeated(&self.model, &self.parameters()?).map(Some),
         }
-    }
-
-    /// The loop of an asperity of the scene that is unloaded in one way or another once it has flowed.
-    ///
-    /// # Errors
-    /// As [`Loop::new`].
-    pub fn loop_law_of(&self, unloading: Unloading) -> Result<Loop, LawError> {
-        Loop::new(&self.model, &self.parameters()?, unloading)
     }
 
     /// The loops that coupled asperities remember their histories by, if they are coupled: before contact on the outermost of
@@ -196,11 +184,10 @@ impl Scene {
             return Ok(None);
         }
         let loops = if self.surface.is_polydisperse() {
-            SurfaceLoops::of_radii(self.model, self.asperity, self.unloading, RADIUS_RANGE)
+            SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE)
         } else {
             let parameters = LawParameters { inner_state: InnerState::Ignored, ..self.parameters()? };
-            Loop::new(&self.model, &parameters, self.unloading)
-                .map(|cycle| SurfaceLoops::All(Box::new(cycle)))
+            Loop::new(&self.model, &parameters).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
         };
         loops.map(Some)
     }

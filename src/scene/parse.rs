@@ -17,10 +17,11 @@ use super::separation::Tips;
 use super::shape::{shape, under_body};
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
+use super::validity::unknown_unloading;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
+use crate::asperity::{LawParameters, Path, PlasticContact, model};
 use crate::engine::Stopping;
 use crate::liquid::Meniscus;
 use crate::surface::{CountLaw, SamplingScheme, Shape, Surface};
@@ -117,7 +118,7 @@ impl<'a> Readings<'a> {
             .as_ref()
             .map_or(surface.asperity_radius, |shape| shape.touching(surface.asperity_radius));
         let asperity = material.asperity(radius, self.lubricant_thickness)?;
-        let ModelTable { law, history, cycle, unloading, critical_approach } = model;
+        let ModelTable { law, history, cycle, critical_approach } = model;
         let meniscus = self.liquid.as_ref().map(|liquid| liquid.meniscus);
         let law = wet(root, law, meniscus)?;
         let of_law = LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before");
@@ -171,7 +172,6 @@ impl<'a> Readings<'a> {
             history,
             cycle,
             cycles,
-            unloading,
             restoring_force: self.restoring_force,
             substrate,
             forces,
@@ -193,6 +193,7 @@ impl<'a> Readings<'a> {
                 None => SceneError::general(problem),
             }
         })?;
+        loading_alone(root, &scene)?;
         let law = scene.model;
         scene.with_background_of(&law).with_films().and_then(Scene::with_spread).map_err(|error| {
             SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
@@ -298,6 +299,19 @@ fn resolved(scene: &Scene) -> Result<(), String> {
     ))
 }
 
+/// Refuses to pull back tops that have flowed under a law of loading alone.
+fn loading_alone(root: &Section<'_>, scene: &Scene) -> Result<(), SceneError> {
+    let Some((flowing, contact)) = unknown_unloading(scene) else { return Ok(()) };
+    let entry = required(root, "model")?.value("history");
+    let flowing = if flowing < 10.0 { format!("{flowing:.1e}") } else { format!("{flowing:.0}") };
+    Err(entry.wrong(&format!(
+        "about {flowing} contacts of the run flow before the surfaces turn back, and the law {} is one of loading alone; write \
+         model.law = \"{DEFAULT_LAW}\" and model.plastic_contact = \"{}\", or history = \"approach\"",
+        scene.model.name,
+        contact.name()
+    )))
+}
+
 fn required<'a>(root: &Section<'a>, name: &'a str) -> Result<Section<'a>, SceneError> {
     Ok(root.section(name, true)?.expect("a required section is there or an error"))
 }
@@ -344,36 +358,6 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
     entry.measured().map(Some)
 }
 
-/// The unloading of contacts that have flowed; only a loop asks for it.
-fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<Unloading, SceneError> {
-    let given = [section.get("unloading"), section.get("unloaded_radius")];
-    if let Some(entry) = given.iter().flatten().find(|_| !cycle) {
-        return Err(entry
-            .wrong("it is for surfaces that are pulled back after they were pressed: history = \"loop\""));
-    }
-    let [of, radius] = given;
-    let unloading = match &of {
-        Some(entry) => Some((entry, entry.choice("unloading", &Unloading::ALL)?)),
-        None => None,
-    };
-    let radius = match &radius {
-        Some(entry) => Some((entry, entry.choice("unloaded_radius", &UnloadedRadius::ALL)?)),
-        None => None,
-    };
-    let Some(law) = law else { return Ok(UnloadedRadius::default().into()) };
-    if let Some((entry, own)) = unloading.filter(|(_, unloading)| !unloading.suits(law)) {
-        return Err(entry.wrong(&LawError::NoUnloading { law: law.name, unloading: own.name() }.to_string()));
-    }
-    match (unloading.map_or_else(|| Unloading::of(law), |(_, unloading)| unloading), radius) {
-        (Unloading::EtsionKligermanKadin(_), Some((_, radius))) => Ok(radius.into()),
-        (own, Some((entry, _))) => Err(entry.wrong(&format!(
-            "it is a choice of unloading = \"ekk\"; \"{}\" leaves tops with radii of their own: leave the key out",
-            own.name()
-        ))),
-        (own, None) => Ok(own),
-    }
-}
-
 /// The law with the plastic contact that is chosen for it.
 fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneError> {
     let contact = section.value("plastic_contact").choice("plastic_contact", &PlasticContact::ALL)?;
@@ -391,7 +375,6 @@ struct ModelTable {
     law: Model,
     history: Path,
     cycle: bool,
-    unloading: Unloading,
     critical_approach: Option<f64>,
 }
 
@@ -411,13 +394,8 @@ impl ModelTable {
             Ok(law) => critical_approach(section, law),
             Err(_) => Ok(None),
         };
-        let unloading = match &history {
-            Ok((_, cycle)) => unloading(section, law.as_ref().ok(), *cycle),
-            Err(_) => Ok(UnloadedRadius::default().into()),
-        };
-        let readings = (law, history, unloading, critical_approach);
-        let (law, (history, cycle), unloading, critical_approach) = readings.together()?;
-        Ok(Self { law, history, cycle, unloading, critical_approach })
+        let (law, (history, cycle), critical_approach) = (law, history, critical_approach).together()?;
+        Ok(Self { law, history, cycle, critical_approach })
     }
 }
 

@@ -299,7 +299,7 @@ mod tests {
         }
         // Fits are of one dry law, and of loops whose tops keep their radius.
         let (law, history, liquid) = match key.name {
-            "model.law" | "model.unloading" => ("hybrid", "loop", ""),
+            "model.law" => ("hybrid", "approach", ""),
             "model.plastic_contact" => ("md_plastic", "approach", ""),
             name if name.starts_with("capillary.") => ("capillary", "approach", liquid.as_str()),
             _ => return format!("{force}{scene}\n{table}"),
@@ -368,14 +368,13 @@ mod tests {
             let swept = sweep.scene(0).unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?} {:?}",
+                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?}",
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
                     scene.sums,
                     scene.substrate,
                     scene.model.name,
-                    scene.unloading,
                     scene.model.meniscus(),
                     scene.model.contact(),
                     scene.restoring_force

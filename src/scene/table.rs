@@ -11,8 +11,8 @@ use super::choices::{
 use super::keys::{Key, Sign, Value, key};
 use super::shape::SHAPES;
 use super::units::Dimension as Of;
+use crate::asperity::PlasticContact;
 use crate::asperity::models::MODELS;
-use crate::asperity::{PlasticContact, UnloadedRadius, Unloading};
 use crate::engine::{Estimator, SCALARS};
 use crate::liquid::{Bridges, Volume};
 use crate::surface::{CountLaw, SamplingScheme};
@@ -366,25 +366,6 @@ static FIRST: &[Key] = &[
              asperities have flowed.",
         )
         .defaults_to("\"approach\""),
-    key("model.unloading", "\"secant\"", Choice(|| names(&Unloading::ALL)))
-        .what("unloading of contacts that have flowed")
-        .about(
-            "Needs `history = \"loop\"`. `ekk`: Etsion, Kligerman and Kadin's fits, for the contact of Kogut and \
-             Etsion alone. `secant`: the elastic contact of the law, of the sphere that has the largest load and its \
-             area. `mesarovic_johnson`: the decohesion of a top that a uniform pressure has flattened. `thornton_ning`: the \
-             JKR contact of the sphere of `secant`. `flattened_top`: the only one of `md_plastic` and `capillary`.",
-        )
-        .follows(
-            "from the law: `flattened_top` for `md_plastic` and `capillary`, `ekk` for laws with the contact of Kogut and Etsion, else `secant`",
-        )
-        .swept(),
-    key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))
-        .what("radius of flattened tops on retraction")
-        .about(
-            "Needs `history = \"loop\"` and the unloading `ekk`; the others have `elastic`. `kept`: R. `elastic`: the radius of \
-             the elastic contact which has the largest load and its area.",
-        )
-        .defaults_to("\"kept\""),
     key("model.critical_approach", "\"0.3 nm\"", Quantity(Of::Length, NotNegative))
         .what("critical approach of the published fits")
         .about("δ_A of the law `fit:paper`; other laws find theirs.")

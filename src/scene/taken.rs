@@ -66,7 +66,7 @@ fn applies(key: &Key, scene: &Scene) -> bool {
     let table = key.name.rsplit_once('.').map_or("", |(table, _)| table);
     TABLES.contains(&table)
         && match key.name {
-            "title" | "model.unloaded_radius" => false,
+            "title" => false,
             "surface.count" => scene.surface.heights.depths().is_none(),
             "model.plastic_contact" => scene.model.contact().is_some(),
             "ensemble.max_replicas" => scene.stopping.is_some(),

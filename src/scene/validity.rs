@@ -6,11 +6,9 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
-use crate::asperity::models::{
-    Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity, SMALLEST_JKR_LAMBDA,
-};
+use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::scale::Asperity;
-use crate::asperity::{Law, Path, Regime, Unloading};
+use crate::asperity::{Law, Path, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
@@ -45,12 +43,14 @@ const FEWEST_CONTACTS: f64 = 100.0;
 const SMALLEST_MENISCUS: f64 = 0.5e-9;
 /// Largest share of the adhesion that contacts which have flowed may carry by fits for low λ.
 const LARGEST_FLOWED: f64 = 0.1;
-/// Interference over that where flow begins, from which contacts are called fully plastic.
-const FULLY_PLASTIC: f64 = 30.0;
 /// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
 const LARGEST_SHORTENING: f64 = 0.1;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
+/// Radius over that of the typical asperity of which asperities flow soonest, where radii scatter.
+const SMALLEST_RADIUS: f64 = 0.1;
+/// Fewest contacts of the whole run that flow, on average, of which a loop has to know the unloading.
+const FEWEST_REFUSED: f64 = 1e-6;
 
 /// The warnings of a scene under a law, of which the integral is `expected`.
 pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
@@ -67,7 +67,6 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(wet(scene, model));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
-    warnings.extend(shallow(scene, law));
     warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(repeated(scene, &expected.readings));
@@ -239,70 +238,37 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     warnings
 }
 
-/// Whether contacts unload that are deeper than those for which that is known, or by an adhesion that is not theirs.
-fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    if !scene.cycle {
-        return None;
-    }
-    let d = scene.surface.asperity_separation(scene.separations[0]);
-    let deeper = |place: f64| {
-        let share = scene.surface.heights.probability(place + d, f64::INFINITY);
-        let contacts = share * asperities_of_run(scene);
-        (contacts >= FEWEST_UNLOADED).then_some(contacts)
-    };
-    let of_regime = |is: fn(&Regime) -> bool| {
-        let first = law.regimes().iter().position(is).filter(|first| *first > 0)?;
-        deeper(law.boundaries()[first - 1].interference)
-    };
-    match scene.unloading {
-        Unloading::EtsionKligermanKadin(_) => {
-            let contacts = of_regime(|regime| *regime == Regime::Plastic)?;
-            Some(Warning::new(
-                format!(
-                    "{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"
-                ),
-                "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them",
-                units(&["separation", "hardness"]),
-            ))
-        }
-        Unloading::Secant => None,
-        Unloading::FlattenedTop => {
-            let first = law.regimes().iter().position(|regime| regime.is_plastic())?;
-            let onset = law.boundaries()[first - 1].interference;
-            (onset < 0.0 && deeper(onset).is_some()).then(|| Warning::new(
-                format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
-                "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
-                "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
-            ))
-        }
-        Unloading::MesarovicJohnson | Unloading::ThorntonNing => {
-            let lambda = scene.scale().lambda;
-            let flows = of_regime(|regime| regime.is_plastic()).is_some();
-            (lambda < SMALLEST_JKR_LAMBDA && flows).then(|| Warning::new(
-                format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
-                "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
-                "model.unloading = \"secant\" has no such limit",
-            ))
-        }
-    }
+/// Contacts of the whole run that flow before the surfaces turn back, of a law of loading alone, and the plastic contact that is
+/// nearest to its own; none where too few do. Where radii scatter, contacts of small ones flow sooner.
+pub(super) fn unknown_unloading(scene: &Scene) -> Option<(f64, PlasticContact)> {
+    let is_turned = scene.cycle || scene.history == Path::Retraction;
+    let Plasticity::Loading(nearest) = scene.model.validity.plasticity else { return None };
+    let onset = is_turned.then(|| flow_onset(scene.law_of(&scene.model).ok()?.typical.as_ref()))??;
+    let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
+    let flowing = contacts_beyond(scene, least);
+    (flowing >= FEWEST_REFUSED).then_some((flowing, nearest))
 }
 
-/// Whether most contacts that unload as fully plastic ones are not.
-fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    let is_asked = scene.cycle && scene.unloading == Unloading::MesarovicJohnson;
-    let first = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|_| is_asked)?;
-    let onset = law.boundaries()[first - 1].interference;
+/// Interference, m, from which contacts flow under a law, if they do.
+fn flow_onset(law: &dyn Law) -> Option<f64> {
+    let first = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|first| *first > 0)?;
+    Some(law.boundaries()[first - 1].interference)
+}
+
+/// Contacts of the whole run beyond an interference, m, at the closest separation.
+fn contacts_beyond(scene: &Scene, interference: f64) -> f64 {
     let d = scene.surface.asperity_separation(scene.separations[0]);
-    let [flowed, plastic] = [onset, FULLY_PLASTIC * onset]
-        .map(|place| scene.surface.heights.probability(place + d, f64::INFINITY));
-    (flowed > 0.0 && plastic < 0.5 * flowed).then(|| {
+    scene.surface.heights.probability(interference + d, f64::INFINITY) * asperities_of_run(scene)
+}
+
+/// Whether contacts unload that flow by adhesion alone.
+fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
+    let onset = flow_onset(law).filter(|onset| scene.cycle && *onset < 0.0)?;
+    (contacts_beyond(scene, onset) >= FEWEST_UNLOADED).then(|| {
         Warning::new(
-            format!(
-                "{:.0} % of the contacts that have flowed are pressed to less than {FULLY_PLASTIC} times where they begin to",
-                100.0 * (1.0 - plastic / flowed)
-            ),
-            "the unloading of Mesarovic and Johnson (2000) is for full plasticity; its tops are too flat for those",
-            "model.unloading = \"secant\" has no such limit",
+            format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
+            "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
+            "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
         )
     })
 }
@@ -310,8 +276,8 @@ fn shallow(scene: &Scene, law: &dyn Law) -> Option<Warning> {
 /// Whether contacts that have flowed carry adhesion under a law that joins Maugis and Dugdale's to Kogut and Etsion's fits.
 fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning> {
     let lambda = scene.scale().lambda;
-    let is_joined =
-        model.validity.plasticity == Plasticity::KogutEtsion && model.validity.adhesion == Adhesion::Any;
+    let is_joined = matches!(model.validity.plasticity, Plasticity::Loading(_))
+        && model.validity.adhesion == Adhesion::Any;
     if !is_joined || !(lambda > LARGEST_DMT_LAMBDA) {
         return None;
     }
@@ -472,7 +438,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
             format!(
                 "{found}: contacts flow, and what they hold then differs between models by factors of 2 to 10"
             ),
-            "published models of plastic contacts and their unloading give tops of other radii",
+            "published models of plastic contacts leave tops of other radii",
             match model.contact() {
                 Some(_) => {
                     "quote the law, and compare model.plastic_contact = \"jg\", \"ke\", \"zmc\", \"tn\" by a [sweep]"

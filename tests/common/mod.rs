@@ -12,7 +12,9 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::{MODELS, Model, model};
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Facing, Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats};
+use stiction::asperity::{
+    Facing, Law, LawParameters, Laws, Path, PlasticContact, Regime, Responses, Scratch, SolverStats,
+};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, ReductionTree, Replica, Workspace, run};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
@@ -94,6 +96,12 @@ pub fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
     let parameters = LawParameters::new(asperity, path, reach).expect("a valid setting");
     model(name).expect("a known law").law(&parameters).expect("a law of the setting")
+}
+
+/// The law `md_plastic` with a plastic contact by its name.
+pub fn flattening(contact: &str) -> Model {
+    let (_, contact) = PlasticContact::ALL.into_iter().find(|(name, _)| *name == contact).expect("a contact");
+    model("md_plastic").expect("a known law").with_contact(contact)
 }
 
 /// The laws that need no liquid.

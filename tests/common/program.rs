@@ -66,6 +66,13 @@ pub fn small() -> String {
     QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
 }
 
+/// A scene of surfaces that are pulled back after they were pressed, by the law that knows how tops unload.
+pub fn looped(scene: &str) -> String {
+    let looped = scene.replace("history = \"approach\"", "history = \"loop\"");
+    assert_ne!(looped, scene);
+    looped.replace("\"hybrid\"", "\"md_plastic\"")
+}
+
 /// A folder with the small scene and its result `scene.h5`, which is computed once.
 pub fn with_result() -> Folder {
     static RESULT: LazyLock<Vec<u8>> = LazyLock::new(|| {

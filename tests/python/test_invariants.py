@@ -16,11 +16,11 @@ CONFIGS = ROOT / "configs"
 SCENES = sorted(CONFIGS.glob("*.toml")) + sorted(CONFIGS.glob("[ps]*/*.toml")) + [CONFIGS / "coupled/patches.toml"]
 # Few separations and asperities, with which a scene of any of these takes a second.
 FEW = {"separation.h_star": "{ from = 1.0, to = 8.0, count = 15 }", "surface.nominal_area": '"10 um^2"'}
-COSTLY = "humidity instability loop preload slider voltage coupled sweep_flattened sweep_plastic"
+COSTLY = "humidity instability loop preload slider voltage coupled sweep_plastic"
 SHORT = {name: FEW for name in COSTLY.split()} | {
     "patches": {"sweep": '{ "substrate.coupling" = ["none", "patch"] }'} | FEW
 }
-SLOW = "sweep_flattened sweep_plastic sweep_roughness sweep_lubricant sweep_hardness probe probe_wet humidity".split()
+SLOW = "sweep_plastic sweep_roughness sweep_lubricant sweep_hardness probe probe_wet humidity".split()
 ROUNDING = 1e-9
 
 # NaN stands where something did not happen, or has no scatter.
@@ -166,9 +166,6 @@ def pull_offs_are_no_less_than_those_of_the_curves(tree):
 
 
 def loops_lose_energy(tree):
-    # The adhesion of other laws jumps where surfaces turn back: docs/plastic.md.
-    if tree.attrs["law"] != "md_plastic" or "model.law" in tree.attrs.get("sweep_keys", ""):
-        return
     for name in ("dissipated_energy", "repeated_dissipated_energy"):
         energy = tree["replicas"].get(name)
         if energy is not None:

@@ -260,7 +260,8 @@ def test_a_pull_off_after_a_preload_is_that_of_a_loop_that_turns_there(tmp_path)
     def loop(h: str, more: str = "") -> h5py.File:
         path = ROOT / "configs" / "quick.toml"
         separations = re.search("h_star.*", path.read_text(encoding="utf-8"))[0]
-        text = changed(path, (separations, h), ("replicas = 200", "replicas = 1"), ('history = "approach"', 'history = "loop"'))
+        law = 'law = "hybrid"\nhistory = "approach"', 'law = "md_plastic"\nhistory = "loop"'
+        text = changed(path, (separations, h), ("replicas = 200", "replicas = 1"), law)
         return h5py.File(run_scene(tmp_path, text + more)[0], "r")
 
     more = '\n[instability]\nstiffness = "1 MN/m"\npreload = ["30 uN", "1 mN"]\n'

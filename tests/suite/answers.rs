@@ -1,14 +1,11 @@
 //! What people come for: scenes to begin with, pull-off after preloads, quantiles, and the probability to stay stuck.
 
-use crate::common::program::{Folder, assert_exit, labelled, small, text, values};
+use crate::common::program::{Folder, assert_exit, labelled, looped, small, text, values};
 use crate::common::unlocked;
 
 /// A quick loop of tops that flow, not pressed so far that all do.
 fn pressed() -> String {
-    small()
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("\"hybrid\"", "\"md_plastic\"")
-        .replace("from = -1.0", "from = 1.5")
+    looped(&small()).replace("from = -1.0", "from = 1.5")
 }
 
 #[test]
@@ -79,7 +76,7 @@ fn patches_above_a_force_are_counted() {
 /// A misspelt preload is named, and no spring asked for in its place.
 #[test]
 fn a_misspelt_preload_is_one_mistake() {
-    let scene = small().replace("history = \"approach\"", "history = \"loop\"");
+    let scene = looped(&small());
     let folder = Folder::new(&format!("{scene}\n[instability]\npreloads = [\"1 uN\"]\n"));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 2);

@@ -1,13 +1,13 @@
 //! The attraction of mean planes: against `tests/data/background.csv`, series, limits and published formulas, and in
 //! every force, feature and file that it belongs to.
 
-use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, unbroken};
+use crate::common::program::{Folder, QUICK, assert_exit, bits, looped, small, text, unbroken};
 use crate::common::unlocked;
 use crate::common::{case, job, law};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use stiction::asperity::models::model;
-use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaws, UnloadedRadius};
+use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaws};
 use stiction::background::{
     Background, Cap, Caps, Dispersion, Electrostatic, NamedForce, Strength, VACUUM_PERMITTIVITY, VanDerWaals,
 };
@@ -273,7 +273,7 @@ fn every_sum_has_the_background_once() {
     let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
     checked("moments", &Job { moments: Some(&matrix), ..direct }, &plain);
     let parameters = LawParameters::new(&asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    let cycle = Loop::new(&model("hybrid").unwrap(), &parameters, UnloadedRadius::Kept).unwrap();
+    let cycle = Loop::new(&model("md_plastic").unwrap(), &parameters).unwrap();
     let protocol = Protocol { cycle: Some(&cycle), ..direct.protocol };
     checked("loop", &Job { protocol, laws: cycle.approach().into(), ..direct }, &plain);
     let family = Family::new(model("hybrid").unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
@@ -293,7 +293,7 @@ fn every_sum_has_the_background_once() {
 /// The integral, its pull-off and stiffness, the shift and attraction of the verdict, and the retraction of a loop.
 #[test]
 fn the_integral_has_the_background_once() {
-    let text = small().replace("history = \"approach\"", "history = \"loop\"");
+    let text = looped(&small());
     let plain = Scene::parse(&text).unwrap();
     let scene = Scene { surface: with_background(&plain.surface), ..plain.clone() };
     let [with, without] = [&scene, &plain].map(|scene| integrate(scene).unwrap());
@@ -416,8 +416,7 @@ fn files_have_the_background() {
 #[test]
 #[ignore = "slow: four seconds"]
 fn coupled_asperities_do_not_feel_the_background() {
-    let scene =
-        small().replace("history = \"approach\"", "history = \"loop\"").replace("from = -1.0", "from = 1.0");
+    let scene = looped(&small()).replace("from = -1.0", "from = 1.0");
     let scene = scene.replace("count = 16", "count = 8").replace("replicas = 40", "replicas = 8");
     let table = "\n[electrostatic]\nvoltage = \"3 V\"\ndielectric_thickness = \"2 nm\"\nrelative_permittivity = 4.0\n";
     for coupling in ["periodic", "patch"] {

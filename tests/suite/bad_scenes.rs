@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
+use stiction::asperity::models::{MODELS, Model, Plasticity};
 use stiction::estimate::Plan;
 use stiction::input::columns::SceneFiles;
 use stiction::scene::{Absent, Document, KEYS, Key, Value};
@@ -188,15 +189,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "`substrate.tolerance = 1e-9`: does nothing",
         ],
     ),
-    (
-        "law = \"hybrid\"\nhistory = \"approach\"",
-        "law = \"capillary\"\nhistory = \"loop\"\nunloading = \"ekk\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]",
-        &[
-            "`model.unloading = \"ekk\"`",
-            "is not an unloading of the law capillary",
-            "of md_plastic and capillary alone",
-        ],
-    ),
     ("[material]", "[material", &["line 5", "not TOML"]),
     ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),
     ("format = 1", "format = 7", &["line 2", "`format = 7`", "format 1"]),
@@ -290,21 +282,6 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["line 21", "model.critical_approach", "the law hybrid finds its own", "only fit:paper takes it"],
     ),
     (
-        "history = \"approach\"",
-        "history = \"approach\"\nunloaded_radius = \"elastic\"",
-        &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "history = \"loop\""],
-    ),
-    (
-        "history = \"approach\"",
-        "history = \"loop\"\nunloaded_radius = \"flat\"",
-        &["unknown unloaded_radius", "known: kept, elastic"],
-    ),
-    (
-        "history = \"approach\"",
-        "unloading = \"secant\"",
-        &["line 21", "model.unloading", "pulled back after they were pressed", "history = \"loop\""],
-    ),
-    (
         "law = \"hybrid\"",
         "law = \"hybrid\"\nplastic_contact = \"jg\"",
         &[
@@ -315,29 +292,9 @@ const CASES: &[(&str, &str, &[&str])] = &[
         ],
     ),
     (
-        "law = \"hybrid\"\nhistory = \"approach\"",
-        "history = \"loop\"\nunloading = \"secant\"",
-        &["line 21", "is not an unloading of the law md_plastic", "\"flattened_top\""],
-    ),
-    (
-        "law = \"hybrid\"\nhistory = \"approach\"",
-        "law = \"zmc\"\nhistory = \"loop\"\nunloading = \"ekk\"",
-        &[
-            "line 22",
-            "`model.unloading = \"ekk\"`",
-            "is not an unloading of the law zmc",
-            "the others are of any law but md_plastic",
-        ],
-    ),
-    (
         "history = \"approach\"",
-        "history = \"loop\"\nunloading = \"thornton_ning\"\nunloaded_radius = \"kept\"",
-        &["line 23", "model.unloaded_radius", "a choice of unloading = \"ekk\"", "leave the key out"],
-    ),
-    (
-        "law = \"hybrid\"\nhistory = \"approach\"",
-        "law = \"jg\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"",
-        &["line 22", "\"secant\" leaves tops with radii of their own"],
+        "history = \"loop\"",
+        &["line 21", "`model.history = \"loop\"`", "contacts of the run flow before the surfaces turn back"],
     ),
     ("replicas = 200", "replicas = -1", &["`ensemble.replicas = -1`", "from 0 to"]),
     (
@@ -706,19 +663,12 @@ const VARIANTS: &[Variant] = &[
         ],
     ),
     (
-        &["model.history"],
-        &[
-            "model.unloaded_radius",
-            "separation.cycles",
-            "instability.stiffness",
-            "instability.preload",
-            "instability.smallest_snap",
-        ],
-        &[("model.history", "\"loop\"")],
+        &["model.law", "model.history"],
+        &["separation.cycles", "instability.stiffness", "instability.preload", "instability.smallest_snap"],
+        &[("model.law", "\"md_plastic\""), ("model.history", "\"loop\"")],
     ),
     (&[], &["device.restoring_force"], &[]),
     (&[], &["device.stiffness", "device.gap"], &[]),
-    (&["model.history"], &["model.unloading"], &[("model.history", "\"loop\"")]),
     (&[], &["sweep"], &[]),
     (
         &[],
@@ -862,6 +812,43 @@ fn numbers_are_written_as_people_write_them() {
             is_known,
             "{area}"
         );
+    }
+}
+
+/// Surfaces are not pulled back by laws of loading alone where tops flow; the message has the contact that is nearest.
+#[test]
+fn laws_of_loading_do_not_pull_back_what_has_flowed() {
+    let laws = [
+        ("hybrid", "ke"),
+        ("fit:paper", "ke"),
+        ("isbl", "ke"),
+        ("sbl", "ke"),
+        ("ke", "ke"),
+        ("ceb", "ke"),
+        ("zmc", "zmc"),
+        ("jg", "jg"),
+        ("tn", "tn"),
+    ];
+    let is_of_loading = |law: &&Model| matches!(law.validity.plasticity, Plasticity::Loading(_));
+    assert_eq!(MODELS.iter().filter(is_of_loading).count(), laws.len());
+    for (law, contact) in laws {
+        for history in ["loop", "retraction"] {
+            let read = |hardness: &str| {
+                let scene = QUICK.replace("2.5 GPa", hardness).replace("\"hybrid\"", &format!("\"{law}\""));
+                let scene = scene.replace("\"approach\"", &format!("\"{history}\""));
+                Document::parse(&scene, Arc::new(SceneFiles::scene(Path::new("scene.toml"))))
+            };
+            let refused = read("2.5 GPa").map(drop).expect_err("tops flow").to_string();
+            for part in [
+                &format!("`model.history = \"{history}\"`"),
+                &format!("the law {law} is one of loading alone"),
+                "model.law = \"md_plastic\"",
+                &format!("model.plastic_contact = \"{contact}\""),
+            ] {
+                assert!(refused.contains(part), "{law}: no {part} in {refused}");
+            }
+            assert!(read("100 GPa").is_ok(), "{law} on {history}: none flows");
+        }
     }
 }
 

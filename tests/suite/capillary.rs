@@ -6,9 +6,7 @@ use std::f64::consts::PI;
 use stiction::Scene;
 use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{
-    ContactHistory, Law, LawError, LawParameters, Loop, Path, Quantity, Regime, Unloading,
-};
+use stiction::asperity::{ContactHistory, Law, LawError, LawParameters, Loop, Path, Quantity, Regime};
 use stiction::liquid::{Bridges, Film, Liquid, Meniscus, Volume};
 use stiction::surface::Surface;
 
@@ -379,7 +377,7 @@ fn pieces_are_smooth() {
 fn only_what_was_touched_has_a_bridge() {
     let asperity = sphere(70e9, 0.05);
     let parameters = LawParameters::new(&asperity, Path::Approach, (-1e-7, 1e-7)).unwrap();
-    let cycle = Loop::new(&wet(water(0.8, 20.0)), &parameters, Unloading::FlattenedTop).unwrap();
+    let cycle = Loop::new(&wet(water(0.8, 20.0)), &parameters).unwrap();
     let regime = |law: &dyn Law, delta: f64| respond(law, delta).unwrap().0;
     assert_eq!(regime(cycle.approach(), -0.5e-9), Regime::Noncontact);
     assert_eq!(regime(cycle.retraction(), -0.5e-9), Regime::Bridge);
@@ -555,7 +553,7 @@ fn bridges_of_films_form_where_the_film_touches() {
         close(at(law.as_ref(), -distance)[0], pull, 1e-5);
     }
     let parameters = LawParameters::new(&sphere(70e9, 1e-3), Path::Approach, (-1e-7, 1e-7)).unwrap();
-    let cycle = Loop::new(&wet(meniscus), &parameters, Unloading::FlattenedTop).unwrap();
+    let cycle = Loop::new(&wet(meniscus), &parameters).unwrap();
     assert_eq!([-1.1e-9, -0.9e-9].map(|largest| cycle.history(largest)), UP_TO_TOUCH);
 }
 

@@ -1,6 +1,8 @@
 //! `stiction compare` and every law of the registry as a user drives them.
 
-use crate::common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text, told, unbroken};
+use crate::common::program::{
+    Folder, QUICK, assert_exit, attribute, bits, looped, small, text, told, unbroken,
+};
 use crate::common::{dry_laws, unlocked};
 
 /// One law of a dataset of a comparison.
@@ -178,11 +180,10 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
 #[test]
 #[ignore = "slow: three seconds"]
 fn laws_are_compared_after_a_preload() {
-    let scene =
-        small().replace("history = \"approach\"", "history = \"loop\"").replace("from = -1.0", "from = 1.5");
+    let scene = looped(&small()).replace("from = -1.0", "from = 1.5");
     let pressed = |preload: &str| {
         let folder = Folder::new(&format!("{scene}\n[instability]\npreload = {preload}\n"));
-        let laws = ["--laws", "md_plastic,hybrid,tn", "--ensemble", "-o", "laws.h5"];
+        let laws = ["--laws", "md_plastic,emd,jkr", "--ensemble", "-o", "laws.h5"];
         let compare = folder.stiction(&[&["compare", "scene.toml"][..], &laws].concat());
         assert_exit(&compare, 0);
         let table = text(&compare.stdout);
@@ -196,7 +197,7 @@ fn laws_are_compared_after_a_preload() {
             let of = |law: usize| row(&folder, "laws.h5", &name, law, 3)[1];
             [0, 1, 2].map(of)
         });
-    for (law, name) in ["md_plastic", "hybrid", "tn"].iter().enumerate() {
+    for (law, name) in ["md_plastic", "emd", "jkr"].iter().enumerate() {
         let line = table.lines().find(|line| line.starts_with(&format!("  {name} "))).unwrap();
         let off = 100.0 * (means[law] / means[0] - 1.0);
         let off = if law == 0 { "first".to_owned() } else { format!("{off:+.2} %") };

@@ -1,7 +1,7 @@
 //! Ensembles of coupled asperities, by the program.
 
 use crate::common::asperities::write_asperities;
-use crate::common::program::{Folder, QUICK, assert_exit, bits, bits_of, text, unbroken};
+use crate::common::program::{Folder, QUICK, assert_exit, bits, bits_of, looped, text, unbroken};
 use crate::common::unlocked;
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -91,9 +91,7 @@ fn independent_curves_are_those_of_the_scene_without_coupling() {
     }
     let more = "\n[substrate]\ncoupling = \"patch\"\npositions = \"uniform\"\n\n[instability]\n\
                 stiffness = [\"10 kN/m\", 0]\npreload = \"50 uN\"\n";
-    let text_of_loop = scene(more)
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("from = -1.0", "from = 1.0");
+    let text_of_loop = looped(&scene(more)).replace("from = -1.0", "from = 1.0");
     std::fs::write(folder.path("scene.toml"), text_of_loop.replace("curves = false", "curves = true"))
         .unwrap();
     let run = folder.stiction(&["run", "scene.toml", "-o", "loop.h5"]);

@@ -1,6 +1,6 @@
 //! Coupled asperities where the answer is known: one alone, springs and curves by mean field; places of their own.
 
-use crate::common::program::{Folder, assert_exit, text, unbroken};
+use crate::common::program::{Folder, assert_exit, looped, text, unbroken};
 use crate::common::unlocked;
 use crate::coupled::scene;
 use rand::RngExt;
@@ -42,6 +42,7 @@ fn springs_may_be_as_stiff_as_what_a_patch_stands_on() {
 fn curves_with_coupling_are_those_of_their_mean_field() {
     let dense = |coupling: &str, history: &str| {
         scene(&format!("\n[substrate]\ncoupling = \"{coupling}\"\n"))
+            .replace("\"hybrid\"", "\"md_plastic\"")
             .replace("history = \"approach\"", &format!("history = \"{history}\""))
             .replace("from = -1.0", "from = 1.5")
             .replace("count = 8", "count = 5")
@@ -163,9 +164,8 @@ fn places_have_a_stream_of_their_own() {
 #[ignore = "slow: two seconds"]
 fn avalanches_are_counted_by_their_size() {
     let more = "\n[substrate]\ncoupling = \"patch\"\n";
-    let text_of = scene(more)
+    let text_of = looped(&scene(more))
         .replace("nominal_area = \"13.54 um^2\"", "nominal_area = \"6.77 um^2\"")
-        .replace("history = \"approach\"", "history = \"loop\"")
         .replace("from = -1.0, to = 8.0", "from = 2.0, to = 5.0");
     let folder = Folder::new(&text_of);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
@@ -200,12 +200,11 @@ fn avalanches_are_counted_by_their_size() {
 #[ignore = "slow: two seconds"]
 fn energies_lost_are_counted_by_classes() {
     let more = "\n[substrate]\ncoupling = \"patch\"\n";
-    let text_of = scene(more)
-        .replace("law = \"hybrid\"", "law = \"md\"")
+    let text_of = looped(&scene(more))
+        .replace("law = \"md_plastic\"", "law = \"md\"")
         .replace("nominal_area = \"13.54 um^2\"", "nominal_area = \"6.77 um^2\"")
         .replace("0.09 J/m^2", "0.3 J/m^2")
-        .replace("from = -1.0", "from = 1.0")
-        .replace("history = \"approach\"", "history = \"loop\"");
+        .replace("from = -1.0", "from = 1.0");
     let folder = Folder::new(&text_of);
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);

@@ -67,7 +67,7 @@ impl Inputs {
              work_of_adhesion = \"{stats:e} J/m^2\"\nequilibrium_spacing = \"{spacing:e} m\"\n\
              [surface]\nasperity_radius = \"{radius:e} m\"\nasperity_density = \"{density:e} /m^2\"\n\
              asperity_height_std = \"{std:e} m\"\nnominal_area = \"{area:e} m^2\"\nlubricant_thickness = \"{thickness:e} m\"\n\
-             [model]\nlaw = \"hybrid\"\nhistory = \"{}\"\n[separation]\nh_star = {{ from = {:e}, to = {:e}, count = 8 }}\n\
+             [model]\nlaw = \"md_plastic\"\nhistory = \"{}\"\n[separation]\nh_star = {{ from = {:e}, to = {:e}, count = 8 }}\n\
              [ensemble]\nreplicas = 2\n",
             path.name(),
             h_star.0,

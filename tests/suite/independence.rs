@@ -261,6 +261,7 @@ fn what_is_judged_is_what_is_read_off() {
     assert!(own.shift > 0.0 && own.shift == own.closest_shift);
     let [on_approach, of_loop] = ["approach", "loop"].map(|history| {
         let scene = QUICK
+            .replace("\"hybrid\"", "\"md_plastic\"")
             .replace("\"0.09 J/m^2\"", "\"0.3 J/m^2\"")
             .replace("\"approach\"", &format!("\"{history}\""));
         judged(&scene)
@@ -274,6 +275,7 @@ fn what_is_judged_is_what_is_read_off() {
 fn surfaces_that_have_touched_are_told_of_on_approach_only() {
     let rigid = |history: &str, energy: &str| {
         let scene = QUICK
+            .replace("\"hybrid\"", "\"md_plastic\"")
             .replace("\"0.09 J/m^2\"", &format!("\"{energy} J/m^2\""))
             .replace("\"approach\"", &format!("\"{history}\""));
         let folder = Folder::new(&scene);

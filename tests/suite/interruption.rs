@@ -3,8 +3,8 @@
 #![cfg(unix)]
 
 use crate::common::program::{
-    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, number, signal, skip, small, text,
-    told, wait_while_running,
+    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, looped, number, signal, skip, small,
+    text, told, wait_while_running,
 };
 use crate::common::unlocked;
 use rand::{RngExt, SeedableRng};
@@ -415,10 +415,7 @@ fn killed_runs_go_on_to_the_same_bits() {
 #[test]
 fn a_loop_goes_on_to_the_same_bits() {
     let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
-    let scene = scene_of(64)
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("from = -1.0", "from = 1.0")
-        .replace("[output]", held);
+    let scene = looped(&scene_of(64)).replace("from = -1.0", "from = 1.0").replace("[output]", held);
     let folder = Folder::new(&scene);
     let reference = reference(&folder);
     assert!(
@@ -441,11 +438,10 @@ fn a_loop_goes_on_to_the_same_bits() {
 #[ignore = "slow: six seconds"]
 fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
     let held = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\npreload = \"50 uN\"\n[output]";
-    let scene = scene_of(24)
+    let scene = looped(&scene_of(24))
         .replace("nominal_area = \"25 um^2\"", "nominal_area = \"3.4 um^2\"")
         .replace("from = -1.0", "from = 1.0")
         .replace("count = 16", "count = 5")
-        .replace("history = \"approach\"", "history = \"loop\"")
         .replace("[output]", held);
     let folder = Folder::new(&scene);
     let reference = reference(&folder);

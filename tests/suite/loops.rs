@@ -1,13 +1,13 @@
 //! Surfaces that are brought close and pulled back: against plain loops over their asperities, their
 //! integral, closed forms of one asperity, and themselves on other threads and after an interruption.
 
-use crate::common::program::{Folder, assert_exit, small};
+use crate::common::program::{Folder, assert_exit, looped, small};
 use crate::common::unlocked;
-use crate::common::{brute_force, case, ensemble, one, respond, separations};
+use crate::common::{brute_force, case, ensemble, flattening, one, respond, separations};
 use std::sync::atomic::{AtomicBool, Ordering};
-use stiction::asperity::models::model;
+use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, Unloading};
+use stiction::asperity::{LawParameters, Loop, Path, Quantity};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Bounds, Ensemble, Job, Loading, Protocol, Workspace, run, run_from};
 use stiction::integral::Expectations;
@@ -15,12 +15,12 @@ use stiction::surface::{CountLaw, SamplingScheme, Surface};
 use stiction::validation::{Draws, JointTest, Verdict, basis_of_loop, z_scores};
 
 fn cycle(law: &str, asperity: &Asperity) -> Loop {
-    cycle_of(law, asperity, UnloadedRadius::Kept)
+    cycle_of(&model(law).unwrap(), asperity)
 }
 
-fn cycle_of(law: &str, asperity: &Asperity, radius: impl Into<Unloading>) -> Loop {
+fn cycle_of(model: &Model, asperity: &Asperity) -> Loop {
     let parameters = LawParameters::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    Loop::new(&model(law).unwrap(), &parameters, radius).unwrap()
+    Loop::new(model, &parameters).unwrap()
 }
 
 fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
@@ -34,7 +34,7 @@ fn the_retraction_is_the_sum_over_its_asperities() {
     for name in ["I", "II", "III"] {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = 400;
-        let cycle = cycle("hybrid", &asperity);
+        let cycle = cycle("md_plastic", &asperity);
         let separations = separations(&surface, -1.0, 6.0, 15);
         let job = job(&cycle, &surface, &separations, 1);
         let (_, curves) = one(&job);
@@ -135,49 +135,33 @@ fn contact_that_lasts_longer_pulls() {
 #[test]
 #[ignore = "slow: four seconds"]
 fn both_ways_agree_with_their_integral() {
-    use UnloadedRadius::{Elastic, Kept};
     both_ways_agree([
-        ("II", "hybrid", 0.5e-9, Kept.into()),
-        ("III", "hybrid", 0.0, Kept.into()),
-        ("I", "hybrid", 0.5e-9, Elastic.into()),
+        ("II", flattening("jg"), 0.5e-9),
+        ("III", flattening("jg"), 0.0),
+        ("I", flattening("ke"), 0.5e-9),
     ]);
 }
 
 #[test]
 #[ignore = "slow: five seconds"]
 fn both_ways_agree_with_their_integral_in_other_cases() {
-    use UnloadedRadius::{Elastic, Kept};
     both_ways_agree([
-        ("I", "hybrid", 0.5e-9, Kept.into()),
-        ("III", "hybrid", 0.5e-9, Kept.into()),
-        ("I", "isbl", 0.5e-9, Kept.into()),
-        ("III", "jkr", 0.0, Kept.into()),
-        ("II", "hybrid", 0.0, Elastic.into()),
+        ("I", flattening("jg"), 0.5e-9),
+        ("III", flattening("tn"), 0.5e-9),
+        ("III", model("jkr").unwrap(), 0.0),
+        ("II", flattening("ke"), 0.0),
+        ("I", flattening("zmc"), 0.0),
+        ("II", flattening("tn"), 0.5e-9),
     ]);
 }
 
-/// The same of other unloadings, and of laws that Etsion, Kligerman and Kadin's is not for.
-#[test]
-#[ignore = "slow: ten seconds"]
-fn both_ways_agree_with_their_integral_however_they_are_unloaded() {
-    both_ways_agree([
-        ("I", "hybrid", 0.5e-9, Unloading::Secant),
-        ("II", "hybrid", 0.5e-9, Unloading::MesarovicJohnson),
-        ("I", "hybrid", 0.0, Unloading::ThorntonNing),
-        ("I", "ke", 0.0, Unloading::Secant),
-        ("II", "ceb", 0.0, Unloading::MesarovicJohnson),
-        ("I", "zmc", 0.0, Unloading::Secant),
-        ("II", "jg", 0.0, Unloading::Secant),
-        ("I", "tn", 0.0, Unloading::ThorntonNing),
-    ]);
-}
-
-fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, Unloading); N]) {
-    for (name, law, thickness, radius) in cases {
+fn both_ways_agree<const N: usize>(cases: [(&str, Model, f64); N]) {
+    for (name, model, thickness) in cases {
+        let law = (model.name, model.contact());
         let (mut asperity, mut surface) = case(name);
         asperity.lubricant_thickness = thickness;
         surface.asperity_count = 1500;
-        let cycle = cycle_of(law, &asperity, radius);
+        let cycle = cycle_of(&model, &asperity);
         let separations = separations(&surface, -1.0, 5.0, 31);
         let replicas = 160;
         let scheme = SamplingScheme::Independent;
@@ -187,14 +171,14 @@ fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, Unloading); N]) {
         let sampled = ensemble(&job, 2);
         let there = Expectations::new(cycle.approach(), &surface, &separations);
         let back = Expectations::retraction(&cycle, &surface, &separations);
-        assert!(back.quadrature_error < 1e-10, "{name} {law}: {}", back.quadrature_error);
+        assert!(back.quadrature_error < 1e-10, "{name} {law:?}: {}", back.quadrature_error);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let mean = forces.map(|q| sampled.curves[q].mean());
         let joined = |q: usize| [there.expected[q].as_slice(), &back.expected[q]].concat();
         let expected = forces.map(joined);
         let expected = [0, 1].map(|i| expected[i].as_slice());
         let test = JointTest::new(&basis.probes, mean, expected, basis.cumulants, replicas);
-        assert_eq!(test.verdict, Verdict::Agree, "{name} {law}: {test:?}");
+        assert_eq!(test.verdict, Verdict::Agree, "{name} {law:?}: {test:?}");
         // One per cent more adhesion on the way back alone.
         let more: Vec<f64> = back.expected[forces[0]].iter().map(|force| 0.01 * force).collect();
         let planted = [0, 1].map(|i| {
@@ -203,14 +187,14 @@ fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, Unloading); N]) {
             expected[i][..31].iter().copied().chain(back).collect::<Vec<f64>>()
         });
         let test = JointTest::new(&basis.probes, mean, [&planted[0], &planted[1]], basis.cumulants, replicas);
-        assert_eq!(test.verdict, Verdict::Disagree, "{name} {law}: {test:?}");
+        assert_eq!(test.verdict, Verdict::Disagree, "{name} {law:?}: {test:?}");
         // The mean of 240 000 asperities against the scatter of the integral, where many bear the force.
         for q in [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ContactArea].map(Quantity::index)
         {
             let mean = &sampled.curves[q].mean()[31..];
             let z = z_scores(mean, &back.expected[q], &back.std[q], replicas);
             let busy = |k: &usize| (0..=15).contains(k) && back.std[q][*k] < 0.2 * back.expected[q][*k];
-            assert!((0..31).filter(busy).all(|k| z[k].abs() < 6.0), "{name} {law} {q}: {z:?}");
+            assert!((0..31).filter(busy).all(|k| z[k].abs() < 6.0), "{name} {law:?} {q}: {z:?}");
         }
         let counts: f64 = back.regime_count.iter().map(|row| row[12]).sum();
         assert!((counts / 1500.0 - 1.0).abs() < 1e-12);
@@ -222,7 +206,7 @@ fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, Unloading); N]) {
 fn a_loop_without_asperities_has_no_contact() {
     let (asperity, surface) = case("II");
     let surface = Surface { asperity_count: 1, count_law: CountLaw::Poisson, ..surface };
-    let cycle = cycle("hybrid", &asperity);
+    let cycle = cycle("md_plastic", &asperity);
     let separations = separations(&surface, -1.0, 6.0, 5);
     let job = job(&cycle, &surface, &separations, 40);
     let mut counts = [0; 2];
@@ -244,7 +228,7 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
     for (name, h_star) in [("I", 0.0), ("II", 0.5), ("III", 1.0)] {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = 300;
-        let cycle = cycle("hybrid", &asperity);
+        let cycle = cycle("md_plastic", &asperity);
         let closest = h_star * surface.surface_height_std;
         let (replica, _) = one(&job(&cycle, &surface, &[closest, 20.0 * surface.surface_height_std], 1));
         let kept = replica.cycle.unwrap();
@@ -347,7 +331,7 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
 #[test]
 fn snaps_do_not_begin_where_the_separations_do() {
     let (asperity, surface) = case("III");
-    let cycle = cycle("hybrid", &asperity);
+    let cycle = cycle("md_plastic", &asperity);
     let loading = Loading {
         stiffness: &[0.0, 1e7, 1e9],
         preload: &[],
@@ -383,7 +367,7 @@ fn snaps_do_not_begin_where_the_separations_do() {
 #[test]
 fn preloads_turn_in_their_order() {
     let (asperity, surface) = case("I");
-    let cycle = cycle("hybrid", &asperity);
+    let cycle = cycle("md_plastic", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-6, 1e-4, 1e-2, 0.1, 1e3];
     let loading = Loading {
@@ -418,7 +402,7 @@ fn a_loop_costs_energy_where_something_flows_or_folds() {
     for name in ["I", "II", "III"] {
         let (mut asperity, mut surface) = case(name);
         (asperity.lubricant_thickness, surface.asperity_count) = (0.0, 1000);
-        let cycle = cycle_of("md_plastic", &asperity, Unloading::FlattenedTop);
+        let cycle = cycle("md_plastic", &asperity);
         let energies: Vec<f64> = [-0.5, 0.5, 1.5]
             .map(|from| {
                 let separations = separations(&surface, from, 8.0, 100);
@@ -434,7 +418,7 @@ fn a_loop_costs_energy_where_something_flows_or_folds() {
 fn bits_do_not_depend_on_threads_and_interruptions() {
     let (asperity, mut surface) = case("I");
     surface.asperity_count = 300;
-    let cycle = cycle("hybrid", &asperity);
+    let cycle = cycle("md_plastic", &asperity);
     let separations = separations(&surface, -0.5, 5.0, 20);
     let loading = Loading {
         stiffness: &[0.0, 1e3],
@@ -476,7 +460,7 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
 fn what_pulls_off_after_a_preload_has_that_history() {
     let (asperity, mut surface) = case("I");
     surface.asperity_count = 120;
-    let cycle = cycle("hybrid", &asperity);
+    let cycle = cycle("md_plastic", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-7, 1e-6, 1e-5, 1e-4, 3e-4];
     let loading = Loading {
@@ -518,36 +502,31 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     assert!(differ >= 2, "{turns:?} {}", replica.pull_off_force);
 }
 
-/// The pull-off on the way back, from the closest separation and after a preload, tops flattened or not: no
-/// look at the curve finds anything deeper, and at its place the curve has that force.
+/// The pull-off on the way back, from the closest separation and after a preload: no look at the curve finds anything deeper,
+/// and at its place the curve has that force.
 #[test]
 fn the_pull_off_on_the_retraction_is_the_deepest_point() {
-    the_deepest_point_is_found(&[
-        ("II", UnloadedRadius::Kept.into(), 3),
-        ("II", UnloadedRadius::Elastic.into(), 60),
-        ("III", UnloadedRadius::Kept.into(), 60),
-        ("I", Unloading::MesarovicJohnson, 20),
-    ]);
+    the_deepest_point_is_found(&[("II", "jg", 3), ("II", "ke", 60), ("III", "jg", 60), ("I", "tn", 20)]);
 }
 
 #[test]
 #[ignore = "slow: three seconds"]
 fn the_pull_off_on_other_retractions_is_the_deepest_point() {
     the_deepest_point_is_found(&[
-        ("I", UnloadedRadius::Kept.into(), 60),
-        ("II", UnloadedRadius::Kept.into(), 100),
-        ("I", UnloadedRadius::Elastic.into(), 30),
-        ("I", Unloading::Secant, 60),
-        ("II", Unloading::MesarovicJohnson, 60),
-        ("I", Unloading::ThorntonNing, 60),
+        ("I", "jg", 60),
+        ("II", "jg", 100),
+        ("I", "ke", 30),
+        ("I", "zmc", 60),
+        ("II", "tn", 60),
+        ("III", "zmc", 60),
     ]);
 }
 
-fn the_deepest_point_is_found(cases: &[(&str, Unloading, usize)]) {
-    for &(name, radius, count) in cases {
+fn the_deepest_point_is_found(cases: &[(&str, &str, usize)]) {
+    for &(name, contact, count) in cases {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = count;
-        let cycle = cycle_of("hybrid", &asperity, radius);
+        let cycle = cycle_of(&flattening(contact), &asperity);
         let separations = separations(&surface, -0.5, 6.0, 131);
         let preload = [1e-5];
         let loading = Loading {
@@ -578,7 +557,7 @@ fn the_deepest_point_is_found(cases: &[(&str, Unloading, usize)]) {
                 let one = |height: &f64| respond(&law, height - closest).unwrap().1;
                 heights.iter().map(one).map(|[a, p, _]| p - a).sum::<f64>()
             };
-            let what = format!("{name} {radius:?} from {from:e} m");
+            let what = format!("{name} {contact} from {from:e} m");
             brute_force::require_deepest(&what, (place, pull_off), (from, separations[130]), force);
         }
     }
@@ -631,8 +610,7 @@ fn an_asperity_is_captured_where_its_attraction_begins() {
 /// snap is over the replicas that took the way: a preload that not all patches bear leaves some out.
 #[test]
 fn what_the_file_says_of_a_loop_follows_from_the_file() {
-    let scene = small()
-        .replace("history = \"approach\"", "history = \"loop\"")
+    let scene = looped(&small())
         .replace("from = -1.0, to = 8.0, count = 16", "from = 1.0, to = 8.0, count = 281")
         .replace("\"100 um^2\"", "\"10 um^2\"");
     let folder = Folder::new(&format!(

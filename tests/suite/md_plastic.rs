@@ -4,7 +4,7 @@ use crate::common::{case, respond};
 use std::f64::consts::PI;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, pressure_factor};
-use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime, Unloading};
+use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime};
 
 /// A soft and sticky metal, of which adhesion alone makes contacts flow.
 pub fn metal() -> Asperity {
@@ -25,13 +25,11 @@ fn dry(name: &str) -> Asperity {
 
 fn cycle(parameters: &LawParameters, contact: PlasticContact) -> Loop {
     let model = model("md_plastic").unwrap().with_contact(contact);
-    Loop::new(&model, parameters, Unloading::FlattenedTop).unwrap()
+    Loop::new(&model, parameters).unwrap()
 }
 
-fn loop_of(asperity: &Asperity, tables: bool) -> Loop {
-    let parameters = LawParameters::new(asperity, Path::Approach, (-20e-9, 60e-9)).unwrap();
-    let table_range = parameters.table_range.filter(|_| tables);
-    cycle(&LawParameters { table_range, ..parameters }, PlasticContact::default())
+fn loop_of(asperity: &Asperity, contact: PlasticContact) -> Loop {
+    cycle(&LawParameters::new(asperity, Path::Approach, (-20e-9, 60e-9)).unwrap(), contact)
 }
 
 /// F_s, P and the contact radius, scaled, or in SI.
@@ -121,7 +119,7 @@ fn it_is_maugis_and_dugdale_up_to_the_onset_and_continuous_there() {
                 assert!((above / below - 1.0).abs() < 1e-14, "case {name}: {below:e} {above:e}");
             }
         }
-        let cycle = loop_of(&asperity, true);
+        let cycle = loop_of(&asperity, PlasticContact::default());
         let end = onset(cycle.approach());
         let pull_off = |largest: f64| {
             let way = cycle.detachment(largest).unwrap();
@@ -174,9 +172,7 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
     // Both ways are smooth between these places, at which forces may jump.
     let ends = |law: &dyn Law| law.pieces(None).iter().map(|piece| piece.upper).collect::<Vec<f64>>();
     let mut places: Vec<f64> = ends(cycle.approach()).iter().map(|end| largest - end).collect();
-    places.extend(
-        cycle.flattened_kinks(largest).into_iter().flatten().map(|kink| cycle.recovery(largest) - kink),
-    );
+    places.extend(cycle.flattened_kinks(largest).into_iter().map(|kink| cycle.recovery(largest) - kink));
     places.extend(ends(cycle.retraction()).iter().map(|end| largest - end));
     places.extend([0.0, largest - far]);
     places.retain(|place| (0.0..=largest - far).contains(place));
@@ -200,22 +196,25 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
 /// take none.
 #[test]
 fn loops_dissipate() {
-    for name in ["I", "II", "III"] {
+    let contacts = PlasticContact::ALL.iter();
+    for (name, contact) in contacts.flat_map(|(_, own)| ["I", "II", "III"].map(|name| (name, *own))) {
         let asperity = dry(name);
-        let (cycle, scale) = (loop_of(&asperity, true), stiction::asperity::Scale::new(&asperity).unwrap());
+        let (cycle, scale) =
+            (loop_of(&asperity, contact), stiction::asperity::Scale::new(&asperity).unwrap());
         let end = onset(cycle.approach());
         let unit = scale.energy();
         let below = dissipated(&cycle, 0.9 * end, -15e-9) / unit;
         if scale.lambda < 0.9379 {
-            assert!(below.abs() < 1e-3, "case {name}: {below}");
+            assert!(below.abs() < 1e-3, "case {name} {contact:?}: {below}");
         } else {
-            assert!(below > 0.1, "case {name} has a fold: {below}");
+            assert!(below > 0.1, "case {name} {contact:?} has a fold: {below}");
         }
         let mut last = below.max(0.0);
         for x in [1.001, 1.03, 1.1, 3.0, 10.0] {
             let own = dissipated(&cycle, x * end, -15e-9) / unit;
-            assert!(own >= last - 1e-3, "case {name} {x}: {own} after {last}");
-            last = own;
+            assert!(own >= last - 1e-3, "case {name} {contact:?} {x}: {own} after {last}");
+            // Kogut and Etsion's load jumps, so that a deeper loop may take less.
+            last = if contact == PlasticContact::KogutEtsion { 0.0 } else { own };
         }
     }
 }
@@ -223,7 +222,7 @@ fn loops_dissipate() {
 /// Where adhesion alone makes a contact flow, it does at first touch, and the elastic regime is empty.
 #[test]
 fn a_soft_and_sticky_metal_flows_at_first_touch() {
-    let cycle = loop_of(&metal(), true);
+    let cycle = loop_of(&metal(), PlasticContact::default());
     let law = cycle.approach();
     let touch = cycle.touch();
     assert_eq!(onset(law), touch);

@@ -502,7 +502,7 @@ fn the_verdict_on_a_body_is_by_its_hertz_contact() {
         assert!(said.contains("σ under the largest load; Greenwood and Tripp's mu = "), "{said}");
     }
     // The largest load is the largest preload.
-    let pressed = "[model]\nlaw = \"hybrid\"\nhistory = \"loop\"\n[instability]\npreload = [\"1 uN\", \"20 uN\"]\n\
+    let pressed = "[model]\nhistory = \"loop\"\n[instability]\npreload = [\"1 uN\", \"20 uN\"]\n\
                    [ensemble]\nreplicas = 0\n";
     run(&folder, &scene(SPHERE, pressed), "scene.h5");
     let [found] = values(&folder, "scene.h5", "/independence/closest_shift")[..] else { panic!() };

@@ -2,7 +2,7 @@
 //! one, and on emulated ones.
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
-use crate::common::program::{Folder, assert_exit, bits, skip, small};
+use crate::common::program::{Folder, assert_exit, bits, looped, skip, small};
 use std::process::Command;
 
 /// Every kind of sum, sample and law that calls functions or libraries of its own, small enough for an
@@ -23,12 +23,12 @@ fn scenes() -> Vec<(&'static str, String)> {
     vec![
         ("direct", with("curves = false", "curves = true")),
         ("compressed", with("[output]", "[solver]\nsummation = \"moments\"\n\n[output]")),
-        ("loop", with("\"approach\"", "\"loop\"")),
+        ("loop", looped(&with("[output]", "\n[output]"))),
         ("stratified", with("seed = 1", "seed = 1\nsampling = \"stratified\"")),
         ("fits", with("\"hybrid\"", "\"fit:paper\"")),
         ("truncated", with(radius, &format!("{radius}\nheights = {{ law = \"truncated\", upper = 1.5 }}"))),
         ("coupled", coupled("periodic")),
-        ("coupled patch", coupled("patch").replace("\"approach\"", "\"loop\"")),
+        ("coupled patch", looped(&coupled("patch"))),
         (
             "sweep",
             with("[material]", "[sweep]\nsurface.nominal_area = [\"60 um^2\", \"90 um^2\"]\n\n[material]"),

@@ -4,7 +4,7 @@
 
 #[cfg(target_os = "linux")]
 use crate::common::program::peak_memory_of;
-use crate::common::program::{Folder, assert_exit, bits, forge, interrupt_at, number, small, text};
+use crate::common::program::{Folder, assert_exit, bits, forge, interrupt_at, looped, number, small, text};
 use crate::common::unlocked;
 use std::process::Output;
 
@@ -62,8 +62,7 @@ fn merged_shards_have_the_bits_of_one_run() {
     let curves = scene().replace("curves = false", "curves = true").replace("replicas = 83", "replicas = 27");
     let compressed = scene().replace("[output]", "[solver]\nsummation = \"moments\"\n\n[output]");
     let stratified = scene().replace("replicas = 83", "replicas = 80\nsampling = \"stratified\"");
-    let cycle =
-        scene().replace("history = \"approach\"", "history = \"loop\"").replace("from = -1.0", "from = 1.5");
+    let cycle = looped(&scene()).replace("from = -1.0", "from = 1.5");
     for (scene, counts) in [(curves, &[1, 11][..]), (compressed, &[2]), (stratified, &[3]), (cycle, &[2])] {
         let folder = Folder::new(&scene);
         assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);

@@ -2,7 +2,7 @@
 //! would take more than can be had.
 #![cfg(target_os = "linux")]
 
-use crate::common::program::{Folder, QUICK, assert_exit, peak_memory, small, text};
+use crate::common::program::{Folder, QUICK, assert_exit, looped, peak_memory, small, text};
 use std::process::Command;
 
 /// The quick scene with other sizes: asperities, separations, replicas.
@@ -35,9 +35,7 @@ fn snapping(scene: &str) -> String {
         (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ")
     };
     let held = format!("[instability]\nstiffness = [{}]\npreload = [{}]\n", list(50, "N/m"), list(8, "uN"));
-    scene
-        .replace("history = \"approach\"", "history = \"loop\"")
-        .replace("[output]", &format!("{held}[output]"))
+    looped(scene).replace("[output]", &format!("{held}[output]"))
 }
 
 /// Where asperities are deep in no contact: what they cost is what is kept of their replicas.
@@ -87,12 +85,12 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
 fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
     let scenes = [
         ("direct", sized(1e6, 11, 4)),
-        ("loop", sized(1e6, 91, 2).replace("history = \"approach\"", "history = \"loop\"")),
+        ("loop", looped(&sized(1e6, 91, 2))),
         ("compressed", compressed(&sized(1e6, 46, 4))),
         ("direct, more", sized(5e6, 6, 2)),
         ("compressed, more", compressed(&sized(5e6, 46, 2))),
         ("fine steps", compressed(&sized(3e6, 500, 2))),
-        ("loop, more", sized(3e6, 11, 1).replace("history = \"approach\"", "history = \"loop\"")),
+        ("loop, more", looped(&sized(3e6, 11, 1))),
         ("many separations", sized(1.2e6, 200, 1)),
     ];
     for (name, scene) in scenes {

@@ -2,7 +2,9 @@
 //! would.
 #![cfg(unix)]
 
-use crate::common::program::{Folder, assert_exit, bits, interrupt_at, number, small, text, unbroken};
+use crate::common::program::{
+    Folder, assert_exit, bits, interrupt_at, looped, number, small, text, unbroken,
+};
 use crate::common::unlocked;
 use hdf5::types::TypeDescriptor;
 use std::path::Path;
@@ -96,13 +98,13 @@ fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
     }
 }
 
-/// Laws and unloadings are swept by their names; a value of a zip may be there again.
+/// Laws and contacts are swept by their names; a value of a zip may be there again.
 #[test]
 #[ignore = "slow: six seconds"]
 fn points_may_have_models_of_their_own() {
-    let of = "mode = \"zip\"\nmodel.law = [\"hybrid\", \"hybrid\", \"zmc\"]\n\
-              model.unloading = [\"secant\", \"mesarovic_johnson\", \"secant\"]\n";
-    let text = swept(of).replace("history = \"approach\"", "history = \"loop\"");
+    let of = "mode = \"zip\"\nmodel.law = [\"md_plastic\", \"md_plastic\", \"jkr\"]\n\
+              model.plastic_contact = [\"ke\", \"zmc\", \"ke\"]\n";
+    let text = looped(&swept(of));
     let text = text.replace("replicas = 40", "replicas = 8").replace("from = -1.0", "from = 1.0");
     let folder = Folder::new(&text);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
@@ -114,9 +116,9 @@ fn points_may_have_models_of_their_own() {
         assert_exit(&folder.stiction(&["run", "point.toml", "--force"]), 0);
         same(&unlocked::open(folder.path("point.h5")), &all, &sweep.place(point));
     }
-    let attribute = unlocked::open(folder.path("point.h5")).attr("unloading").unwrap();
+    let attribute = unlocked::open(folder.path("point.h5")).attr("plastic_contact").unwrap();
     let name = attribute.read_scalar::<hdf5::types::VarLenUnicode>().unwrap();
-    assert_eq!(name.as_str(), "mesarovic_johnson");
+    assert_eq!(name.as_str(), "zmc");
 }
 
 /// Every number of a single run stands in the sweep.

@@ -17,7 +17,7 @@
 //!
 //! Where adhesion alone makes a contact flow, δ_y is below first touch and there is no elastic regime. Of several states at one
 //! δ the one of the largest ω acts, which is the stable one. Unloading is that of the elastic contact of R₁
-//! ([`crate::asperity::Unloading::FlattenedTop`]).
+//! ([`crate::asperity::Loop`]).
 //!
 //! P is at most K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4), since a loop
 //! would give out energy above that. The load of Jackson and Green is above it by 0.5 % where it begins, for a fortieth of

@@ -20,8 +20,9 @@ pub mod tn;
 pub mod zmc;
 
 use super::models::Adhesion;
-use super::models::Plasticity::{FlattenedTop, KogutEtsion, Other, Without};
+use super::models::Plasticity::{FlattenedTop, Loading, Without};
 use super::models::{Model, PUBLISHED_FITS, flowing, law, validity, wet};
+use md_plastic::PlasticContact::{JacksonGreen, KogutEtsion, ThorntonNing, ZhaoMaiettaChang};
 
 /// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
 #[rustfmt::skip]
@@ -29,25 +30,25 @@ pub const MODELS: &[Model] = &[
     flowing("md_plastic", "extended Maugis-Dugdale, also around the flattened tops of contacts that have flowed",
         validity(Adhesion::Any, FlattenedTop, false), md_plastic::md_plastic),
     law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
-        validity(Adhesion::Any, KogutEtsion, false), hybrid::hybrid),
+        validity(Adhesion::Any, Loading(KogutEtsion), false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
         validity(Adhesion::Any, Without, false), emd::emd),
     law(PUBLISHED_FITS, "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
-        validity(Adhesion::Any, KogutEtsion, false), fit::paper),
+        validity(Adhesion::Any, Loading(KogutEtsion), false), fit::paper),
     law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
-        validity(Adhesion::Low, KogutEtsion, false), isbl::isbl),
+        validity(Adhesion::Low, Loading(KogutEtsion), false), isbl::isbl),
     law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",
-        validity(Adhesion::Low, KogutEtsion, false), sbl::sbl),
+        validity(Adhesion::Low, Loading(KogutEtsion), false), sbl::sbl),
     law("ke", "improved DMT before contact, Kogut-Etsion in contact, dry",
-        validity(Adhesion::Low, KogutEtsion, true), kogut_etsion::ke),
+        validity(Adhesion::Low, Loading(KogutEtsion), true), kogut_etsion::ke),
     law("ceb", "improved DMT before contact, Hertz and Chang-Etsion-Bogy in contact, dry",
-        validity(Adhesion::Low, Other, true), ceb::ceb),
+        validity(Adhesion::Low, Loading(KogutEtsion), true), ceb::ceb),
     law("zmc", "improved DMT before contact, Hertz and Zhao-Maietta-Chang in contact, dry",
-        validity(Adhesion::Low, Other, true), zmc::zmc),
+        validity(Adhesion::Low, Loading(ZhaoMaiettaChang), true), zmc::zmc),
     law("jg", "improved DMT before contact, Hertz and Jackson-Green in contact, dry",
-        validity(Adhesion::Low, Other, true), jg::jg),
+        validity(Adhesion::Low, Loading(JacksonGreen), true), jg::jg),
     law("tn", "improved DMT before contact, Hertz and Thornton-Ning in contact, dry",
-        validity(Adhesion::Low, Other, true), tn::tn),
+        validity(Adhesion::Low, Loading(ThorntonNing), true), tn::tn),
     law("md", "Maugis-Dugdale in contact, nothing before it, elastic and dry",
         validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",

@@ -9,9 +9,8 @@
 //! | 0..1 | x^1.5 | x | the Lennard-Jones stress over the Hertz gap around the contact |
 //! | above | (3x − 1)/2 | x | 2πRΔγ |
 //!
-//! Above ω_c that is P = P_c + πp_yR(ω − ω_c). The publication has JKR's adhesion, which enters its loading too; here it is
-//! that of its unloading alone ([`crate::asperity::Unloading::ThorntonNing`]), and F_s on approach is [`super::ceb`]'s, with its
-//! assumption above ω_c.
+//! Above ω_c that is P = P_c + πp_yR(ω − ω_c). The publication has JKR's adhesion, which enters its loading too; here F_s is
+//! [`super::ceb`]'s, with its assumption above ω_c.
 //!
 //! # Validity
 //! Low λ, dry. Load and its slope are continuous; F_s drops to 2πRΔγ at ω_c. The area is that of the geometry for every ω,

@@ -1,7 +1,6 @@
 //! The energy that avalanches lose, against closed forms and the work around loops; it is never gained.
 
 use super::*;
-use crate::asperity::Unloading;
 
 /// Asperities of a law with the memory of their history.
 struct Square {
@@ -26,7 +25,7 @@ impl Square {
     fn new(law: &str, of: &Asperity, coupling: Coupling, side: f64) -> Self {
         let parameters = parameters(of, Path::Approach);
         let model = model(law).unwrap();
-        let cycle = Loop::new(&model, &parameters, Unloading::of(&model)).unwrap();
+        let cycle = Loop::new(&model, &parameters).unwrap();
         let (scale, modulus) = (parameters.scale, of.reduced_modulus);
         let units = [scale.length, scale.energy()];
         Self { cycle, units, coupling, side, modulus, places: vec![[0.5, 0.5]], heights: vec![0.0] }
@@ -86,11 +85,8 @@ fn unstable_parts_have_the_work_of_their_curves() {
     for row in all["unstable_work"].as_array().unwrap() {
         let [lambda, end, expected] =
             ["adhesion_parameter", "end", "work"].map(|name| row[name].as_f64().unwrap());
-        let cycle = Loop::new(
-            &model("md").unwrap(),
-            &LawParameters::scaled(lambda, Path::Approach).unwrap(),
-            UnloadedRadius::Kept,
-        );
+        let parameters = LawParameters::scaled(lambda, Path::Approach).unwrap();
+        let cycle = Loop::new(&model("md").unwrap(), &parameters);
         assert!((cycle.unwrap().release() / end - 1.0).abs() < 1e-14);
         // At λ = 1 the fold is close to first touch, and the work is what two ends leave.
         let tolerance = 1e-12 + 1e-13 / expected;

@@ -74,7 +74,7 @@ fn one_that_contact_takes_back_out_stays_where_contact_begins() {
     let of = of(work);
     let parameters = parameters(&of, Path::Approach);
     assert!((parameters.scale.lambda - 0.96).abs() < 1e-12);
-    let cycle = Loop::new(&model("md").unwrap(), &parameters, UnloadedRadius::Kept).unwrap();
+    let cycle = Loop::new(&model("md").unwrap(), &parameters).unwrap();
     let (begin, end) = (cycle.approach().boundaries()[0].interference, cycle.release());
     let (neighbour, inside) = (model("hertz").unwrap().law(&parameters).unwrap(), cycle.approach());
     let length = parameters.scale.length;

@@ -65,7 +65,7 @@ impl Surface<'_> {
     fn travel(&self, of: &Asperity, has_touched: bool, path: &[f64]) -> Vec<State> {
         let model = model(self.law).unwrap();
         let parameters = parameters(of, Path::Approach);
-        let cycle = Loop::new(&model, &parameters, UnloadedRadius::Kept).unwrap();
+        let cycle = Loop::new(&model, &parameters).unwrap();
         let law = model.law(&parameters).unwrap();
         let memory = match self.law {
             "jkr" => Memory::Loop(Held::Shared(&cycle)),

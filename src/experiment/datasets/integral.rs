@@ -69,8 +69,5 @@ fn at_pull_off(
 pub(super) fn attributes(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let error = results.integrals().fold(0.0, |error, own| maximum(own.quadrature_error, error));
     writer.number(GROUP, "quadrature_error", error)?;
-    for (radius, force) in results.retraction.iter().filter_map(|retraction| retraction.by_radius).flatten() {
-        writer.number(GROUP, &format!("pull_off_force_{}_radius", radius.name()), force)?;
-    }
     features(writer, GROUP, results.pulled().1)
 }

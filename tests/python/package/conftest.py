@@ -39,7 +39,7 @@ TARGETS = [
 MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
-    "retraction": of_scene("quick", 40, **{"model.history": "retraction"}),
+    "retraction": of_scene("quick", 40, **{"model.law": "md_plastic", "model.history": "retraction"}),
     "loop": of_scene("loop", 20),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),

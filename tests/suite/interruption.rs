@@ -142,7 +142,7 @@ fn signals_that_come_together_are_one() {
 fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
     let folder = Folder::new(
         &small()
-            .replace("\"100 um^2\"", "\"0.03 mm^2\"")
+            .replace("\"100 um^2\"", "\"0.15 mm^2\"")
             .replace("replicas = 40", "replicas = 16")
             .replace("count = 16", "count = 48"),
     );

@@ -121,7 +121,7 @@ fn preloads_need_no_spring() {
 fn each_preload_has_columns_in_the_table_of_a_sweep() {
     let scene = pressed().replace("\"7.39 /um^2\"", "\"4 /um^2\"");
     let folder = Folder::new(&format!(
-        "{scene}\n[instability]\npreload = [\"20 uN\", \"1 N\"]\n[device]\nrestoring_force = \"40 uN\"\n\
+        "{scene}\n[instability]\npreload = [\"20 uN\", \"1 uN\", \"1 N\"]\n[device]\nrestoring_force = \"40 uN\"\n\
          [sweep]\n\"material.work_of_adhesion\" = [\"0.05 J/m^2\", \"0.09 J/m^2\"]\n"
     ));
     let run = folder.stiction(&["run", "scene.toml"]);
@@ -148,6 +148,13 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     let errors: Vec<f64> = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
     assert!(reached.iter().all(|count| *count > 30.0), "{reached:?}");
     assert_eq!(column("pull_off_after_preload_standard_error[2e-5 N] [N]"), errors);
+    // The row of a point is after the largest preload that is reached.
+    let means = of("/instability/pull_off_after_preload_mean");
+    for row in text(&run.stdout).lines().filter(|line| line.contains(" mJ/m²  ")).zip(means.iter().zip(&errors)) {
+        let (line, (mean, error)) = row;
+        let said = format!("{:.1} ± {:.1} µN  20.00 µN", 1e6 * mean, 1e6 * error);
+        assert!(line.contains(&said), "{line}: {said}");
+    }
     for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
         let after = format!("{name}_after_preload");
         assert_eq!(column(&format!("{after}[2e-5 N] [1]")), of(&format!("/device/{after}")));

@@ -144,6 +144,30 @@ fn what_does_not_fit_is_refused() {
     }
 }
 
+/// A sweep takes the memory of its largest point, and the disk of all of them.
+#[test]
+fn sweeps_that_do_not_fit_are_refused() {
+    let refused = |scene: String, sweep: &str| {
+        let folder = Folder::new(&format!("{scene}\n[sweep]\n{sweep}\n"));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 2);
+        assert_eq!(folder.files(), ["scene.toml"]);
+        text(&run.stderr)
+    };
+    let areas = "surface.nominal_area = [\"100 um^2\", \"1e10 um^2\", \"10 um^2\"]";
+    let error = refused(sized(739.0, 91, 1), areas);
+    assert!(error.contains("of memory"), "{error}");
+    let disk = |count: u32| {
+        let scene = sized(739.0, 2_000, 50_000_000).replace("curves = false", "curves = true");
+        let thickness = format!("{{ from = \"0 nm\", to = \"1 nm\", count = {count} }}");
+        let error = refused(scene, &format!("surface.lubricant_thickness = {thickness}"));
+        let (said, _) = error.split_once(" TB of disk").expect("a shortage of disk");
+        said.split_whitespace().last().unwrap().parse::<f64>().unwrap()
+    };
+    let [two, eight] = [2, 8].map(disk);
+    assert!((eight / two - 4.0).abs() < 0.1, "{two} {eight}");
+}
+
 /// A limit of address space is a limit: a run that would not fit is refused, and what is said to fit does.
 #[test]
 #[ignore = "slow: two seconds"]

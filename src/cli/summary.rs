@@ -127,7 +127,7 @@ fn pull_off(results: &Results) -> String {
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
         text += &paragraph(&format!(
-            "{at_edge} have it at the edge of the separations: it may lie beyond, widen [separation]"
+            "at least {at_edge} have it at the edge of the separations: it may lie beyond, widen [separation]"
         ));
     }
     text

@@ -7,7 +7,7 @@ use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
 use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
-use crate::asperity::scale::Asperity;
+use crate::asperity::scale::{Asperity, STRESS_RATIO};
 use crate::asperity::{Law, Path, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
@@ -45,6 +45,8 @@ const SMALLEST_MENISCUS: f64 = 0.5e-9;
 const LARGEST_FLOWED: f64 = 0.1;
 /// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
 const LARGEST_SHORTENING: f64 = 0.1;
+/// Largest adhesive stress over the hardness at which contacts part at their interface.
+const LARGEST_STRESS: f64 = 1.0;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 /// Radius over that of the typical asperity of which asperities flow soonest, where radii scatter.
@@ -67,6 +69,8 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(wet(scene, model));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
+    warnings.extend(ductile(scene, model, law));
+    warnings.extend(left_out(scene, law, &expected.readings));
     warnings.extend(joined(scene, model, &expected.readings));
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(repeated(scene, &expected.readings));
@@ -269,6 +273,49 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
             "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
             "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
+        )
+    })
+}
+
+/// Whether contacts that flow would be torn off rather than part at their interface.
+fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
+    let Asperity { work_of_adhesion, equilibrium_spacing, hardness, .. } = scene.asperity;
+    let stress = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * hardness);
+    let is_told = stress > LARGEST_STRESS && scene.cycle && model.unloads_flow();
+    let flows = |onset: &f64| is_told && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
+    flow_onset(law).filter(flows).map(|_| {
+        Warning::new(
+            format!("the adhesive stress is {stress:.2} of the hardness, more than {LARGEST_STRESS}"),
+            "tops as soft and sticky part by flow, not at their interface (Du et al. 2007), which the law leaves out",
+            units(&["work_of_adhesion", "equilibrium_spacing", "hardness"]),
+        )
+    })
+}
+
+/// Whether a law that ends leaves out asperities where results are read off.
+fn left_out(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> Option<Warning> {
+    let end = law.boundaries().get(law.regimes().len() - 1)?.interference;
+    let count = scene.surface.asperity_count as f64;
+    let beyond = |h: f64| {
+        let d = scene.surface.asperity_separation(h);
+        count * scene.surface.heights.probability(end + d, f64::INFINITY)
+    };
+    let words = |reading: &Reading| {
+        let left = beyond(reading.separation);
+        let share = 100.0 * left / count;
+        (left >= FEWEST_UNLOADED)
+            .then(|| format!("{left:.0} of {count:.0} asperities ({share:.2} %) {}", reading.what.place()))
+    };
+    let places: Vec<String> = readings.iter().filter_map(words).collect();
+    (!places.is_empty()).then(|| {
+        Warning::new(
+            format!(
+                "the law ends at the interference {} and leaves out {}",
+                si(end, "m"),
+                places.join(" and ")
+            ),
+            "asperities beyond the end of a law bear no force and adhere with none",
+            "model.law = \"md_plastic\" has no end",
         )
     })
 }

@@ -205,6 +205,47 @@ const PRESSED: [&str; 2] = [
     "contacts flow, and what they hold then differs between models",
 ];
 
+/// A law that ends says how many asperities it leaves out, a loop whether its contacts part at their interface.
+#[test]
+fn laws_say_what_they_leave_out() {
+    let found = |changes: &[(&str, &str)]| {
+        let changed = changes.iter().fold(QUICK.to_owned(), |scene, (from, to)| {
+            assert_eq!(scene.matches(from).count(), 1, "{from}");
+            scene.replace(from, to)
+        });
+        let check = Folder::new(&changed).stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        warnings(&text(&check.stdout))
+    };
+    let emd = ("law = \"hybrid\"", "law = \"emd\"");
+    let work = ("work_of_adhesion = \"0.09 J/m^2\"", "work_of_adhesion = \"0.03 J/m^2\"");
+    for (hardness, is_left_out) in [("1 GPa", true), ("8 GPa", false)] {
+        let own = format!("hardness = \"{hardness}\"");
+        let warnings = found(&[emd, work, ("hardness = \"2.5 GPa\"", &own)]);
+        let of = |warning: &String| {
+            warning.starts_with(
+                "the law ends at the interference 322.5 pm and leaves out 208 of 739 asperities (28.1",
+            ) && warning.contains("at pull-off")
+        };
+        assert_eq!(warnings.iter().any(of), is_left_out, "{hardness}: {warnings:#?}");
+    }
+    // σ₀ = 1.03 Δγ/Z₀ is 463.5 MPa.
+    for (hardness, part) in
+        [("400 MPa", Some("the adhesive stress is 1.16 of the hardness")), ("500 MPa", None)]
+    {
+        let own = format!("hardness = \"{hardness}\"");
+        let law = ("law = \"hybrid\"", "law = \"md_plastic\"");
+        let warnings =
+            found(&[law, ("history = \"approach\"", "history = \"loop\""), ("hardness = \"2.5 GPa\"", &own)]);
+        let found = warnings.iter().find(|warning| warning.contains("the adhesive stress"));
+        assert_eq!(
+            found.map(|warning| warning.starts_with(part.unwrap_or_default())),
+            part.map(|_| true),
+            "{warnings:#?}"
+        );
+    }
+}
+
 /// Rough and soft surfaces that come together for the first time are another thing than those in use: by ψ of σ_s, on approach
 /// alone, under a law that flows. On loops the model of flow matters.
 #[test]

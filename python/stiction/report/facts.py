@@ -212,7 +212,7 @@ def _resolution(run: Run) -> Verdict:
     step = float(np.nanmax(np.abs(force[[lowest - 1, lowest + 1]] - force[lowest])) / abs(force[lowest]))
     explained = f"one separation from pull-off the force differs by {_percent(step, 2)}; {explained}"
     if at_edge > 0.0:
-        notes.append(f"{_percent(at_edge, 2)} of the patches have their pull-off at the edge of the separations")
+        notes.append(f"at least {_percent(at_edge, 2)} of the patches have their pull-off at the edge of the separations")
     if notes:
         return Verdict("resolution", "caution", "look", "; ".join([*notes, explained]))
     return Verdict("resolution", "good", "fine", explained)

@@ -26,7 +26,7 @@ const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Bytes of the moments of a period, of a dozen segments.
 const PERIOD: f64 = 16e3;
 /// Bytes of an asperity in the search for the pull-off, on approach and on the retraction of a loop.
-const SEARCHED: (f64, f64) = (14.0, 80.0);
+const SEARCHED: (f64, f64) = (14.0, 190.0);
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
 const COUPLED: (f64, f64) = (4e3, 9e3);

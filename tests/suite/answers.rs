@@ -142,7 +142,7 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
         rows[1..].iter().map(|row| row[place].parse().unwrap()).collect::<Vec<f64>>()
     };
     let of =
-        |dataset: &str| values(&folder, "scene.h5", dataset).into_iter().step_by(2).collect::<Vec<f64>>();
+        |dataset: &str| values(&folder, "scene.h5", dataset).into_iter().step_by(3).collect::<Vec<f64>>();
     let std = of("/instability/pull_off_after_preload_std");
     let reached = column("preload_reached_count[2e-5 N] [1]");
     let errors: Vec<f64> = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
@@ -164,7 +164,7 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     }
     let ends = values(&folder, "scene.h5", "/instability/pull_off_after_preload_interval");
     for (i, name) in ["from", "to"].iter().enumerate() {
-        let ends: Vec<f64> = ends.iter().skip(i).step_by(4).copied().collect();
+        let ends: Vec<f64> = ends.iter().skip(i).step_by(6).copied().collect();
         assert_eq!(column(&format!("pull_off_after_preload_{name}[2e-5 N] [N]")), ends);
     }
     column("differences/pull_off_force_mean of the whole loop [N]");

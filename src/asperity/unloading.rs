@@ -9,7 +9,7 @@
 //! |---|---|
 //! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
 //! | up to ω_c, or any of a law of loading alone | the law on retraction at δ: contact lasts to the end of its stable branch |
-//! | above ω_c | the elastic contact of the flattened top, [`super::top`] |
+//! | above ω_c | the elastic contact of the flattened top, `asperity::top` |
 //!
 //! After plastic flow the asperity is lower by its residual interference ω_res, springs back by its recovery ω_max −
 //! ω_res only, and its top has a radius R′ of its own. Contact lasts to the interference at which that of a sphere of R′ ends,

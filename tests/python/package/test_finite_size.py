@@ -290,7 +290,7 @@ def test_sizes_of_loops_end_at_their_own_targets():
     }
     forces = []
     for history in ("approach", "loop"):
-        sweep = finite_size.run(tables, [20, 300], **{"model.history": history})
+        sweep = finite_size.run(tables, [20, 300], **{"model.history": history, "model.law": "md_plastic"})
         forces.append(finite_size.study(sweep).attrs["integral_pull_off_per_asperity"])
     replicas = (~np.isnan(sweep["replicas/pull_off_force"].values)).sum(axis=1)
     assert replicas[0] > replicas[1] and (sweep["replica_count"].values == replicas).all()

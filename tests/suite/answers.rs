@@ -150,12 +150,12 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     assert_eq!(column("pull_off_after_preload_standard_error[2e-5 N] [N]"), errors);
     // The row of a point is after the largest preload that is reached.
     let means = of("/instability/pull_off_after_preload_mean");
-    for row in
-        text(&run.stdout).lines().filter(|line| line.contains(" mJ/m²  ")).zip(means.iter().zip(&errors))
-    {
-        let (line, (mean, error)) = row;
-        let said = format!("{:.1} ± {:.1} µN  20.00 µN", 1e6 * mean, 1e6 * error);
-        assert!(line.contains(&said), "{line}: {said}");
+    let printed = text(&run.stdout);
+    let rows_of_points: Vec<&str> = printed.lines().filter(|line| line.contains(" mJ/m^2  ")).collect();
+    assert_eq!(rows_of_points.len(), means.len(), "{printed}");
+    for (line, mean) in rows_of_points.into_iter().zip(means) {
+        let said = format!("{:.1} ± ", 1e6 * mean);
+        assert!(line.contains(&said) && line.contains("20.00 µN"), "{line}: {said}");
     }
     for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
         let after = format!("{name}_after_preload");

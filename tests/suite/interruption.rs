@@ -142,7 +142,7 @@ fn signals_that_come_together_are_one() {
 fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
     let folder = Folder::new(
         &small()
-            .replace("\"100 um^2\"", "\"0.1 mm^2\"")
+            .replace("\"100 um^2\"", "\"0.12 mm^2\"")
             .replace("replicas = 40", "replicas = 16")
             .replace("count = 16", "count = 48"),
     );
@@ -151,7 +151,7 @@ fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
     wait_while_running(&mut child, || folder.path(PARTIAL).exists());
     let kept = std::fs::read(folder.path(PARTIAL)).unwrap();
     signal(&child, "-INT");
-    std::thread::sleep(Duration::from_millis(200));
+    std::thread::sleep(Duration::from_millis(400));
     signal(&child, "-TERM");
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);

@@ -19,7 +19,7 @@ use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
 use super::stats::SolverStats;
-use super::top::within;
+use super::top::{Top, unload, within};
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
@@ -89,10 +89,8 @@ pub(crate) struct Flowed {
     pub largest: f64,
     /// ω_res, m.
     residual: f64,
-    /// R′/R of its top out of contact.
-    ratio: f64,
-    /// F_s, N, P, N, and the area, m², at ω_max.
-    at_largest: [f64; 3],
+    /// Its top.
+    top: Top,
     /// The regime of the law on approach at ω_max.
     pub regime: usize,
     /// Segments of its force.
@@ -162,10 +160,12 @@ impl Memory<'_> {
         if !cycle.has_flowed(largest) {
             return None;
         }
-        let residual = largest - cycle.recovery(largest);
-        let ratio = cycle.radius_ratio(largest);
+        let mut top = [Top::default()];
+        cycle.tops(&[largest], &mut top, &mut Responses::default(), stats);
+        let [top] = top;
+        let residual = largest - top.recovery;
         // A top that has let go is an asperity of the law, of its own radius.
-        let own = cycle.of(cycle.lane(ratio));
+        let own = cycle.of(cycle.lane(top.ratio));
         let lost_contact = lowered(&own, Path::Approach, f64::NEG_INFINITY..own.capture, residual);
         let mut contact = lowered(&own, Path::Retraction, own.lost()..own.release(), residual);
         contact.push(Segment::unloading(own.release() + residual..largest));
@@ -173,14 +173,11 @@ impl Memory<'_> {
         virgin.retain(|segment| segment.upper > largest);
         virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
         contact.append(&mut virgin);
-        let mut out = Responses::default();
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
-        cycle.approach().evaluate(regime, Lanes::Own, &[largest], &mut out, stats);
         Some(Flowed {
             largest,
             residual,
-            ratio,
-            at_largest: [out.adhesion[0], out.contact[0], out.area[0]],
+            top,
             regime,
             untouched: lost_contact.len(),
             segments: joined(lost_contact, contact),
@@ -198,20 +195,19 @@ impl Memory<'_> {
         stats: &mut SolverStats,
     ) -> [f64; 3] {
         let Self::Loop(cycle) = self else { return [0.0; 3] };
+        let lane = || [cycle.lane(flowed.top.ratio)];
         match segment.source {
             Source::Nothing => return [0.0; 3],
             Source::Unloading => {
-                [out.contact[0], out.area[0]] = [flowed.at_largest[1], flowed.at_largest[2]];
                 let distance = flowed.largest - interference;
-                out.adhesion[0] = flowed.at_largest[0];
-                cycle.unload(&[flowed.largest], distance, out, stats);
+                unload(cycle.retraction(), (&[flowed.top], &lane()), distance, out, stats);
             }
             Source::Law(path, regime) => {
                 self.law(path).evaluate(regime, Lanes::Own, &[interference], out, stats)
             }
             Source::Lowered(path, regime) => {
                 let (law, mut own) = (self.law(path), [interference - flowed.residual]);
-                let lane = [cycle.lane(flowed.ratio)];
+                let lane = lane();
                 within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
                 law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
             }

@@ -1,8 +1,8 @@
 //! Asperities of a loop that differ in their radii, from the moment on when the surfaces turn.
 //!
 //! The response of an asperity at a distance s from the closest approach follows from its ω_max, its radius
-//! and s ([`super::unloading`]). Of each are computed once its top if it has flowed, and the distances at which it passes from one condition to the next; asperities in one condition
-//! are then evaluated together, each as a lane.
+//! and s ([`super::unloading`]). Of each are computed once its top, if it has flowed, and the distances at which it
+//! passes from one condition to the next; asperities in one condition are then evaluated together, each as a lane.
 
 use super::block::{BLOCK, Responses};
 use super::history::{ContactHistory, Path};

@@ -259,10 +259,14 @@ fn flow_onset(law: &dyn Law) -> Option<f64> {
     Some(law.boundaries()[first - 1].interference)
 }
 
+/// The share of asperities beyond an interference, m, at a separation h, m.
+fn share_beyond(scene: &Scene, interference: f64, h: f64) -> f64 {
+    scene.surface.heights.probability(interference + scene.surface.asperity_separation(h), f64::INFINITY)
+}
+
 /// Contacts of the whole run beyond an interference, m, at the closest separation.
 fn contacts_beyond(scene: &Scene, interference: f64) -> f64 {
-    let d = scene.surface.asperity_separation(scene.separations[0]);
-    scene.surface.heights.probability(interference + d, f64::INFINITY) * asperities_of_run(scene)
+    share_beyond(scene, interference, scene.separations[0]) * asperities_of_run(scene)
 }
 
 /// Whether contacts unload that flow by adhesion alone.
@@ -296,13 +300,9 @@ fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
 fn left_out(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> Option<Warning> {
     let end = law.boundaries().get(law.regimes().len() - 1)?.interference;
     let count = scene.surface.asperity_count as f64;
-    let beyond = |h: f64| {
-        let d = scene.surface.asperity_separation(h);
-        count * scene.surface.heights.probability(end + d, f64::INFINITY)
-    };
     let words = |reading: &Reading| {
-        let left = beyond(reading.separation);
-        let share = 100.0 * left / count;
+        let share = share_beyond(scene, end, reading.separation);
+        let (left, share) = (share * count, 100.0 * share);
         (left >= FEWEST_UNLOADED)
             .then(|| format!("{left:.0} of {count:.0} asperities ({share:.2} %) {}", reading.what.place()))
     };
@@ -355,10 +355,8 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
         0 => f64::NEG_INFINITY,
         _ => law.boundaries()[first - 1].interference,
     };
-    let closest = scene.separations[0];
-    let d = scene.surface.asperity_separation(closest);
-    let contacts = asperities_of_run(scene) * scene.surface.heights.probability(touch + d, f64::INFINITY);
-    let h_star = closest / scene.surface.surface_height_std;
+    let contacts = contacts_beyond(scene, touch);
+    let h_star = scene.separations[0] / scene.surface.surface_height_std;
     let place = format!("in the whole run at the closest separation, h* = {h_star:.3}");
     // The integral leaves nothing to chance.
     if contacts >= FEWEST_CONTACTS || scene.replicas == 0 && contacts >= 0.5 {

@@ -47,6 +47,30 @@ const COSINE_OVER_GAP: [f64; 8] = [
     -4.590369142551046e-14,
 ];
 
+/// (θ(1 − (8/3)cos⁴θ) + sin θ cos θ (2cos²θ + 3)/3)/θ³, the first eight powers, and the others.
+const QUARTIC: ([f64; 8], [f64; 8]) = (
+    [
+        1.0392627229228837,
+        -0.9598393431886135,
+        0.5374897504580675,
+        -0.18569010158476643,
+        0.039066099136650954,
+        -0.005384198671915603,
+        0.0005217740100128093,
+        -3.751842576676292e-05,
+    ],
+    [
+        2.083646705647168e-06,
+        -9.215306053617531e-08,
+        3.3245655226864557e-09,
+        -9.974847076311868e-11,
+        2.5345392383004566e-12,
+        -5.5240469737325516e-14,
+        0.0,
+        0.0,
+    ],
+);
+
 /// π/2 as an unevaluated sum of two doubles.
 const HALF_PI: f64 = std::f64::consts::FRAC_PI_2;
 const HALF_PI_LOW: f64 = 6.123233995736766e-17;
@@ -83,6 +107,15 @@ pub fn angle_terms(angle: f64) -> AngleTerms {
     }
 }
 
+/// The term of an outline in r⁴, (θ(1 − (8/3)cos⁴θ) + sin θ cos θ (2cos²θ + 3)/3)/θ³, 32/9 at θ = 0.
+#[inline(always)]
+pub fn quartic_term(angle: f64) -> f64 {
+    let x = angle * angle - CENTRE;
+    let (square, (low, high)) = (x * x, QUARTIC);
+    let fourth = square * square;
+    estrin(&low, x) + estrin(&high, x) * (fourth * fourth)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,6 +146,15 @@ mod tests {
             // The quadratic series itself cancels by a factor of four at π.
             assert!((terms.quadratic - quadratic).abs() < 2e-15, "{angle}: {} {quadratic}", terms.quadratic);
             assert!((terms.linear - linear).abs() < 4e-16, "{angle}: {} {linear}", terms.linear);
+            // The derivative of the numerator is (4/3) θ (2 sin 2θ + sin 4θ): terms of θ^(2n+2).
+            let quartic = series(|n| {
+                let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+                let powers = 4.0 * 4_f64.powi(n as i32) + 4.0 * 16_f64.powi(n as i32);
+                sign * 4.0 / 3.0 * powers * angle.powi(2 * n as i32)
+                    / (factorial(2 * n + 1) * f64::from(2 * n + 3))
+            });
+            // The series cancels by a factor of a hundred at π/2.
+            assert!((quartic_term(angle) - quartic).abs() < 1e-14, "{angle}: {quartic}");
             assert!((terms.sin - angle.sin()).abs() <= 2.0 * f64::EPSILON * angle.sin(), "{angle}");
             assert!((terms.cos - angle.cos()).abs() <= 3.0 * f64::EPSILON * angle.cos(), "{angle}");
         }

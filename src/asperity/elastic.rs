@@ -13,6 +13,7 @@ use super::far;
 use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
 use super::noncontact::{Branches, Noncontact};
+use super::outline::Ends;
 use super::scale::LAMBDA_RANGE;
 use super::starts::{Column, Starts, cell_of};
 use super::stats::SolverStats;
@@ -54,6 +55,8 @@ pub struct Elastic {
     inner_starts: Column,
     /// ε and Δ at the inner fold, of an asperity that comes out of contact onto the inner of two states before it.
     inner: Option<[f64; 2]>,
+    /// Δ of a second fold to which the outermost state before contact lasts, of tops that have flowed; 0 if there is none.
+    second: f64,
 }
 
 /// The tables over λ that folds and that does not.
@@ -161,6 +164,21 @@ impl Elastic {
         }
     }
 
+    /// The asperity of a top of its own outline, of which the states are solved by that.
+    pub(super) fn of_ends(lambda: f64, ends: &Ends) -> Self {
+        let [first, second] = ends.outer;
+        Self {
+            lambda,
+            contact_end: ends.contact,
+            first_touch: ends.first_touch,
+            fold: first.map_or(0.0, |fold| fold.gap),
+            reference: first.map_or(ends.first_touch, |fold| fold.displacement),
+            inner: ends.inner.map(|fold| [fold.gap, fold.displacement]),
+            second: second.map_or(0.0, |fold| fold.displacement),
+            ..Self::default()
+        }
+    }
+
     /// Δ where contact begins or ends by the history; −δ_A in units of s_δ.
     pub fn end(&self, path: Path) -> f64 {
         match path {
@@ -185,6 +203,11 @@ impl Elastic {
         (self.fold > 0.0 && self.reference < self.end(path)).then_some(self.reference)
     }
 
+    /// Δ of a second fold, at which the branch that follows the first is left, likewise.
+    pub fn second_fold(&self, path: Path) -> Option<f64> {
+        (self.second < 0.0 && self.second < self.end(path)).then_some(self.second)
+    }
+
     /// Δ of the inner fold, to which an asperity that comes out of contact stays on the inner of two states before it.
     pub fn inner_fold(&self) -> Option<f64> {
         self.inner.map(|[_, displacement]| displacement)
@@ -193,6 +216,11 @@ impl Elastic {
     /// Δ of the outer fold, if there is one.
     pub fn outer_fold(&self) -> Option<f64> {
         (self.fold > 0.0).then_some(self.reference)
+    }
+
+    /// Δ of the fold from which an asperity is on the innermost state, if there is one.
+    pub fn innermost_fold(&self) -> Option<f64> {
+        Some(self.second).filter(|second| *second < 0.0).or(self.outer_fold())
     }
 
     /// Whether an asperity at Δ is on the inner of two states, if it stays there.

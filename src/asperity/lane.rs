@@ -2,10 +2,21 @@
 
 use super::block::{BLOCK, Responses};
 use super::elastic::Elastic;
+use super::outline::OutlinedTop;
 use super::scale::Scale;
 use crate::math::exponential::exp;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
+
+/// The numbers of a block of asperities in their order.
+pub(super) const EACH: [u32; BLOCK] = {
+    let (mut each, mut i) = ([0; BLOCK], 0);
+    while i < BLOCK {
+        each[i] = i as u32;
+        i += 1;
+    }
+    each
+};
 
 /// An asperity of a radius.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +52,14 @@ impl Lane {
     }
 }
 
+impl Lane {
+    /// The asperity of ρ = `ratio` at its apex, whose states are those of a top of its own outline if it is solved.
+    pub(super) fn of_top(ratio: f64, top: Option<&OutlinedTop>) -> Self {
+        let elastic = top.map(|top| Elastic::of_ends(top.outline.lambda, &top.ends)).unwrap_or_default();
+        Self { elastic, ..Self::new(ratio, None) }
+    }
+}
+
 /// The asperities of a block.
 #[derive(Clone, Copy)]
 pub enum Lanes<'a> {
@@ -55,24 +74,23 @@ pub enum Lanes<'a> {
 pub struct Numbered<'a> {
     all: &'a [Lane],
     which: &'a [u32],
+    /// The tops of all, of asperities that have flowed; else none.
+    tops: &'a [OutlinedTop],
 }
 
 impl<'a> Lanes<'a> {
     /// The asperities of `all` that `which` numbers.
     pub fn new(all: &'a [Lane], which: &'a [u32]) -> Self {
-        Self::Each(Numbered { all, which })
+        Self::Each(Numbered::new(all, which))
+    }
+
+    /// The asperities of `all` that `which` numbers, whose tops have outlines of their own.
+    pub(super) fn of_tops(all: &'a [Lane], tops: &'a [OutlinedTop], which: &'a [u32]) -> Self {
+        Self::Each(Numbered { all, which, tops })
     }
 
     /// At most [`BLOCK`] asperities in their order.
     pub fn each(all: &'a [Lane]) -> Self {
-        const EACH: [u32; BLOCK] = {
-            let (mut each, mut i) = ([0; BLOCK], 0);
-            while i < BLOCK {
-                each[i] = i as u32;
-                i += 1;
-            }
-            each
-        };
         Self::new(all, &EACH[..all.len()])
     }
 
@@ -99,6 +117,18 @@ impl<'a> Lanes<'a> {
     pub fn scale_contacts(self, scale: &Scale, radius: &[f64], out: &mut Responses) {
         let area_unit = PI * scale.radius * scale.radius;
         let Responses { adhesion, contact, area } = out;
+        if let Self::Each(lanes) = self
+            && lanes.have_tops()
+        {
+            for (i, radius) in radius.iter().enumerate() {
+                let Lane { ratio, cube_root, .. } = *lanes.at(i);
+                let force = scale.force * ratio;
+                adhesion[i] *= force;
+                contact[i] = force * lanes.top(i).outline.load(*radius);
+                area[i] = area_unit * (ratio * cube_root) * (radius * radius);
+            }
+            return;
+        }
         let contacts = radius.iter().zip(adhesion).zip(contact).zip(area).enumerate();
         for (i, (((radius, adhesion), contact), area)) in contacts {
             let (force, area_unit) = match self {
@@ -117,9 +147,14 @@ impl<'a> Lanes<'a> {
 }
 
 impl<'a> Numbered<'a> {
+    /// The asperities of `all` that `which` numbers.
+    pub fn new(all: &'a [Lane], which: &'a [u32]) -> Self {
+        Self { all, which, tops: &[] }
+    }
+
     /// A full block of asperities that are alike.
     pub fn alike(lane: &'a [Lane; 1]) -> Self {
-        Self { all: lane, which: &[0; BLOCK] }
+        Self { all: lane, which: &[0; BLOCK], tops: &[] }
     }
 
     /// The lanes from one on.
@@ -131,6 +166,18 @@ impl<'a> Numbered<'a> {
     #[inline(always)]
     pub fn at(self, lane: usize) -> &'a Lane {
         &self.all[self.which[lane] as usize]
+    }
+
+    /// Whether the asperities have flowed, and have tops of their own outlines.
+    #[inline(always)]
+    pub(super) fn have_tops(self) -> bool {
+        !self.tops.is_empty()
+    }
+
+    /// The top of a lane.
+    #[inline(always)]
+    pub(super) fn top(self, lane: usize) -> &'a OutlinedTop {
+        &self.tops[self.which[lane] as usize]
     }
 
     /// Multiplies values by ρ^exponent, lane by lane.

@@ -2,6 +2,7 @@
 
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
+use super::outline::OutlinedTop;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
@@ -224,6 +225,13 @@ pub trait Law: Send + Sync {
     #[doc(hidden)]
     fn pieces(&self, lane: Option<&Lane>) -> Vec<Piece> {
         (0..self.regimes().len()).flat_map(|regime| self.pieces_of(regime, lane)).collect()
+    }
+
+    /// Interferences, m, at which a top of its own outline is not smooth within a regime, or jumps there; of a lane of its
+    /// apex.
+    #[doc(hidden)]
+    fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
+        Vec::new()
     }
 
     /// The method by which the forces of a regime are evaluated.

@@ -19,7 +19,7 @@ use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
 use super::stats::SolverStats;
-use super::top::{Top, unload, within};
+use super::top::{Top, Tops};
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
@@ -87,10 +87,8 @@ pub(crate) enum Memory<'a> {
 pub(crate) struct Flowed {
     /// ω_max, m.
     pub largest: f64,
-    /// ω_res, m.
-    residual: f64,
-    /// Its top.
-    top: Top,
+    /// Its top, alone.
+    tops: Tops,
     /// The regime of the law on approach at ω_max.
     pub regime: usize,
     /// Segments of its force.
@@ -160,15 +158,18 @@ impl Memory<'_> {
         if !cycle.has_flowed(largest) {
             return None;
         }
-        let mut top = [Top::default()];
-        cycle.tops(&[largest], &mut top, &mut Responses::default(), stats);
-        let [top] = top;
+        let mut top = Top::default();
+        cycle.tops(&[largest], stats, |own| top = own);
         let residual = largest - top.recovery;
-        // A top that has let go is an asperity of the law, of its own radius.
-        let own = cycle.of(cycle.lane(top.ratio));
+        // A top that has let go is an asperity of the law, of the radius of its apex.
+        let own = cycle.of(top.lane());
+        let kinks = cycle.kinks_of(&top).map(|kink| kink + residual);
         let lost_contact = lowered(&own, Path::Approach, f64::NEG_INFINITY..own.capture, residual);
         let mut contact = lowered(&own, Path::Retraction, own.lost()..own.release(), residual);
         contact.push(Segment::unloading(own.release() + residual..largest));
+        let [lost_contact, mut contact] = [lost_contact, contact].map(|segments| split(segments, &kinks));
+        let mut tops = Tops::default();
+        tops.push(top);
         let mut virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
         virgin.retain(|segment| segment.upper > largest);
         virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
@@ -176,8 +177,7 @@ impl Memory<'_> {
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
         Some(Flowed {
             largest,
-            residual,
-            top,
+            tops,
             regime,
             untouched: lost_contact.len(),
             segments: joined(lost_contact, contact),
@@ -195,21 +195,14 @@ impl Memory<'_> {
         stats: &mut SolverStats,
     ) -> [f64; 3] {
         let Self::Loop(cycle) = self else { return [0.0; 3] };
-        let lane = || [cycle.lane(flowed.top.ratio)];
+        let distance = flowed.largest - interference;
+        let mut of_top = |law| flowed.tops.respond_all(law, distance, out, stats);
         match segment.source {
             Source::Nothing => return [0.0; 3],
-            Source::Unloading => {
-                let distance = flowed.largest - interference;
-                unload(cycle.retraction(), (&[flowed.top], &lane()), distance, out, stats);
-            }
+            Source::Unloading => of_top((cycle.retraction(), cycle.first_contact)),
+            Source::Lowered(path, regime) => of_top((self.law(path), regime)),
             Source::Law(path, regime) => {
                 self.law(path).evaluate(regime, Lanes::Own, &[interference], out, stats)
-            }
-            Source::Lowered(path, regime) => {
-                let (law, mut own) = (self.law(path), [interference - flowed.residual]);
-                let lane = lane();
-                within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
-                law.evaluate(regime, Lanes::each(&lane), &own, out, stats);
             }
         }
         [out.adhesion[0], out.contact[0], out.area[0]]
@@ -255,6 +248,29 @@ fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Seg
         last.upper = to + residual;
     }
     segments
+}
+
+/// Segments that end at kinks, m, within them; they vary like roots at their outer ends alone.
+fn split(segments: Vec<Segment>, kinks: &[f64]) -> Vec<Segment> {
+    let mut parts = Vec::with_capacity(segments.len());
+    for mut rest in segments {
+        let mut within: Vec<f64> = kinks.to_vec();
+        within.retain(|kink| rest.lower < *kink && *kink < rest.upper);
+        within.sort_by(f64::total_cmp);
+        let at_end = |end: End| match rest.smoothness {
+            Smoothness::Root { end: own, .. } if own != end => Smoothness::Smooth,
+            own => own,
+        };
+        let [first, last] = [at_end(End::Lower), at_end(End::Upper)];
+        let is_whole = within.is_empty();
+        for (i, kink) in within.into_iter().enumerate() {
+            let smoothness = if i == 0 { first } else { Smoothness::Smooth };
+            parts.push(Segment { upper: kink, smoothness, ..rest });
+            rest.lower = kink;
+        }
+        parts.push(if is_whole { rest } else { Segment { smoothness: last, ..rest } });
+    }
+    parts
 }
 
 /// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.

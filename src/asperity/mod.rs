@@ -38,6 +38,8 @@ pub(crate) mod memory;
 pub mod models;
 #[doc(hidden)]
 pub mod noncontact;
+#[doc(hidden)]
+pub mod outline;
 mod parameters;
 #[doc(hidden)]
 pub mod quantity;

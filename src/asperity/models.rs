@@ -3,17 +3,17 @@
 
 use super::block::Responses;
 use super::error::LawError;
-use super::flattened::Around;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::Law;
 pub use super::laws::MODELS;
 use super::laws::capillary;
 use super::laws::capillary::Parts;
-use super::laws::md_plastic::PlasticContact;
+use super::laws::md_plastic::{Flow, PlasticContact, dry_flow};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
+use std::sync::Arc;
 
 /// The constructor of a law.
 #[derive(Clone, Copy, Debug)]
@@ -141,10 +141,12 @@ impl Model {
         })
     }
 
-    /// Adhesion and liquid around the flattened tops of asperities.
-    pub(super) fn around(&self, parameters: &LawParameters) -> Result<Around, LawError> {
-        let dry = Around { scale: parameters.scale, bridge: None };
-        Ok(self.parts(parameters)?.map_or(dry, |parts| parts.around(&parameters.scale)))
+    /// The contact that flows, of a law that knows the outlines of tops that have flowed.
+    pub(super) fn flow(&self, parameters: &LawParameters) -> Result<Arc<Flow>, LawError> {
+        match self.parts(parameters)? {
+            None => dry_flow(parameters, self.contact),
+            Some(parts) => parts.flow(parameters, self.contact),
+        }
     }
 
     /// Whether an asperity is attracted at any distance, as by the tail of a Lennard-Jones stress: not so by

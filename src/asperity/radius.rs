@@ -9,6 +9,7 @@ use super::block::Responses;
 use super::history::Path;
 use super::lane::{Lane, Lanes, Numbered};
 use super::law::{Boundary, Law, Method, Piece, Regime};
+use super::outline::OutlinedTop;
 use super::stats::SolverStats;
 use std::sync::Arc;
 
@@ -138,6 +139,10 @@ impl Law for RadiusLaw {
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
         self.law.capture(lane.or(self.lane.first()))
+    }
+
+    fn kinks_of_top(&self, regime: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+        self.law.kinks_of_top(regime, lane, top)
     }
 
     fn method(&self, regime: usize) -> Method {

@@ -4,8 +4,8 @@ use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::stats::SolverStats;
-use super::top::{Top, within};
-use super::unloading::{Loop, begin_of};
+use super::top::{Top, Tops};
+use super::unloading::{Loop, TOP_KINKS, begin_of};
 use crate::math::roots::{Sample, safe_newton};
 
 /// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not
@@ -225,13 +225,15 @@ impl<'a> Retraction<'a> {
         moved.filter(|piece| piece.lower < piece.upper)
     }
 
-    /// Pieces of a contact that is unloaded, which ends like a root.
+    /// Pieces of contacts that are unloaded, which end like a root.
     fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
-        let smoothness = match self.order() {
+        let first = match self.order() {
             1 => Smoothness::Smooth,
             order => Smoothness::Root { end: End::Lower, place: limits.0, order },
         };
-        self.moved(index, limits, |place| place).map(|piece| Piece { smoothness, ..piece }).collect()
+        let mut pieces = self.of_tops(index, limits);
+        pieces.iter_mut().take(1).for_each(|piece| piece.smoothness = first);
+        pieces
     }
 
     /// Order of the root by which a contact varies at its end.
@@ -243,18 +245,21 @@ impl<'a> Retraction<'a> {
         }
     }
 
-    /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
-    /// of the attraction.
-    fn flattened(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
+    /// Pieces of tops of outlines of their own: between the joints of the law on approach, and between places where tops pass
+    /// kinks.
+    fn of_tops(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
         let mut ends: Vec<f64> = self.cycle.approach.pieces(None).iter().map(|piece| piece.upper).collect();
         ends.retain(|end| lower < *end && *end < upper);
         ends.push(upper);
         let mut pieces = Vec::new();
         let mut lower = lower;
         for end in ends {
-            let kink = (self.conditions[index].regime() == 0).then(|| self.kink((lower, end))).flatten();
-            if let Some(place) = kink {
-                let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
+            for (place, jumps) in self.passed((lower, end)) {
+                let smoothness = if jumps {
+                    Smoothness::Root { end: End::Upper, place, order: 2 }
+                } else {
+                    Smoothness::Smooth
+                };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
                 lower = place;
             }
@@ -265,30 +270,37 @@ impl<'a> Retraction<'a> {
         pieces
     }
 
-    /// The ω_max, m, within limits at which the attraction of lowered tops of radii of their own jumps.
-    fn kink(&self, (lower, upper): (f64, f64)) -> Option<f64> {
+    /// The ω_max, m, rising, within limits at which tops pass kinks of theirs, and whether they jump there.
+    fn passed(&self, (lower, upper): (f64, f64)) -> Vec<(f64, bool)> {
         let cycle = self.cycle;
         if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper.abs()) {
-            return None;
+            return Vec::new();
         }
-        let beyond = |top: &Top| {
-            let kink = cycle.attraction_kink(&cycle.lane(top.ratio))?;
-            Some(kink - (top.recovery - self.distance))
-        };
+        let beyond = |top: &Top| cycle.kinks_of(top).map(|kink| kink - (top.recovery - self.distance));
         let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
         let places: [f64; KINK_PARTS + 1] =
             std::array::from_fn(|part| place(part).clamp(lower.next_up(), upper.next_down()));
-        let mut tops = [Top::default(); KINK_PARTS + 1];
-        cycle.tops(&places, &mut tops, &mut Responses::default(), &mut SolverStats::default());
-        let beyond_at = tops.map(|top| beyond(&top));
-        let is_between = |pair: &[Option<f64>]| matches!(pair, [Some(a), Some(b)] if *a > 0.0 && *b <= 0.0);
-        let part = beyond_at.windows(2).position(is_between)?;
-        let [mut low, mut high] = [places[part], places[part + 1]];
-        while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
-            let middle = 0.5 * (low + high);
-            *(if beyond(&cycle.top_of(middle))? > 0.0 { &mut low } else { &mut high }) = middle;
+        let mut beyond_at = Vec::with_capacity(KINK_PARTS + 1);
+        cycle.tops(&places, &mut SolverStats::default(), |top| beyond_at.push(beyond(&top)));
+        let mut passed = Vec::new();
+        for kink in 0..TOP_KINKS - 2 {
+            for (ends, own) in places.windows(2).zip(beyond_at.windows(2)) {
+                // Kinks that not all have are in no fixed order.
+                let [at_low, at_high] = [own[0][kink], own[1][kink]];
+                if !((at_low > 0.0) != (at_high > 0.0) && at_low.is_finite() && at_high.is_finite()) {
+                    continue;
+                }
+                let [mut low, mut high] = [ends[0], ends[1]];
+                while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
+                    let middle = 0.5 * (low + high);
+                    let here = beyond(&cycle.top_of(middle))[kink];
+                    *(if (here > 0.0) == (at_low > 0.0) { &mut low } else { &mut high }) = middle;
+                }
+                passed.push((high, true));
+            }
         }
-        Some(high)
+        passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        passed
     }
 }
 
@@ -318,7 +330,7 @@ impl Law for Retraction<'_> {
             Condition::Untouched(_) | Condition::Elastic(_) => {
                 self.moved(index, limits, |place| place + self.distance).collect()
             }
-            Condition::Lowered(_) => self.flattened(index, limits),
+            Condition::Lowered(_) => self.of_tops(index, limits),
             Condition::Unloading(_) => self.unloading(index, limits),
         }
     }
@@ -342,20 +354,18 @@ impl Law for Retraction<'_> {
     ) {
         let condition = self.conditions[regime];
         let (law, base) = (self.law(condition), condition.regime());
-        if let Condition::Unloading(_) = condition {
-            law.evaluate(base, lanes, interference, out, stats);
-            return self.cycle.unload(interference, self.distance, out, stats);
+        let of_tops = match condition {
+            Condition::Unloading(_) => Some(self.cycle.first_contact),
+            Condition::Lowered(base) => Some(base),
+            Condition::Untouched(_) | Condition::Elastic(_) => None,
+        };
+        if let Some(regime) = of_tops {
+            let mut tops = Tops::default();
+            self.cycle.tops(interference, stats, |top| tops.push(top));
+            return tops.respond_all((self.cycle.retraction(), regime), self.distance, out, stats);
         }
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
-        if let Condition::Lowered(_) = condition {
-            let mut tops = vec![Top::default(); interference.len()];
-            self.cycle.tops(interference, &mut tops, out, stats);
-            own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
-            let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
-            within(law, base, &lanes, own, f64::NEG_INFINITY);
-            return law.evaluate(base, Lanes::each(&lanes), own, out, stats);
-        }
         own.copy_from_slice(interference);
         own.iter_mut().for_each(|delta| *delta -= self.distance);
         // Rounding must not lead out of the regime.

@@ -6,6 +6,7 @@
 use super::block::Responses;
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, FitReport, Law, Method, Piece, Regime, Smoothness};
+use super::outline::OutlinedTop;
 use super::radius::Place;
 use super::stats::SolverStats;
 use std::ops::Range;
@@ -45,6 +46,12 @@ pub trait Interaction: Send + Sync {
     #[doc(hidden)]
     fn smoothness(&self, _lane: Option<&Lane>, _within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Smooth])
+    }
+
+    /// Interferences, m, at which a top of its own outline is not smooth within the part, or jumps there.
+    #[doc(hidden)]
+    fn kinks_of_top(&self, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
+        Vec::new()
     }
 
     /// The method by which it is evaluated.
@@ -165,6 +172,10 @@ impl Law for Table {
             Piece { regime, lower, upper: end, smoothness }
         };
         ends.into_iter().zip(smoothness).map(piece).collect()
+    }
+
+    fn kinks_of_top(&self, regime: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+        self.parts[regime].kinks_of_top(lane, top)
     }
 
     fn method(&self, regime: usize) -> Method {

@@ -1,72 +1,102 @@
-//! The top of an asperity that has flowed, and its contact while it is unloaded.
+//! The top of an asperity that has flowed, and its response while it is unloaded and loaded again.
 //!
 //! # Formula
-//! The contact radius a and the load P at ω_max leave a top of the radius R′ = K a³/P, of the sphere whose Hertz contact has that
-//! radius at that load. It springs back by its recovery ω_max − ω_res, the interference of the law's elastic contact with R′ where
-//! the radius of that is a ([`super::flattened`]), and unloads as this contact.
+//! A top that was pressed to ω is lower by its residual depth, has an apex of the radius ρ and an outline
+//! ([`super::laws::md_plastic`]). It springs back by its recovery, the displacement of that outline's elastic contact of the radius
+//! a₀, and unloads as this contact ([`super::outline`]). Out of contact it is an asperity whose apex has the radius ρ.
 
 use super::block::{BLOCK, Responses};
-use super::flattened::Around;
-use super::lane::{Lane, Lanes};
+use super::flattened::State;
+use super::lane::{EACH, Lane, Lanes};
 use super::law::{Law, Regime};
-use super::scale::Scale;
+use super::outline::OutlinedTop;
 use super::stats::SolverStats;
-use std::f64::consts::PI;
 
 /// The top of an asperity that has flowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Top {
-    /// ω_max − ω_res, m.
+    /// ω_max less the residual depth, m.
     pub recovery: f64,
-    /// R′/R.
+    /// ρ over the radius that others are multiples of.
     pub ratio: f64,
+    /// The outline, with the ends of its states.
+    pub outlined: OutlinedTop,
 }
 
 impl Top {
-    /// The top of a contact of P, N, and the area, m², at ω_max, with its surroundings in units of the radius that others are
-    /// multiples of.
-    pub fn new(scale: &Scale, around: &Around, load: f64, area: f64) -> Self {
-        let radius = (area / PI).sqrt() / scale.radius;
+    /// The top that a state leaves, with the unit of displacements, m.
+    pub fn new(state: &State, length: f64) -> Self {
+        let outline = state.contact.outline();
         Self {
-            recovery: around.scale.length * around.pressed(load, area).displacement(),
-            ratio: scale.force * radius * radius * radius / load,
+            recovery: length * state.recovery(),
+            ratio: state.contact.apex,
+            outlined: OutlinedTop::new(outline, state.zone),
         }
+    }
+
+    /// The asperity of its apex.
+    pub fn lane(&self) -> Lane {
+        Lane::of_top(self.ratio, Some(&self.outlined).filter(|top| top.outline.lambda > 0.0))
     }
 }
 
-/// Writes the responses of tops, each with the lane of R′, at a distance, m, from ω_max, by the law on retraction.
-pub(super) fn unload(
-    law: &dyn Law,
-    (tops, lanes): (&[Top], &[Lane]),
-    distance: f64,
-    out: &mut Responses,
-    stats: &mut SolverStats,
-) {
-    let mut own = [0.0; BLOCK];
-    let own = &mut own[..tops.len()];
-    own.iter_mut().zip(tops).for_each(|(own, top)| *own = top.recovery - distance);
-    // Deeper than ω_c it stays elastic.
-    let first = first_contact(law);
-    within(law, first, lanes, own, f64::INFINITY);
-    law.evaluate(first, Lanes::each(lanes), own, out, stats);
+/// Tops in a row, with the asperities of their apexes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tops {
+    lanes: Vec<Lane>,
+    outlined: Vec<OutlinedTop>,
+    recovery: Vec<f64>,
+}
+
+impl Tops {
+    /// Adds a top.
+    pub fn push(&mut self, top: Top) {
+        self.lanes.push(top.lane());
+        self.outlined.push(top.outlined);
+        self.recovery.push(top.recovery);
+    }
+
+    /// The number of tops.
+    pub fn count(&self) -> usize {
+        self.lanes.len()
+    }
+
+    /// Writes the responses of the tops that `which` numbers at a distance, m, from ω_max in a regime of a law. Neither rounding
+    /// nor a boundary of asperities that have not flowed leads out of it: before contact it ends where it does for each top, and
+    /// contact is elastic however deep.
+    pub fn respond(
+        &self,
+        (law, regime): (&dyn Law, usize),
+        (which, distance): (&[u32], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let mut own = [0.0; BLOCK];
+        let own = &mut own[..which.len()];
+        let is_contact = law.regimes()[regime].is_contact();
+        for (own, i) in own.iter_mut().zip(which) {
+            let (recovery, lane) = (self.recovery[*i as usize], &self.lanes[*i as usize]);
+            let upper = if is_contact { None } else { law.end(regime, lane) };
+            let lower = regime.checked_sub(1).and_then(|below| law.end(below, lane));
+            let here = (recovery - distance).max(lower.unwrap_or(f64::NEG_INFINITY));
+            *own = here.min(upper.unwrap_or(f64::INFINITY));
+        }
+        law.evaluate(regime, Lanes::of_tops(&self.lanes, &self.outlined, which), own, out, stats);
+    }
+
+    /// The responses of all of at most [`BLOCK`] tops.
+    pub fn respond_all(
+        &self,
+        law: (&dyn Law, usize),
+        distance: f64,
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.respond(law, (&EACH[..self.count()], distance), out, stats);
+    }
 }
 
 /// The regime in which contact begins.
 pub(super) fn first_contact(law: &dyn Law) -> usize {
     law.regimes().iter().position(|regime: &Regime| regime.is_contact()).unwrap_or(law.regimes().len())
-}
-
-/// The interference, m, from which an asperity is in a regime.
-fn lower_limit(law: &dyn Law, regime: usize, lane: &Lane) -> f64 {
-    regime.checked_sub(1).and_then(|below| law.end(below, lane)).unwrap_or(f64::NEG_INFINITY)
-}
-
-/// Puts interferences, m, of asperities into a regime, or above it up to `beyond`, m: neither rounding nor a
-/// contact that ends earlier than the law's own may lead out of it.
-pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
-    for (delta, lane) in interference.iter_mut().zip(lanes) {
-        let upper = || law.end(regime, lane).unwrap_or(f64::INFINITY);
-        let upper = if beyond == f64::INFINITY { beyond } else { upper().max(beyond) };
-        *delta = delta.max(lower_limit(law, regime, lane)).min(upper);
-    }
 }

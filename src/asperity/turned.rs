@@ -6,24 +6,27 @@
 
 use super::block::{BLOCK, Responses};
 use super::history::{ContactHistory, Path};
-use super::lane::{Lane, Lanes};
+use super::lane::{Lane, Lanes, Numbered};
 use super::retraction::Condition;
 use super::stats::SolverStats;
-use super::top::{Top, unload, within};
-use super::unloading::Loop;
+use super::top::Tops;
+use super::unloading::{Loop, TOP_KINKS};
 use std::sync::Arc;
+
+/// The number of the top of an asperity that has not flowed.
+const NO_TOP: u32 = u32::MAX;
 
 /// Asperities of which each has its own radius, since the surfaces have turned.
 pub struct Turned {
     lanes: Arc<[Lane]>,
-    /// Lanes of tops that have flowed; else as `lanes`.
-    lowered: Arc<[Lane]>,
     /// ω_max of each, m, and the recovery from there.
     largest: Vec<f64>,
     recovery: Vec<f64>,
     histories: Vec<ContactHistory>,
-    /// Tops of those that have flowed.
-    tops: Vec<Top>,
+    /// Tops of those that have flowed, the number of the top of each, and their kinks, m, from the lowered apex.
+    tops: Tops,
+    slots: Vec<u32>,
+    kinks: Vec<[f64; TOP_KINKS]>,
     /// The conditions that asperities can be in, by number.
     conditions: Vec<Condition>,
     /// The condition of each when it has passed none of its ends on the way in, and when it has passed all.
@@ -82,11 +85,12 @@ impl Turned {
         let count = largest.len();
         let mut turned = Self {
             lanes: Arc::clone(lanes),
-            lowered: Arc::clone(lanes),
             recovery: largest.clone(),
             largest,
             histories: Vec::with_capacity(count),
-            tops: Vec::new(),
+            tops: Tops::default(),
+            slots: vec![NO_TOP; count],
+            kinks: Vec::new(),
             conditions: conditions(cycle),
             first: Vec::with_capacity(count),
             deepest: vec![0; count],
@@ -122,47 +126,32 @@ impl Turned {
             }
         }
         turned.press(cycle, &flowed, stats);
-        turned.lower(cycle, &flowed);
         turned
     }
 
-    /// Finds what asperities that have flowed bear at ω_max, and what is left of their tops.
+    /// Finds what is left of the tops of asperities that have flowed, and where their contacts end.
     fn press(&mut self, cycle: &Loop, flowed: &[u32], stats: &mut SolverStats) {
-        if flowed.is_empty() {
-            return;
-        }
-        self.tops = vec![Top::default(); self.largest.len()];
-        let (approach, mut out) = (cycle.approach(), Responses::default());
         for regime in cycle.first_plastic..cycle.approach().regimes().len() {
             let is_in =
                 |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
             let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
-                approach.evaluate(regime, Lanes::new(&self.lanes, which), &largest, &mut out, stats);
-                for (lane, i) in which.iter().map(|i| *i as usize).enumerate() {
-                    let scale = cycle.scale.of_ratio(self.lanes[i].ratio);
-                    self.tops[i] = cycle.top(&scale, out.contact[lane], out.area[lane]);
-                }
+                let mut numbers = which.iter().map(|i| *i as usize);
+                let lanes = Numbered::new(&self.lanes, which);
+                cycle.press(regime, lanes, &largest, stats, |top| {
+                    let Some(i) = numbers.next() else { return };
+                    let (kinks, lane) = (cycle.kinks_of(&top), top.lane());
+                    self.slots[i] = self.tops.count() as u32;
+                    self.recovery[i] = top.recovery;
+                    for (regime, column) in self.ends[..cycle.first_contact].iter_mut().enumerate() {
+                        column[i] = top.recovery - cycle.leaves(regime, &lane);
+                    }
+                    self.kinks.push(kinks);
+                    self.tops.push(top);
+                });
             }
         }
-    }
-
-    /// Lowers the tops that have flowed, and finds where their contacts end.
-    fn lower(&mut self, cycle: &Loop, flowed: &[u32]) {
-        if flowed.is_empty() {
-            return;
-        }
-        let mut lowered = self.lanes.to_vec();
-        for i in flowed.iter().map(|i| *i as usize) {
-            let top = self.tops[i];
-            self.recovery[i] = top.recovery;
-            lowered[i] = cycle.lane(self.lanes[i].ratio * top.ratio);
-            for (regime, column) in self.ends[..cycle.first_contact].iter_mut().enumerate() {
-                column[i] = top.recovery - cycle.leaves(regime, &lowered[i]);
-            }
-        }
-        self.lowered = lowered.into();
     }
 
     /// The number of asperities.
@@ -200,35 +189,35 @@ impl Turned {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
+        let (path, regime) = match self.conditions[condition] {
+            Condition::Untouched(regime) => (Path::Approach, regime),
+            Condition::Elastic(regime) => (Path::Retraction, regime),
+            Condition::Lowered(regime) => return self.respond(cycle, regime, (which, distance), out, stats),
+            Condition::Unloading(_) => {
+                return self.respond(cycle, cycle.first_contact, (which, distance), out, stats);
+            }
+        };
         let mut interference = [0.0; BLOCK];
         let interference = &mut interference[..which.len()];
         for (delta, i) in interference.iter_mut().zip(which) {
             *delta = self.recovery[*i as usize] - distance;
         }
-        let (path, lanes, regime) = match self.conditions[condition] {
-            Condition::Untouched(regime) => (Path::Approach, &self.lanes, regime),
-            Condition::Elastic(regime) => (Path::Retraction, &self.lanes, regime),
-            Condition::Lowered(regime) => {
-                let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
-                within(cycle.retraction(), regime, &lanes, interference, f64::NEG_INFINITY);
-                (Path::Retraction, &self.lowered, regime)
-            }
-            Condition::Unloading(_) => return self.unload(cycle, (which, distance), out, stats),
-        };
-        cycle.law(path).evaluate(regime, Lanes::new(lanes, which), interference, out, stats);
+        cycle.law(path).evaluate(regime, Lanes::new(&self.lanes, which), interference, out, stats);
     }
 
-    /// The responses at a distance, m, of contacts that have flowed.
-    fn unload(
+    /// The responses of tops that have flowed, in a regime, at a distance, m.
+    fn respond(
         &self,
         cycle: &Loop,
+        regime: usize,
         (which, distance): (&[u32], f64),
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
-        let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
-        unload(cycle.retraction(), (&tops, &lanes), distance, out, stats);
+        let mut slots = [0; BLOCK];
+        let slots = &mut slots[..which.len()];
+        slots.iter_mut().zip(which).for_each(|(slot, i)| *slot = self.slots[*i as usize]);
+        self.tops.respond((cycle.retraction(), regime), (slots, distance), out, stats);
     }
 
     /// The history of an asperity.
@@ -236,18 +225,16 @@ impl Turned {
         self.histories[asperity]
     }
 
-    /// Distances, m, falling, at which the force of an asperity is not smooth.
+    /// Distances, m, at which the force of an asperity is not smooth: falling, but the ends of the film and of contact at last
+    /// where it has flowed.
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
         let (path, end) = match self.history(asperity) {
             ContactHistory::Untouched => (Path::Approach, cycle.first_contact),
             ContactHistory::Touched => (Path::Retraction, cycle.first_plastic),
             ContactHistory::Flowed => {
-                let ends = self.ends[..cycle.first_contact].iter().map(|ends| ends[asperity]);
-                let attraction = cycle.attraction_kink(&self.lowered[asperity]);
-                let own = attraction.map(|kink| self.recovery[asperity] - kink);
-                let mut kinks: Vec<f64> = ends.chain(own).filter(|kink| kink.is_finite()).collect();
-                kinks.sort_by(|a, b| b.total_cmp(a));
-                return kinks;
+                let kinks = self.kinks[self.slots[asperity] as usize].iter();
+                let distances = kinks.map(|kink| self.recovery[asperity] - kink);
+                return distances.filter(|kink| kink.is_finite()).collect();
             }
         };
         let lane = Some(&self.lanes[asperity]);

@@ -9,36 +9,39 @@
 //! |---|---|
 //! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
 //! | up to ω_c, or any of a law of loading alone | the law on retraction at δ: contact lasts to the end of its stable branch |
-//! | above ω_c | the elastic contact of the flattened top, `asperity::top` |
+//! | above ω_c | the elastic contact of the outline of the top, `asperity::top` |
 //!
-//! After plastic flow the asperity is lower by its residual interference ω_res, springs back by its recovery ω_max −
-//! ω_res only, and its top has a radius R′ of its own. Contact lasts to the interference at which that of a sphere of R′ ends,
-//! counted from the lowered top; from there on the asperity is one whose top is lower by ω_res, with the radius R′: lubricant
-//! and attraction across the gap at δ − ω_res. They follow from λ′ = λ(R′/R)^(1/3), as in `radius`.
+//! After plastic flow the apex is lower by its residual depth ω_r, springs back by its recovery ω_max − ω_r only, and has a
+//! radius ρ of its own. Contact lasts to the interference at which that of its outline ends, counted from the lowered apex; from
+//! there on the asperity is one whose apex is lower by ω_r: attraction across the gap by its outline, and all that does not know
+//! the outline, such as a lubricant or a bridge, by the radius ρ.
 //!
 //! # Validity
 //! Cycles from a fresh surface to one depth. On the second approach ([`Loop::repeated`]) what has flowed is a lowered top that
-//! comes into contact as on approach, at δ − ω_res, and is loaded along its unloading up to ω_max: the second retraction, and
+//! comes into contact as on approach, at δ − ω_r, and is loaded along its unloading up to ω_max: the second retraction, and
 //! every further cycle, repeat. Laws that know no outline of a top that has flowed are laws of loading: their asperities go back
 //! along their approach, so that a loop of theirs is one only where no top flows. Where the attraction across the gap has two
-//! states, for λ from 0.888 on, approach takes the outer one to its fold. Where contact leads to the inner one without a jump,
-//! to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; above that it is on the outer
-//! one again, as the laws are. Source: the elastic contact of a flattened top is that of Johnson, Contact Mechanics (1985),
-//! section 6.4, under the adhesion of Maugis and Dugdale.
+//! states, for λ from 0.888 on, approach takes the outermost one to its fold. Where contact leads to the innermost one without a
+//! jump, of spheres to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; else it is on
+//! the outermost one again, as the laws are. Source: the contact of a known outline is that of Sneddon, Int. J. Eng. Sci. 3
+//! (1965) 47, under the adhesion of Maugis and Dugdale.
 
-use super::block::Responses;
 use super::error::LawError;
-use super::flattened::Around;
 use super::history::{ContactHistory, Path};
-use super::lane::{Lane, Lanes};
-use super::law::{End, Law, Smoothness};
+use super::lane::{Lane, Numbered};
+use super::law::Law;
+use super::laws::md_plastic::Flow;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
 use super::scale::Scale;
 use super::stats::SolverStats;
-use super::top::{Top, first_contact, unload};
+use super::top::{Top, first_contact};
 use std::sync::Arc;
+
+/// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
+/// and, the last two, where the film or bridge breaks, and where contact ends.
+pub const TOP_KINKS: usize = 10;
 
 /// The laws of one asperity on approach and on retraction.
 ///
@@ -62,9 +65,8 @@ pub struct Loop {
     /// Index of the first regime of contact, and of the first above ω_c.
     pub(super) first_contact: usize,
     pub(super) first_plastic: usize,
-    /// The surroundings of tops that have flowed, in units of the radius that others are multiples of; none of a law that does
-    /// not flow, or of loading alone.
-    around: Option<Around>,
+    /// The contact that flows, of a law that knows the outlines of tops that have flowed.
+    flow: Option<Arc<Flow>>,
     /// The loop of a second approach, if there is one.
     again: Option<Box<Loop>>,
     /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
@@ -109,7 +111,7 @@ impl Loop {
             capture: capture_of(approach.as_ref(), first_contact),
             first_contact,
             first_plastic: flows.unwrap_or(regimes.len()),
-            around: flows.map(|_| model.around(parameters)).transpose()?,
+            flow: flows.map(|_| model.flow(parameters)).transpose()?,
             again: None,
             ratio: 1.0,
             lambda: retraction.lambda().filter(|_| retraction.follows_radius()),
@@ -131,7 +133,7 @@ impl Loop {
             capture: capture_of(&approach, self.first_contact),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
-            around: self.around,
+            flow: self.flow.clone(),
             again: self.again.as_ref().map(|again| Box::new(again.of(lane))),
             ratio: lane.ratio,
             lambda: self.lambda,
@@ -162,7 +164,7 @@ impl Loop {
 
     /// Whether its asperities flow, and unload from there.
     pub fn flows(&self) -> bool {
-        self.around.is_some()
+        self.flow.is_some()
     }
 
     /// The law on retraction, of an asperity that has not flowed.
@@ -205,33 +207,42 @@ impl Loop {
         [untouched.collect(), elastic, ends(self.retraction(), self.first_contact)]
     }
 
-    /// Kinks of a top that has flowed, at the interference ω_max, m: where its attraction jumps, where the film or bridge
-    /// breaks, and where contact ends; NaN where it has none.
-    pub fn flattened_kinks(&self, largest: f64) -> [f64; 3] {
-        let lane = self.lane(self.top_of(largest).ratio);
-        let leaves = |regime: usize| self.leaves(regime, &lane);
-        let film = self.first_contact.checked_sub(2).map_or(f64::NAN, leaves);
-        let attraction = self.attraction_kink(&lane).unwrap_or(f64::NAN);
-        [attraction, film, leaves(self.first_contact - 1)]
+    /// Kinks of a top that has flowed, at the interference ω_max, m, of [`TOP_KINKS`]; NaN where it has none.
+    pub fn flattened_kinks(&self, largest: f64) -> [f64; TOP_KINKS] {
+        self.kinks_of(&self.top_of(largest))
     }
 
-    /// The interference, m, from the lowered top, of a lane, at which it comes into a regime before contact from above: the
+    /// The interferences, m, from the lowered apex, of the kinks of a top.
+    pub(super) fn kinks_of(&self, top: &Top) -> [f64; TOP_KINKS] {
+        let lane = top.lane();
+        let mut kinks = [f64::NAN; TOP_KINKS];
+        let mut lower = f64::NEG_INFINITY;
+        let mut count = 0;
+        for regime in 0..=self.first_contact {
+            let is_contact = regime == self.first_contact;
+            let upper = if is_contact { top.recovery } else { self.leaves(regime, &lane) };
+            let own = self.retraction.kinks_of_top(regime, &lane, &top.outlined).into_iter();
+            for kink in own.filter(|kink| lower < *kink && *kink < upper) {
+                kinks[count] = kink;
+                count = (count + 1).min(TOP_KINKS - 3);
+            }
+            lower = upper;
+        }
+        if let Some(film) = self.first_contact.checked_sub(2) {
+            kinks[TOP_KINKS - 2] = self.leaves(film, &lane);
+        }
+        kinks[TOP_KINKS - 1] = self.leaves(self.first_contact - 1, &lane);
+        kinks
+    }
+
+    /// The interference, m, from the lowered apex, of a lane, at which it comes into a regime before contact from above: the
     /// last where its contact ends.
     pub(super) fn leaves(&self, regime: usize, lane: &Lane) -> f64 {
         let end = |regime: usize| self.retraction.end(regime, lane).unwrap_or(f64::NEG_INFINITY);
         end(regime).min(end(self.first_contact - 1))
     }
 
-    /// Interference, m, at which the attraction of a top of its own radius jumps and is a root of what is left of the
-    /// approach, if there is one.
-    pub(super) fn attraction_kink(&self, lane: &Lane) -> Option<f64> {
-        let is_kink = |smoothness| matches!(smoothness, Smoothness::Root { end: End::Upper, .. });
-        let mut pieces =
-            (0..self.first_contact).flat_map(|regime| self.retraction.pieces_of(regime, Some(lane)));
-        pieces.find(|piece| is_kink(piece.smoothness)).map(|piece| piece.upper)
-    }
-
-    /// The asperity of R′/R.
+    /// The asperity of a multiple of the radius.
     #[doc(hidden)]
     pub fn lane(&self, ratio: f64) -> Lane {
         Lane::new(self.ratio * ratio, self.lambda)
@@ -268,62 +279,43 @@ impl Loop {
     /// The distance, m, at which an asperity that has flowed to ω_max, m, comes into a regime before contact from above.
     pub(super) fn left_at(&self, regime: usize, largest: f64) -> f64 {
         let top = self.top_of(largest);
-        top.recovery - self.leaves(regime, &self.lane(top.ratio))
+        top.recovery - self.leaves(regime, &top.lane())
     }
 
-    /// R′/R of the top of an asperity of the interference ω_max, m; 1 where nothing flowed.
+    /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing flowed.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.flows() && largest > self.critical() { self.top_of(largest).ratio } else { 1.0 }
-    }
-
-    /// The top of a contact of P, N, and the area, m², at ω_max, of the asperity that a scale is of.
-    pub(super) fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
-        self.around.as_ref().map_or_else(Top::default, |around| Top::new(scale, around, load, area))
+        if self.flows() && largest > self.critical() { self.top_of(largest).ratio / self.ratio } else { 1.0 }
     }
 
     /// The top of an asperity of the interference ω_max, m, above ω_c.
     pub(super) fn top_of(&self, largest: f64) -> Top {
-        let mut top = [Top::default()];
-        self.tops(&[largest], &mut top, &mut Responses::default(), &mut SolverStats::default());
-        top[0]
+        let mut top = Top::default();
+        self.tops(&[largest], &mut SolverStats::default(), |own| top = own);
+        top
     }
 
-    /// The tops of asperities of interferences ω_max, m, above ω_c.
-    pub(super) fn tops(
-        &self,
-        largest: &[f64],
-        tops: &mut [Top],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
+    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c.
+    pub(super) fn tops(&self, largest: &[f64], stats: &mut SolverStats, mut visit: impl FnMut(Top)) {
+        let lane = [self.lane(1.0)];
         let boundaries = self.approach.boundaries();
         let regime =
             |largest: f64| boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic);
-        let mut begin = 0;
-        while begin < largest.len() {
-            let own = regime(largest[begin]);
-            let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
-            self.approach.evaluate(own, Lanes::Own, &largest[begin..end], out, stats);
-            for (i, place) in (begin..end).enumerate() {
-                tops[place] = self.top(&self.scale, out.contact[i], out.area[i]);
-            }
-            begin = end;
+        for same in largest.chunk_by(|a, b| regime(*a) == regime(*b)) {
+            self.press(regime(same[0]), Numbered::alike(&lane), same, stats, &mut visit);
         }
     }
 
-    /// Turns the responses at interferences ω_max, m, above ω_c into responses of contacts at a distance, m,
-    /// from there.
-    pub(super) fn unload(
+    /// Visits the tops of asperities of lanes, of interferences ω_max, m, in one regime above ω_c.
+    pub(super) fn press(
         &self,
+        regime: usize,
+        lanes: Numbered<'_>,
         largest: &[f64],
-        distance: f64,
-        out: &mut Responses,
         stats: &mut SolverStats,
+        visit: impl FnMut(Top),
     ) {
-        let top = |i: usize| self.top(&self.scale, out.contact[i], out.area[i]);
-        let tops: Vec<Top> = (0..largest.len()).map(top).collect();
-        let lanes: Vec<Lane> = tops.iter().map(|top| self.lane(top.ratio)).collect();
-        unload(self.retraction(), (&tops, &lanes), distance, out, stats);
+        let Some(flow) = &self.flow else { return };
+        flow.tops(regime - self.first_plastic, lanes, largest, stats, visit);
     }
 
     /// End of the elastic regime, m.

@@ -4,6 +4,7 @@ use super::Job;
 use super::kinks::{KINKS, Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{RegimeSums, State, Sums};
+use crate::asperity::unloading::TOP_KINKS;
 use crate::asperity::{ContactHistory, Loop};
 use std::ops::Range;
 
@@ -14,7 +15,7 @@ const ROUNDINGS: f64 = 32.0;
 /// Largest ratio of the strays of flattened tops of the same radius to the stray of a kink.
 const UNLIKE: f64 = 1.5;
 /// Kinks of a top that has flowed, the last two the ends of its film or bridge and of contact.
-const OF_TOP: usize = 3;
+const OF_TOP: usize = TOP_KINKS;
 
 /// A surface on retraction from one separation, all heights held.
 pub(super) struct Retracted<'a> {
@@ -75,7 +76,7 @@ impl FlattenedTop {
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         let top = |largest: f64| {
             let (kinks, recovery) = (cycle.flattened_kinks(largest), cycle.recovery(largest));
-            let [_, film, contact] = kinks;
+            let [film, contact] = [kinks[OF_TOP - 2], kinks[OF_TOP - 1]];
             Self {
                 places: kinks.map(|kink| from + recovery - kink),
                 lost: [recovery - film, recovery - contact],

@@ -58,6 +58,39 @@ pub fn safe_newton(
     Root { x, evaluations: MAX_EVALUATIONS }
 }
 
+/// The root of a function between two places at which its values have opposite signs, without slopes: by false position after
+/// Illinois, whose steps halve the value at an end that stays. `done` is asked of every place and value.
+pub fn false_position(
+    mut f: impl FnMut(f64) -> f64,
+    mut from: (f64, f64),
+    mut to: (f64, f64),
+    done: impl Fn(f64, f64) -> bool,
+) -> f64 {
+    let mut kept = 0;
+    for _ in 0..MAX_EVALUATIONS {
+        let share = from.1 / (from.1 - to.1);
+        let share = if share > 0.0 && share < 1.0 { share } else { 0.5 };
+        let x = from.0 + share * (to.0 - from.0);
+        if x == from.0 || x == to.0 {
+            return x;
+        }
+        let value = f(x);
+        if value == 0.0 || done(x, value) {
+            return x;
+        }
+        if (value > 0.0) == (to.1 > 0.0) {
+            to = (x, value);
+            from.1 *= if kept == 1 { 0.5 } else { 1.0 };
+            kept = 1;
+        } else {
+            from = (x, value);
+            to.1 *= if kept == 2 { 0.5 } else { 1.0 };
+            kept = 2;
+        }
+    }
+    0.5 * (from.0 + to.0)
+}
+
 /// The middle of a bracket: geometric where it spans decades, so that small roots are found as fast as large
 /// ones.
 fn middle(low: f64, high: f64) -> f64 {

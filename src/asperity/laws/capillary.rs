@@ -48,7 +48,7 @@
 
 use super::idmt::across;
 use super::md::MaugisContact;
-use super::md_plastic::{PlasticContact, contact_rows};
+use super::md_plastic::{Flow, PlasticContact, contact_rows, flow};
 use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::bridge::{Bridge, Closed, Last};
 use crate::asperity::elastic::{self, Elastic};
@@ -56,8 +56,9 @@ use crate::asperity::error::LawError;
 use crate::asperity::flattened::Around;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::history::Path;
-use crate::asperity::lane::{Lane, Lanes};
+use crate::asperity::lane::{Lane, Lanes, Numbered};
 use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
+use crate::asperity::outline::{self, OutlinedTop};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
@@ -67,6 +68,7 @@ use crate::liquid::{Bridges, Meniscus, Volume};
 use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The law `capillary`.
 ///
@@ -176,8 +178,29 @@ impl Parts {
         Ok(Self { bridge: Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge }, ..parts })
     }
 
+    /// The contact that flows of wet asperities.
+    ///
+    /// # Errors
+    /// As [`capillary`].
+    pub(in crate::asperity) fn flow(
+        self,
+        parameters: &LawParameters,
+        contact: PlasticContact,
+    ) -> Result<Arc<Flow>, LawError> {
+        flow((parameters, contact), self.around(&parameters.scale), &self.boundaries()[1])
+    }
+
+    /// Where bridges form or break, and where contact begins or ends.
+    fn boundaries(self) -> [Place; 2] {
+        let typical = Lane::new(1.0, self.lambda());
+        [0, 1].map(|end| {
+            let of = move |lane: &Lane| self.ends(lane)[end];
+            Place::following(of(&typical), of)
+        })
+    }
+
     /// Adhesion and liquid around flattened tops, whose dry solids have the units `dry`.
-    pub(in crate::asperity) fn around(&self, dry: &Scale) -> Around {
+    fn around(&self, dry: &Scale) -> Around {
         let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
         Around { scale, bridge: Some(self.bridge).filter(|bridge| bridge.stress > 0.0) }
     }
@@ -187,10 +210,7 @@ impl Parts {
         let dry = across(&parameters.scale);
         let attraction = ClosedForm::attraction((move |delta: f64| dry(-delta)).following(OF_SPHERE));
         let typical = Lane::new(1.0, self.lambda());
-        let [begin, touch] = [0, 1].map(|end| {
-            let of = move |lane: &Lane| self.ends(lane)[end];
-            Place::following(of(&typical), of)
-        });
+        let [begin, touch] = self.boundaries();
         let elastic = WetContact::new(self, parameters)?;
         let contact = if parameters.critical_interference.is_finite() {
             contact_rows((parameters, contact), self.around(&parameters.scale), touch.clone(), elastic)?
@@ -363,6 +383,8 @@ struct WetContact {
     starts: Piecewise,
     /// The contact of the solids in the liquid.
     solid: Option<MaugisContact>,
+    /// The units of the dry solids.
+    dry: Scale,
 }
 
 impl WetContact {
@@ -376,7 +398,8 @@ impl WetContact {
         let deepest = deepest * parameters.scale.length - last.interference;
         let angle = |root: f64| bridge.contact(last.interference + root * root, &last, None).angle;
         let starts = Piecewise::new(angle, |_, angle| STARTS * angle, 0.0, deepest.max(0.0).sqrt());
-        Ok(Self { last, starts, solid: parts.solid.map(contact).transpose()?, parts })
+        let solid = parts.solid.map(contact).transpose()?;
+        Ok(Self { last, starts, solid, dry: parameters.scale, parts })
     }
 
     /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
@@ -420,6 +443,18 @@ impl WetContact {
         inner
     }
 
+    /// The contacts at δ₁, m, of tops without adhesion of their own.
+    fn bare(&self, lanes: Numbered<'_>, inner: &[f64], out: &mut Responses) {
+        for (i, inner) in inner.iter().enumerate() {
+            let (lane, outline) = (lanes.at(i), &lanes.top(i).outline);
+            let length = self.dry.length * lane.cube_root;
+            let radius = outline.radius_at((inner / length).max(0.0));
+            let own = self.dry.radius * (lane.cube_root * lane.cube_root) * radius;
+            out.contact[i] = self.dry.force * lane.ratio * outline.load(radius);
+            out.area[i] = PI * own * own;
+        }
+    }
+
     /// Adds what the solids do.
     fn add(out: &mut Responses, solid: &Responses, count: usize) {
         for i in 0..count {
@@ -438,6 +473,14 @@ impl Interaction for WetContact {
     fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         let own = |lane: &Lane| self.parts.bridge.of_ratio(lane.ratio).last_contact();
         Self::smoothness_in(lane.map_or(self.last, own).interference, within)
+    }
+
+    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+        let bridge = self.parts.bridge.of_ratio(lane.ratio);
+        let of_bridge = bridge.last_contact().interference;
+        let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
+        let edge = of_solid.filter(|edge| edge.is_finite()).map(|edge| bridge.around(edge, 0.0).interference);
+        [Some(of_bridge), edge].into_iter().flatten().collect()
     }
 
     fn method(&self) -> Method {
@@ -464,7 +507,14 @@ impl Interaction for WetContact {
                 self.bridges(of, |_| None, interference, out)
             }
         };
-        let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else { return };
+        let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else {
+            if let Lanes::Each(each) = lanes
+                && each.have_tops()
+            {
+                self.bare(each, &inner[..count], out);
+            }
+            return;
+        };
         let mut solid = Responses::default();
         match lanes {
             Lanes::Own => contact.evaluate(lanes, &inner[..count], &mut solid, stats),
@@ -473,7 +523,11 @@ impl Interaction for WetContact {
                     *inner /= scale.length * each.at(i).cube_root;
                 }
                 let (mut radius, adhesion) = ([0.0; BLOCK], &mut solid.adhesion);
-                elastic::contact(|i| &each.at(i).elastic, &inner[..count], adhesion, &mut radius, stats);
+                if each.have_tops() {
+                    outline::contacts(|i| each.top(i), &inner[..count], adhesion, &mut radius, stats);
+                } else {
+                    elastic::contact(|i| &each.at(i).elastic, &inner[..count], adhesion, &mut radius, stats);
+                }
                 lanes.scale_contacts(&scale, &radius[..count], &mut solid);
             }
         }

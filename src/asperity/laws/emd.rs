@@ -24,6 +24,7 @@ use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::Method;
 use crate::asperity::law::{End, Law, Regime, Smoothness};
+use crate::asperity::outline::{self, OutlinedTop};
 use crate::asperity::parameters::{InnerState, LawParameters};
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
@@ -118,13 +119,22 @@ impl Interaction for Attraction {
             },
         };
         let place = |displacement: f64| displacement * self.length(lane) - self.thickness;
-        smoothness(split.map(place), behind.map(place), within)
+        let second = lane.and_then(|lane| lane.elastic.second_fold(self.path)).filter(|_| behind.is_none());
+        smoothness([split, second].map(|end| end.map(place)), behind.map(place), within)
+    }
+
+    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+        let elastic = &lane.elastic;
+        let held = top.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
+        let jumps = [held, elastic.noncontact_fold(self.path), elastic.second_fold(self.path)];
+        let all = jumps.into_iter().chain(top.ends.edges_before).flatten();
+        all.map(|displacement| displacement * self.length(Some(lane)) - self.thickness).collect()
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
         let fold = match lane.map(|lane| &lane.elastic) {
             None => self.emd.capture(),
-            Some(elastic) => elastic.inner_fold().and(elastic.outer_fold()),
+            Some(elastic) => elastic.inner_fold().and(elastic.innermost_fold()),
         };
         let displacement = fold.filter(|_| self.inner_state != InnerState::Ignored)?;
         Some(displacement * self.length(lane) - self.thickness)
@@ -156,6 +166,13 @@ impl Interaction for Attraction {
                     adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 },
             ),
+            Lanes::Each(each) if each.have_tops() => {
+                let displacements = (&*displacements, self.is_held());
+                outline::attractions(|i| each.top(i), displacements, adhesion, stats);
+                for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {
+                    *adhesion *= self.scale.force * each.at(i).ratio;
+                }
+            }
             Lanes::Each(each) => {
                 let per_spacing = 1.0 / self.scale.equilibrium_spacing();
                 let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
@@ -170,15 +187,21 @@ impl Interaction for Attraction {
     }
 }
 
-/// Smoothness of the attraction within an interval, m: it may be left there for another branch at the end of
-/// one, which is a fold, or for the outer branch, whose fold is `behind`.
-fn smoothness(split: Option<f64>, behind: Option<f64>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
-    let Some(place) = split.filter(|place| within.start < *place && *place < within.end) else {
-        return (Vec::new(), vec![Smoothness::Smooth]);
-    };
+/// Smoothness of the attraction within an interval, m: it may be left there for another branch at the ends of some, which are
+/// folds, or for the outer branch, whose fold is `behind`.
+fn smoothness(
+    split: [Option<f64>; 2],
+    behind: Option<f64>,
+    within: Range<f64>,
+) -> (Vec<f64>, Vec<Smoothness>) {
     let root = |end, place| Smoothness::Root { end, place, order: 2 };
-    match behind {
-        None => (vec![place], vec![root(End::Upper, place), Smoothness::Smooth]),
-        Some(behind) => (vec![place], vec![root(End::Upper, behind), root(End::Lower, place)]),
+    let splits = split.into_iter().flatten().filter(|place| within.start < *place && *place < within.end);
+    let mut ends: Vec<f64> = splits.collect();
+    ends.sort_by(f64::total_cmp);
+    let mut pieces: Vec<Smoothness> = ends.iter().map(|place| root(End::Upper, *place)).collect();
+    pieces.push(Smoothness::Smooth);
+    if let (Some(behind), [place]) = (behind, ends.as_slice()) {
+        pieces = vec![root(End::Upper, behind), root(End::Lower, *place)];
     }
+    (ends, pieces)
 }

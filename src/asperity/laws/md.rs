@@ -16,6 +16,7 @@ use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::Method;
 use crate::asperity::law::{End, Law, Regime, Smoothness};
+use crate::asperity::outline::{self, OutlinedTop};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
@@ -87,6 +88,11 @@ impl Interaction for MaugisContact {
         (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
+    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+        let edge = top.ends.edge * (self.scale.length * lane.cube_root);
+        [edge].into_iter().filter(|edge| edge.is_finite()).collect()
+    }
+
     fn method(&self) -> Method {
         Method::Contact
     }
@@ -108,6 +114,10 @@ impl Interaction for MaugisContact {
                     lanes.scale_contacts(&self.scale, radius, out);
                 },
             ),
+            Lanes::Each(each) if each.have_tops() => {
+                outline::contacts(|i| each.top(i), displacements, &mut out.adhesion, radius, stats);
+                lanes.scale_contacts(&self.scale, radius, out);
+            }
             Lanes::Each(each) => {
                 elastic::contact(|i| &each.at(i).elastic, displacements, &mut out.adhesion, radius, stats);
                 lanes.scale_contacts(&self.scale, radius, out);

@@ -30,16 +30,20 @@
 //! program; compare Mesarovic and Johnson, J. Mech. Phys. Solids 48 (2000) 2009, and Maugis and Pollock, Acta Metall. 32
 //! (1984) 1323.
 
+use super::md::MaugisContact;
 use super::{emd, jg, kogut_etsion, tn, zmc};
 use crate::asperity::block::Responses;
 use crate::asperity::error::LawError;
-use crate::asperity::flattened::{Around, Flattened, State};
+use crate::asperity::flattened::{Around, State};
 use crate::asperity::lane::{Lane, Lanes, Numbered};
 use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
+use crate::asperity::outline::Pressed;
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
+use crate::asperity::scale::poisson_ratio;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::top::Top;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Piecewise, leading};
 use std::cell::RefCell;
@@ -56,6 +60,14 @@ const TABLE_TOLERANCE: f64 = 2e-14;
 const HALVINGS: usize = 60;
 /// Relative step of ω over which slopes are looked at.
 const SHORT: f64 = 1e-5;
+/// Coefficient and exponent of E/Y by which ρ/R − 1 grows with ω/ω_c − 1 (Etsion, Kligerman and Kadin 2005).
+const FLATTENING: (f64, f64) = (1.275, -0.216);
+/// H/Y (Tabor 1951).
+const TABOR: f64 = 2.84;
+/// Places of a regime at which its formulas are looked at, and the ω over that where the last regime begins up to which they
+/// are.
+const LOOKS: usize = 400;
+const LAST_JOINT: f64 = 1e4;
 /// Asperities that are solved together.
 const TOGETHER: usize = 16;
 
@@ -119,9 +131,39 @@ pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result
     // The elastic contact and its tables go as deep as in `md`.
     let elastic = LawParameters { critical_interference: f64::INFINITY, ..*parameters };
     let (before, maugis) = emd::rows_before(&elastic)?;
-    let around = Around { scale: parameters.scale, bridge: None };
-    let contact = contact_rows((parameters, contact), around, maugis.begins(0.0), maugis)?;
+    let begin = maugis.begins(0.0);
+    let contact = contact_rows((parameters, contact), dry(parameters), begin, maugis)?;
     Ok(Box::new(Table::new(before.into_iter().chain(contact))))
+}
+
+/// What acts around the tops of dry asperities.
+fn dry(parameters: &LawParameters) -> Around {
+    Around { scale: parameters.scale, bridge: None }
+}
+
+/// The contact that flows of dry asperities.
+///
+/// # Errors
+/// As [`md_plastic`].
+pub(in crate::asperity) fn dry_flow(
+    parameters: &LawParameters,
+    contact: PlasticContact,
+) -> Result<Arc<Flow>, LawError> {
+    let maugis = MaugisContact::new(&LawParameters { table_range: None, ..*parameters }, f64::INFINITY)?;
+    flow((parameters, contact), dry(parameters), &maugis.begins(0.0))
+}
+
+/// The contact that flows of asperities, with what acts around them, which begins or ends by the history at `begin`.
+///
+/// # Errors
+/// As [`md_plastic`].
+pub(in crate::asperity) fn flow(
+    (parameters, contact): (&LawParameters, PlasticContact),
+    around: Around,
+    begin: &Place,
+) -> Result<Arc<Flow>, LawError> {
+    let law = contact.law(parameters)?;
+    Ok(Arc::new(Flow::new((parameters, law), around, begin)?))
 }
 
 /// The rows of contact, which begins or ends by the history at `begin`: as `elastic` has it until it flows, and then with what
@@ -135,9 +177,9 @@ pub(super) fn contact_rows(
     begin: Place,
     elastic: impl Interaction + 'static,
 ) -> Result<Vec<Row>, LawError> {
-    let flow = |own: &LawParameters| Ok(Arc::new(Flow::new(contact.law(own)?, around, &begin)));
     // Tables are made of what has none.
-    let (exact, fast) = (flow(&LawParameters { table_range: None, ..*parameters })?, flow(parameters)?);
+    let exact = flow((&LawParameters { table_range: None, ..*parameters }, contact), around, &begin)?;
+    let fast = flow((parameters, contact), around, &begin)?;
     let place = |regime: usize| {
         let flow = Arc::clone(&exact);
         let own = exact.end(regime, &exact.lane()).max(begin.interference);
@@ -158,7 +200,7 @@ pub(super) fn contact_rows(
 }
 
 /// The states of an asperity on loading, by ω/s_δ.
-struct Flow {
+pub(in crate::asperity) struct Flow {
     /// The plastic contact without adhesion.
     law: Box<dyn Law>,
     /// The last elastic regime of that contact.
@@ -166,13 +208,26 @@ struct Flow {
     around: Around,
     /// Where contact begins or ends by the history.
     begin: Place,
+    /// ω_c/s_δ.
+    critical: f64,
+    /// The rate at which ρ/R grows with ω/ω_c.
+    flattening: f64,
 }
 
 impl Flow {
-    fn new(law: Box<dyn Law>, around: Around, begin: &Place) -> Self {
+    fn new(
+        (parameters, law): (&LawParameters, Box<dyn Law>),
+        around: Around,
+        begin: &Place,
+    ) -> Result<Self, LawError> {
         let flows = law.regimes().iter().position(|regime| regime.is_plastic());
         let onset = flows.expect("a plastic contact flows") - 1;
-        Self { law, onset, around, begin: begin.clone() }
+        let hardness = parameters.hardness_ratio.ok_or(LawError::Hardness("md_plastic"))?;
+        let poisson = poisson_ratio(parameters.pressure_factor);
+        let yielding = (1.0 - poisson * poisson) * TABOR / hardness;
+        let flattening = FLATTENING.0 * libm::pow(yielding, FLATTENING.1);
+        let critical = parameters.critical_interference / around.scale.length;
+        Ok(Self { law, onset, around, begin: begin.clone(), critical, flattening })
     }
 
     /// The asperity of the law's own radius.
@@ -188,6 +243,16 @@ impl Flow {
     /// ω/s_δ at the end of a regime of the plastic contact of an asperity.
     fn joint(&self, regime: usize, lane: &Lane) -> f64 {
         self.law.boundaries()[regime].interference * lane.ratio / self.around.scale.length
+    }
+
+    /// ω/s_δ at which an asperity begins to flow: at ω_c, or where the plastic contact does before it.
+    fn onset(&self, lane: &Lane) -> f64 {
+        self.joint(self.onset, lane).min(self.critical * lane.ratio)
+    }
+
+    /// ω/s_δ from which on an asperity is in a regime of the plastic contact.
+    fn lower(&self, regime: usize, lane: &Lane) -> f64 {
+        if regime == self.onset + 1 { self.onset(lane) } else { self.joint(regime - 1, lane) }
     }
 
     /// The states of asperities at ω/s_δ in a regime of the plastic contact; zones are searched for from those that there
@@ -215,16 +280,34 @@ impl Flow {
         out: &mut [State],
     ) {
         for (i, (state, &place)) in out.iter_mut().zip(places).enumerate() {
-            let ratio = lanes.at(i).ratio;
-            let hertz = (ratio * place).sqrt();
-            let (radius, load) = if regime > self.onset {
-                let radius = (bare.area[i] / PI).sqrt() / self.around.scale.radius;
-                (radius, (bare.contact[i] / self.around.scale.force).min(most(ratio, place, radius)))
-            } else {
-                (hertz, place * hertz)
-            };
-            *state = self.around.state(radius, load, state);
+            let lane = lanes.at(i);
+            let of_law = [bare.area[i], bare.contact[i]];
+            *state = self.around.state(self.pressed(regime, lane, place, of_law).0, state);
         }
+    }
+
+    /// The contact without adhesion of an asperity at ω/s_δ, and the formulas that it is by, from the area and the load that the
+    /// plastic contact has there.
+    fn pressed(&self, regime: usize, lane: &Lane, place: f64, [area, load]: [f64; 2]) -> (Pressed, [u8; 3]) {
+        let ratio = lane.ratio;
+        let is_hertzian = regime <= self.onset || place <= self.joint(self.onset, lane);
+        let (radius, load, by) = if is_hertzian {
+            let radius = (ratio * place).sqrt();
+            (radius, place * radius, 0)
+        } else {
+            let radius = (area / PI).sqrt() / self.around.scale.radius;
+            let (load, by) = at_most(load / self.around.scale.force, most(ratio, place, radius));
+            (radius, load, 1 + by)
+        };
+        let beyond = place / (self.critical * ratio) - 1.0;
+        let (of_load, of_fit) = (radius * radius * radius / load, ratio * (1.0 + self.flattening * beyond));
+        let (apex, of_apex) = match (beyond > 0.0, is_hertzian || of_fit >= of_load) {
+            (true, true) => (of_fit, 0),
+            (false, true) => (ratio, 1),
+            _ => (of_load, 2),
+        };
+        let pressed = Pressed { lambda: self.around.scale.lambda, radius, load, apex, sphere: ratio };
+        (pressed, [by, of_apex, u8::from(beyond > 0.0)])
     }
 
     /// The state of one asperity at ω/s_δ.
@@ -243,7 +326,7 @@ impl Flow {
     /// flow passes into the next; where contact begins, if no stable state is there.
     fn end(&self, regime: usize, lane: &Lane) -> f64 {
         let begin = self.begin.of(lane);
-        let place = self.joint(regime, lane);
+        let place = if regime == self.onset { self.onset(lane) } else { self.joint(regime, lane) };
         let state = self.state(regime, lane, place);
         let end = place - state.drawn();
         let is_stable = self.displacement(regime, lane, place * (1.0 - SHORT)) < end
@@ -251,31 +334,43 @@ impl Flow {
         if is_stable { begin.max(end * self.around.scale.length) } else { begin }
     }
 
-    /// ω/s_δ up to which the load of a regime is more than it may be, if it is where the regime begins.
-    fn capped(&self, regime: usize, lane: &Lane) -> Option<f64> {
-        let exceeds = |place: f64| {
-            let Flattened { radius, load, .. } = self.state(regime, lane, place).contact;
-            load >= most(lane.ratio, place, radius)
+    /// ω/s_δ within a regime, rising, at which one formula takes the place of another, of the law's own radius.
+    fn joints(&self, regime: usize) -> Vec<f64> {
+        let lane = self.lane();
+        let from = self.lower(regime, &lane).next_up();
+        let to =
+            if regime < self.law.boundaries().len() { self.joint(regime, &lane) } else { LAST_JOINT * from };
+        let formulas = |place: f64| {
+            let mut bare = Responses::default();
+            let own = [place * self.around.scale.length];
+            if place > self.joint(self.onset, &lane) {
+                self.law.evaluate(regime, Lanes::Own, &own, &mut bare, &mut SolverStats::default());
+            }
+            self.pressed(regime, &lane, place, [bare.area[0], bare.contact[0]]).1
         };
-        let mut low = self.joint(regime - 1, lane).next_up();
-        if !exceeds(low * (1.0 + SHORT)) {
-            return None;
+        let rate = libm::log(to / from) / LOOKS as f64;
+        let places = (0..=LOOKS).map(|i| (from * libm::exp(rate * i as f64)).min(to));
+        let looked_at: Vec<(f64, [u8; 3])> = places.map(|place| (place, formulas(place))).collect();
+        let mut joints = Vec::new();
+        for pair in looked_at.windows(2) {
+            let ((mut low, mut below), (end, above)) = (pair[0], pair[1]);
+            while below != above {
+                let mut high = end;
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    *(if formulas(middle) == below { &mut low } else { &mut high }) = middle;
+                }
+                joints.push(high);
+                (low, below) = (high, formulas(high));
+            }
         }
-        let mut high = 1.1 * low;
-        while exceeds(high) && high < f64::MAX {
-            high *= 1.1;
-        }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            *(if exceeds(middle) { &mut low } else { &mut high }) = middle;
-        }
-        Some(high)
+        joints
     }
 
     /// δ/s_δ at the fold of a regime, the least that a stable state of it has, if that is not where the regime begins.
     fn fold(&self, regime: usize, lane: &Lane) -> Option<f64> {
         let at = |place: f64| self.displacement(regime, lane, place);
-        let begin = self.joint(regime - 1, lane);
+        let begin = self.lower(regime, lane);
         if at(begin * (1.0 + SHORT)) >= at(begin) {
             return None;
         }
@@ -315,6 +410,24 @@ impl Flow {
         }
     }
 
+    /// Visits the tops that asperities of lanes leave at interferences ω_max, m, in one of the regimes of flow.
+    pub(in crate::asperity) fn tops(
+        &self,
+        number: usize,
+        lanes: Numbered<'_>,
+        largest: &[f64],
+        stats: &mut SolverStats,
+        mut visit: impl FnMut(Top),
+    ) {
+        for (chunk, largest) in largest.chunks(TOGETHER).enumerate() {
+            let lanes = lanes.from(chunk * TOGETHER);
+            let states = self.solve_few(self.onset + 1 + number, lanes, largest, stats);
+            for state in &states[..largest.len()] {
+                visit(Top::new(state, self.around.scale.length));
+            }
+        }
+    }
+
     /// The states of at most [`TOGETHER`] asperities at interferences δ, m.
     fn solve_few(
         &self,
@@ -328,7 +441,7 @@ impl Flow {
         let (mut places, mut searches) = ([0.0; TOGETHER], [Search::default(); TOGETHER]);
         for (i, place) in places[..count].iter_mut().enumerate() {
             searches[i].wanted = interference[i] / self.around.scale.length;
-            *place = searches[i].wanted.max(self.joint(regime - 1, lanes.at(i)));
+            *place = searches[i].wanted.max(self.lower(regime, lanes.at(i)));
         }
         for _ in 0..MOST_STEPS {
             self.states(regime, lanes, &places[..count], &mut states[..count]);
@@ -377,10 +490,21 @@ impl Search {
     }
 }
 
-/// The most load p that a contact of radius r may bear at ω/s_δ.
-fn most(ratio: f64, place: f64, radius: f64) -> f64 {
+/// The loads p that a contact of radius r may bear at ω/s_δ: that of its sphere, and that of which a loop gives out nothing.
+fn most(ratio: f64, place: f64, radius: f64) -> [f64; 2] {
     let energy = (ratio.sqrt().sqrt() * radius.sqrt()) * (place * place.sqrt().sqrt());
-    (radius * radius * radius / ratio).min(energy)
+    [radius * radius * radius / ratio, energy]
+}
+
+/// The least of a load and two others, and which that is.
+fn at_most(load: f64, [first, second]: [f64; 2]) -> (f64, u8) {
+    if load <= first && load <= second {
+        (load, 0)
+    } else if first <= second {
+        (first, 1)
+    } else {
+        (second, 2)
+    }
 }
 
 /// F_s, P and the area by δ, m, of asperities of the law's own radius.
@@ -424,25 +548,27 @@ struct Flowing {
     exact: Arc<Flow>,
     fast: Arc<Flow>,
     regime: usize,
-    /// ω/s_δ up to which the load is the most that it may be, if it is so anywhere, of the law's own radius, and δ there, m.
-    capped: Option<[f64; 2]>,
-    /// Up to there, and beyond.
-    tables: [Tables; 2],
+    /// ω/s_δ at which one formula takes the place of another, of the law's own radius, and δ there, m.
+    joints: Vec<[f64; 2]>,
+    /// Tables between these.
+    tables: Vec<Tables>,
 }
 
 impl Flowing {
     fn new([exact, fast]: [&Arc<Flow>; 2], regime: usize, lower: f64, deepest: Option<f64>) -> Self {
         let lane = exact.lane();
-        let capped = exact.capped(regime, &lane);
-        let capped =
-            capped.map(|place| [place, exact.displacement(regime, &lane, place) * exact.around.scale.length]);
+        let at = |place: f64| [place, exact.displacement(regime, &lane, place) * exact.around.scale.length];
         let is_last = regime == exact.law.boundaries().len();
         let upper = if is_last { f64::INFINITY } else { exact.end(regime, &lane) };
         let deepest = deepest.map_or(lower, |deepest| deepest.min(upper));
-        let kink = capped.map_or(lower, |[_, kink]| kink.clamp(lower, upper));
-        let tables = [(lower, kink.min(deepest)), (kink, deepest)];
-        let tables = tables.map(|(from, to)| Tables::new(exact, regime, from, to));
-        Self { exact: Arc::clone(exact), fast: Arc::clone(fast), regime, capped, tables }
+        let mut joints: Vec<[f64; 2]> = exact.joints(regime).into_iter().map(at).collect();
+        joints.retain(|[_, joint]| lower < *joint && *joint < upper);
+        let ends =
+            std::iter::once(lower).chain(joints.iter().map(|[_, joint]| *joint)).chain([f64::INFINITY]);
+        let ends: Vec<f64> = ends.collect();
+        let table = |ends: &[f64]| Tables::new(exact, regime, ends[0], ends[1].min(deepest));
+        let tables = ends.windows(2).map(table).collect();
+        Self { exact: Arc::clone(exact), fast: Arc::clone(fast), regime, joints, tables }
     }
 }
 
@@ -453,17 +579,20 @@ impl Interaction for Flowing {
 
     fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
         let (flow, regime, own) = (&self.exact, self.regime, self.exact.lane());
-        let lane = lane.unwrap_or(&own);
-        // ω is proportional to the radius.
-        let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
-        let kink = kink.map(|kink| kink * flow.around.scale.length);
-        let kink = kink.filter(|kink| within.start < *kink && *kink < within.end);
-        let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
+        let place = |[place, joint]: &[f64; 2]| match lane {
+            None => *joint,
+            // ω is proportional to the radius.
+            Some(lane) => flow.displacement(regime, lane, place * lane.ratio) * flow.around.scale.length,
+        };
+        let mut joints: Vec<f64> = self.joints.iter().map(place).collect();
+        joints.retain(|joint| within.start < *joint && *joint < within.end);
+        joints.sort_by(f64::total_cmp);
+        let first = flow.fold(regime, lane.unwrap_or(&own)).map_or(Smoothness::Smooth, |fold| {
             let place = within.start.min(fold * flow.around.scale.length);
             Smoothness::Root { end: End::Lower, place, order: 2 }
         });
-        let smoothness = std::iter::once(first).chain(kink.map(|_| Smoothness::Smooth)).collect();
-        (kink.into_iter().collect(), smoothness)
+        let smoothness = std::iter::once(first).chain(joints.iter().map(|_| Smoothness::Smooth)).collect();
+        (joints, smoothness)
     }
 
     fn method(&self) -> Method {
@@ -474,16 +603,17 @@ impl Interaction for Flowing {
         if let Lanes::Each(lanes) = lanes {
             return self.fast.solve(self.regime, lanes, interference, (0, out), stats);
         }
-        let kink = self.capped.map_or(f64::NEG_INFINITY, |[_, kink]| kink);
+        let end = |part: Option<usize>| part.and_then(|part| self.joints.get(part)).map(|[_, joint]| *joint);
         let mut begin = 0;
         while begin < interference.len() {
-            let is_beyond = interference[begin] > kink;
-            let (low, high) = if is_beyond { (kink, f64::INFINITY) } else { (f64::NEG_INFINITY, kink) };
+            let part = self.joints.partition_point(|[_, joint]| interference[begin] > *joint);
+            let low = end(part.checked_sub(1)).unwrap_or(f64::NEG_INFINITY);
+            let high = end(Some(part)).unwrap_or(f64::INFINITY);
             let run = &interference[begin..];
             let run = &run[..leading(run, low, high).max(1)];
             let has_all = InstructionSet::current().run(
                 #[inline(always)]
-                || self.tables[usize::from(is_beyond)].read(run, begin, out),
+                || self.tables[part].read(run, begin, out),
             );
             if !has_all {
                 let lane = [self.exact.lane()];

@@ -1,0 +1,937 @@
+//! The elastic contact of a top whose outline is not a paraboloid, and its attraction before contact.
+//!
+//! # Formula
+//! Lengths are in the units of the sphere of the apex, whose radius is ρ. The outline is
+//!
+//! f(r) = r²/2 + βr⁴ for r ≤ a₀, and f(a₀) + q(r² − a₀²)/2 beyond, q = ρ/R.
+//!
+//! A contact of the radius a = c cos θ, whose adhesive zone ends at c, has (Maugis 1992, by superposition)
+//!
+//! (λ/2)[c²A(θ) + 2βc⁴Q(θ) − πE(c)] + (4λ²/3) c B(θ) = 1,
+//!
+//! Δ = a² + (8/3)βa⁴ − (4λ/3) c sin θ, F̂_s = λc²(sin θ cos θ + θ), P̂ = a³ + (16/5)βa⁵,
+//!
+//! with A = sin θ cos θ − θ cos 2θ, B = θ sin θ + cos θ − 1, Q = θ(1 − (8/3)cos⁴θ) + sin θ cos θ (2cos²θ + 3)/3, and E(c) by
+//! which the outline up to a₀, continued, is above that beyond. The left side rises with θ at every c, so that c is the
+//! parameter of the states. By reciprocity ∂Δ/∂θ is the derivative of the left side by θ over −λθ. So along the
+//! states dΔ/dc = ∂Δ/∂c + (∂/∂c)/λθ of the left side, and the stable states end where that is 0, or where a is.
+//!
+//! Before contact, with the stress μ and the work W of [`super::noncontact`] at the gap ε, and f(c) in the place of c²/2,
+//! 2μf(c) + 2b̂μ²c = W, F̂_s = (π/2)μc², Δ = −[ζε + (4/3)μc].
+//!
+//! # Validity
+//! Every λ for which the top of its radius ρ is solved, β ≥ 0. Source: Maugis, J. Colloid Interface Sci. 150 (1992) 243, and
+//! Sneddon, Int. J. Eng. Sci. 3 (1965) 47, for the outline.
+
+use super::angle::{AngleTerms, angle_terms, quartic_term};
+use super::block::BLOCK;
+use super::curve::Curve;
+use super::noncontact::Noncontact;
+use super::stats::SolverStats;
+use crate::math::instruction_set::InstructionSet;
+use crate::math::roots::{Sample, false_position, safe_newton};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Largest last Newton step, relative to the length over which the equations bend. What it leaves is of the order of its
+/// square.
+const LAST_STEP: f64 = 2e-9;
+/// Largest last step of the angle, relative to its distance to 0 and to π/2.
+const LAST_TURN: f64 = 1e-8;
+/// Roundings of the sum of the magnitudes of terms below which a residual is noise.
+const NOISE: f64 = 4.0 * f64::EPSILON;
+/// Newton steps of a block before the one along which outputs are corrected.
+const STEPS: usize = 2;
+/// Newton steps of a block before contact, likewise.
+const STEPS_BEFORE: usize = 4;
+/// States between the end of contact and the edge of the outline, and between that and the deepest, from which solves start.
+const NODES: [usize; 2] = [6, 3];
+/// States from which solves start, all of them.
+const ALL_NODES: usize = NODES[0] + NODES[1] + 1;
+/// Largest ε at which the branch before contact folds (2.5 in 3000 tops drawn at random), with room.
+const OUTERMOST: f64 = 4.0;
+/// λ below which the branch before contact does not fold.
+const FIRST_FOLD: f64 = 0.88;
+/// Places at which the slope of the branch before contact is looked at.
+const LOOKS: usize = 96;
+/// Relative accuracy of a fold. Δ has no slope there.
+const FOLD: f64 = 1e-10;
+/// Relative Newton step after which the solve of a pressed zone ends, and its steps at most. From the start it takes five.
+const LAST_ZONE_STEP: f64 = 1e-8;
+const MOST_STEPS: usize = 60;
+/// b̂ of [`super::noncontact`].
+const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
+
+/// The outline of a top, in the units of the sphere of its apex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outline {
+    /// λ of the apex.
+    pub lambda: f64,
+    /// β.
+    pub quartic: f64,
+    /// a₀.
+    pub edge: f64,
+    /// q.
+    pub outside: f64,
+}
+
+/// A contact that is pressed: its radius is that of the outline that it leaves, in the units of any sphere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pressed {
+    /// λ in these units; 0 without adhesion.
+    pub lambda: f64,
+    /// Contact radius.
+    pub radius: f64,
+    /// Load without adhesion.
+    pub load: f64,
+    /// Radius ρ of the apex, and R of the paraboloid beyond, over that of the units.
+    pub apex: f64,
+    /// R over the radius of the units.
+    pub sphere: f64,
+}
+
+impl Pressed {
+    /// βa₀² in the outline, 0 where ρ alone has the load.
+    fn quartic(&self) -> f64 {
+        let Self { radius, load, apex, .. } = *self;
+        (0.3125 * (load / (radius * radius * radius) - 1.0 / apex)).max(0.0)
+    }
+
+    /// a²/ρ + (8/3)βa⁴, the displacement without adhesion from the apex.
+    pub fn indentation(&self) -> f64 {
+        self.radius * self.radius * (1.0 / self.apex + 8.0 / 3.0 * self.quartic())
+    }
+
+    /// tan θ of the adhesive zone, searched for from `start`, or from its limits where that is not positive.
+    pub fn zone(&self, start: f64) -> f64 {
+        let Self { lambda, radius, apex, sphere, .. } = *self;
+        if lambda == 0.0 {
+            return 0.0;
+        }
+        let quartic = self.quartic();
+        let profile = 0.5 * lambda * (radius * radius);
+        let (of_square, of_fourth) = (profile / apex, 2.0 * profile * quartic);
+        let beyond = 0.5 * PI * profile * (1.0 / apex - 1.0 / sphere);
+        let beyond_fourth = PI * profile * quartic;
+        let stress = 4.0 / 3.0 * lambda * lambda * radius;
+        let mut tangent = start;
+        if !(tangent > 0.0) {
+            let limits = [libm::cbrt(0.75 / (of_square + 8.0 / 3.0 * of_fourth)), (2.0 / stress).sqrt()];
+            let steep = (-1.0 / beyond).sqrt();
+            tangent = limits[0].min(limits[1]);
+            tangent = if steep < tangent { steep } else { tangent };
+        }
+        for _ in 0..MOST_STEPS {
+            // Brackets are powers of τ at either end, so that steps are taken of logarithms.
+            let angle = libm::atan(tangent);
+            let AngleTerms { quadratic, linear, .. } = angle_terms(angle);
+            let (square, cube) = (tangent * tangent, angle * angle * angle);
+            let (whole, secant) = (1.0 + square, (1.0 + square).sqrt());
+            let gap = cube * whole * (of_square * quadratic + of_fourth * whole * quartic_term(angle))
+                - square * (beyond + beyond_fourth * (2.0 + square))
+                + stress * linear * (angle * angle) * secant;
+            let per_whole = tangent / whole;
+            let slope = 2.0 * of_square * tangent * (per_whole + angle)
+                + of_fourth * (square * (8.0 / 3.0 / whole + 4.0) + 4.0 * tangent * whole * angle)
+                - 2.0 * tangent * (beyond + 2.0 * beyond_fourth * whole)
+                + stress * (angle + per_whole - tangent / secant);
+            // Where the edge is steep the gap closes before it opens.
+            let step = libm::log(gap) * gap / (tangent * slope);
+            let step = if gap > 0.0 && slope > 0.0 { step.clamp(-2.0, 2.0) } else { -1.0 };
+            tangent *= libm::exp(-step);
+            if !(step.abs() > LAST_ZONE_STEP) {
+                break;
+            }
+        }
+        tangent
+    }
+
+    /// F̂_s of a zone.
+    pub fn adhesion(&self, zone: f64) -> f64 {
+        self.lambda * self.radius * self.radius * (zone + libm::atan(zone) * (1.0 + zone * zone))
+    }
+
+    /// The displacement by which adhesion draws the surfaces nearer.
+    pub fn drawn(&self, zone: f64) -> f64 {
+        4.0 / 3.0 * self.lambda * self.radius * zone
+    }
+
+    /// The outline that is left, in the units of the sphere of its apex.
+    pub fn outline(&self) -> Outline {
+        let Self { lambda, radius, apex, sphere, .. } = *self;
+        let root = libm::cbrt(apex);
+        let edge = radius / (root * root);
+        Outline {
+            lambda: lambda * root,
+            quartic: self.quartic() * apex / (edge * edge),
+            edge,
+            outside: apex / sphere,
+        }
+    }
+}
+
+/// The edge of the adhesive zone less a₀, and the angle of a state.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    beyond: f64,
+    angle: f64,
+}
+
+/// What is known of a contact at a place.
+#[derive(Clone, Copy, Debug, Default)]
+struct Known {
+    /// The left side less 1, and its derivatives by θ and c.
+    excess: f64,
+    by_angle: f64,
+    by_edge: f64,
+    /// Δ, dΔ/dc along the states, and the sum of the magnitudes of its terms.
+    displacement: f64,
+    slope: f64,
+    magnitude: f64,
+    /// F̂_s, its derivatives by c and by θ.
+    adhesion: f64,
+    adhesion_by_edge: f64,
+    adhesion_by_angle: f64,
+    /// a, and its derivatives.
+    radius: f64,
+    cos: f64,
+    radius_by_angle: f64,
+}
+
+/// The scaled response of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// F̂_s.
+    pub adhesion: f64,
+    /// a.
+    pub radius: f64,
+}
+
+impl Known {
+    /// The response a step of c and θ away.
+    #[inline(always)]
+    fn corrected(&self, [edge, angle]: [f64; 2]) -> Response {
+        Response {
+            adhesion: self.adhesion + self.adhesion_by_edge * edge + self.adhesion_by_angle * angle,
+            radius: self.radius + self.cos * edge + self.radius_by_angle * angle,
+        }
+    }
+}
+
+/// The state at a gap before contact.
+#[derive(Clone, Copy, Debug)]
+struct Apart {
+    displacement: f64,
+    slope: f64,
+    adhesion: f64,
+    adhesion_slope: f64,
+    /// C − a₀.
+    beyond: f64,
+}
+
+impl Outline {
+    /// f(c) of an edge of the zone.
+    fn height(&self, edge: f64) -> f64 {
+        let within = edge.min(self.edge);
+        let square = within * within;
+        square * (0.5 + self.quartic * square) + 0.5 * self.outside * (edge * edge - square)
+    }
+
+    /// f'(c).
+    fn rise(&self, edge: f64) -> f64 {
+        if edge <= self.edge { edge + 4.0 * self.quartic * edge * edge * edge } else { self.outside * edge }
+    }
+
+    /// Δ of a contact of the radius a without adhesion.
+    #[inline(always)]
+    pub fn indentation(&self, radius: f64) -> f64 {
+        let square = radius * radius;
+        square * (1.0 + 8.0 / 3.0 * self.quartic * square)
+    }
+
+    /// a of a contact of the displacement Δ > 0 without adhesion.
+    pub fn radius_at(&self, displacement: f64) -> f64 {
+        let root = (1.0 + 32.0 / 3.0 * self.quartic * displacement).sqrt();
+        (2.0 * displacement / (1.0 + root)).sqrt()
+    }
+
+    /// P̂ of a contact of the radius a.
+    #[inline(always)]
+    pub fn load(&self, radius: f64) -> f64 {
+        let square = radius * radius;
+        square * radius * (1.0 + 3.2 * self.quartic * square)
+    }
+
+    /// What is known at a place; `outer` is 1 where the zone ends beyond a₀, and else 0.
+    #[inline(always)]
+    fn at(&self, place: Place, outer: f64) -> Known {
+        let Self { lambda, quartic, edge, outside } = *self;
+        let Place { beyond, angle } = place;
+        let AngleTerms { sin, cos, quadratic, linear } = angle_terms(angle);
+        let c = edge + beyond;
+        let square = c * c;
+        let cube = angle * angle * angle;
+        let (of_square, of_fourth) = (quadratic * cube, quartic_term(angle) * cube);
+        let of_stress = linear * (angle * angle);
+        let above = outer * beyond * (c + edge) * (0.5 * (1.0 - outside) + quartic * (square + edge * edge));
+        let above_slope = outer * c * ((1.0 - outside) + 4.0 * quartic * square);
+        let fourth = 2.0 * quartic * square;
+        let k = 4.0 / 3.0 * lambda;
+        let profile = square * (of_square + fourth * of_fourth);
+        let stress = lambda * k * c * of_stress;
+        let radius = c * cos;
+        let bend = sin * (2.0 * square + 16.0 / 3.0 * fourth * square * (cos * cos)) + k * c;
+        let by_angle = lambda * angle * cos * bend;
+        let by_edge =
+            lambda * (c * (of_square + 2.0 * fourth * of_fourth) - 0.5 * PI * above_slope + k * of_stress);
+        let indentation = self.indentation(radius);
+        let pull = k * c * sin;
+        let indentation_slope = radius * (2.0 + 32.0 / 3.0 * quartic * (radius * radius));
+        let zone = sin * cos + angle;
+        Known {
+            excess: 0.5 * lambda * (profile - PI * above) + stress - 1.0,
+            by_angle,
+            by_edge,
+            displacement: indentation - pull,
+            slope: indentation_slope * cos - k * sin + by_edge / (lambda * angle),
+            magnitude: indentation + pull,
+            adhesion: lambda * square * zone,
+            adhesion_by_edge: 2.0 * lambda * c * zone,
+            adhesion_by_angle: 2.0 * lambda * square * (cos * cos),
+            radius,
+            cos,
+            radius_by_angle: -c * sin,
+        }
+    }
+
+    /// Whether a zone that ends `beyond` a₀ is beyond it, as a factor.
+    fn side(beyond: f64) -> f64 {
+        if beyond > 0.0 { 1.0 } else { 0.0 }
+    }
+
+    /// The least θ of a contact whose zone ends `beyond` a₀: its radius is a₀ there.
+    fn least_angle(&self, beyond: f64) -> f64 {
+        if beyond <= 0.0 {
+            return 0.0;
+        }
+        libm::atan((beyond * (2.0 * self.edge + beyond)).sqrt() / self.edge)
+    }
+
+    /// The state whose zone ends `beyond` a₀, from where a start may be near.
+    fn state(&self, beyond: f64, outer: f64, start: f64) -> (Place, Known) {
+        let mut angle = start;
+        // Newton's method first, as most starts are near.
+        for _ in 0..8 {
+            let known = self.at(Place { beyond, angle }, outer);
+            let step = -known.excess / known.by_angle;
+            let room = angle.min(FRAC_PI_2 - angle);
+            if step.abs() <= 1e-6 * room {
+                let place = Place { beyond, angle: angle + step };
+                return (place, self.at(place, outer));
+            }
+            angle += step;
+            if !(angle > 0.0 && angle < FRAC_PI_2) {
+                break;
+            }
+        }
+        let falling = |angle: f64| {
+            let known = self.at(Place { beyond, angle }, outer);
+            Sample { value: -known.excess, slope: -known.by_angle }
+        };
+        let low = 0.999 * self.least_angle(beyond);
+        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON;
+        let place = Place { beyond, angle: safe_newton(falling, low, FRAC_PI_2, start, close).x };
+        (place, self.at(place, outer))
+    }
+
+    /// Where the zone of first touch ends: λ(π/2)f(c) + (4λ²/3)(π/2 − 1)c = 1.
+    fn first_touch(&self) -> f64 {
+        let (height, linear) =
+            (FRAC_PI_2 * self.lambda, 4.0 / 3.0 * self.lambda * self.lambda * (FRAC_PI_2 - 1.0));
+        // That of the sphere of the apex is further out where the outline is steeper.
+        let mut high = 2.0 / (linear + (linear * linear + 2.0 * height).sqrt());
+        let excess = |c: f64| height * self.height(c) + linear * c - 1.0;
+        while excess(high) < 0.0 {
+            high *= 2.0;
+        }
+        let falling = |c: f64| Sample { value: -excess(c), slope: -(height * self.rise(c) + linear) };
+        let close = |_: f64, sample: Sample| sample.value.abs() <= f64::EPSILON;
+        let c = safe_newton(falling, 0.0, high, high, close).x;
+        c - excess(c) / (height * self.rise(c) + linear)
+    }
+
+    /// The state at a gap ε > 0 before contact.
+    #[inline(always)]
+    fn apart(&self, gap: f64) -> Apart {
+        let Self { lambda, quartic, edge, outside } = *self;
+        let whole = Noncontact::whole(lambda);
+        let [stress, stress_slope, work, work_slope] = whole.terms(gap);
+        let root = stress.sqrt();
+        let g = B * stress * root;
+        let g_slope = 1.5 * B * root * stress_slope;
+        let lower = edge * edge * (0.5 * (outside - 1.0) - quartic * (edge * edge));
+        let own = work + 2.0 * stress * lower;
+        let outer = own / (g + (g * g + outside * own).sqrt());
+        let inner = work / (g + (g * g + work).sqrt());
+        let per_stress = 2.0 * quartic / stress;
+        // Rises beyond its root, so that steps come from above.
+        let mut y = inner.min((work / per_stress).sqrt().sqrt());
+        for _ in 0..6 {
+            let square = y * y;
+            let excess = square + 2.0 * g * y + per_stress * (square * square) - work;
+            y -= excess / (2.0 * y + 2.0 * g + 4.0 * per_stress * (square * y));
+        }
+        let is_outer = outer >= root * edge;
+        let fourth = per_stress * (y * y) * (y * y);
+        let outer_slope = (work_slope + 2.0 * stress_slope * lower - 2.0 * g_slope * outer)
+            / (2.0 * outside * outer + 2.0 * g);
+        let inner_slope = (work_slope - 2.0 * g_slope * y + fourth * stress_slope / stress)
+            / (2.0 * y + 2.0 * g + 4.0 * fourth / y);
+        let (y, y_slope) = if is_outer { (outer, outer_slope) } else { (y, inner_slope) };
+        let pull = 4.0 / 3.0 * root * y;
+        let pull_slope = 4.0 / 3.0 * (root * y_slope + stress_slope * y / (2.0 * root));
+        let spacing = whole.spacing();
+        Apart {
+            displacement: -(spacing * gap + pull),
+            slope: -(spacing + pull_slope),
+            adhesion: FRAC_PI_2 * y * y,
+            adhesion_slope: PI * y * y_slope,
+            beyond: y / root - edge,
+        }
+    }
+
+    /// ε of a rigid top at Δ: no gap is wider.
+    fn rigid(&self, displacement: f64) -> f64 {
+        -displacement / Noncontact::whole(self.lambda).spacing()
+    }
+
+    /// ε at Δ between two gaps, of which the first has the larger Δ.
+    fn gap_between(&self, displacement: f64, (low, high): (f64, f64), start: f64) -> f64 {
+        let falling = |gap: f64| {
+            let state = self.apart(gap);
+            Sample { value: state.displacement - displacement, slope: state.slope }
+        };
+        let close = |_: f64, sample: Sample| sample.value.abs() <= f64::EPSILON * displacement.abs();
+        safe_newton(falling, low, high, start, close).x
+    }
+}
+
+/// A fold of the branch before contact: ε, and Δ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fold {
+    /// ε.
+    pub gap: f64,
+    /// Δ.
+    pub displacement: f64,
+}
+
+/// Where the states of a top end, and where they are not smooth, by Δ.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ends {
+    /// Where the zone of first touch ends, and Δ there.
+    pub first_touch: f64,
+    /// Δ at the end of the stable contact branch, and whether it folds there.
+    pub contact: f64,
+    /// Whether contact leads to the innermost state before it without a jump.
+    is_led_to: bool,
+    /// Δ at which the zone ends at a₀; −∞ where it does so nowhere in contact.
+    pub edge: f64,
+    /// Δ at the deepest.
+    pub deepest: f64,
+    /// The folds to which the outermost state before contact lasts, as Δ rises; none are NaN.
+    pub outer: [Option<Fold>; 2],
+    /// The fold to which an asperity that comes out of contact stays on the innermost state.
+    pub inner: Option<Fold>,
+    /// Δ at which the zone ends at a₀ before contact.
+    pub edges_before: [Option<f64>; 2],
+}
+
+/// States from which solves of contacts start.
+#[derive(Clone, Copy, Debug, Default)]
+struct Starts {
+    /// √(Δ − Δ_end), rising; what is not used is as the last.
+    roots: [f64; ALL_NODES],
+    /// c − a₀, θ, and their derivatives by that root.
+    places: [[f64; 4]; ALL_NODES],
+}
+
+/// A top of a known outline: where its states end, and where solves start.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OutlinedTop {
+    /// The outline.
+    pub outline: Outline,
+    /// The ends of its states.
+    pub ends: Ends,
+    starts: Starts,
+    /// The places of the end of contact and of the deepest.
+    end: Place,
+    last: Place,
+}
+
+impl OutlinedTop {
+    /// The top of an outline whose contact of the radius a₀ has the zone of tan θ = `zone`.
+    pub fn new(outline: Outline, zone: f64) -> Self {
+        let mut top = Self { outline, ..Self::default() };
+        let secant = (1.0 + zone * zone).sqrt();
+        top.last = Place { beyond: outline.edge * (zone * zone / (1.0 + secant)), angle: libm::atan(zone) };
+        let touch = outline.first_touch();
+        top.ends.first_touch = -4.0 / 3.0 * outline.lambda * touch;
+        top.ends.deepest = outline.at(top.last, Outline::side(top.last.beyond)).displacement;
+        top.find_end(touch - outline.edge);
+        top.find_starts();
+        top.find_before();
+        top
+    }
+
+    /// Finds where the stable states in contact end, from the deepest on.
+    fn find_end(&mut self, touch: f64) {
+        let Self { outline, last, .. } = *self;
+        let first = Place { beyond: touch, angle: FRAC_PI_2 };
+        let slope = |place: Place, outer: f64| outline.at(place, outer).slope;
+        self.ends.edge = f64::NEG_INFINITY;
+        let begin = if touch > 0.0 { first } else { outline.state(0.0, 1.0, last.angle).0 };
+        // Beyond the edge of the outline.
+        if slope(last, 1.0) <= 0.0 || last.beyond <= begin.beyond {
+            (self.end, self.ends.contact) = (last, self.ends.deepest);
+            return;
+        }
+        if slope(begin, 1.0) < 0.0 {
+            self.end = self.fold((begin, last), 1.0);
+        } else if touch > 0.0 {
+            self.end = first;
+        } else {
+            self.ends.edge = outline.at(begin, 0.0).displacement;
+            self.end = begin;
+            // And within it.
+            if slope(begin, 0.0) > 0.0 {
+                self.end = if slope(first, 0.0) < 0.0 { self.fold((first, begin), 0.0) } else { first };
+            }
+        }
+        self.ends.is_led_to = self.end.angle == FRAC_PI_2;
+        let outer = Outline::side(self.end.beyond);
+        self.ends.contact = outline.at(self.end, outer).displacement;
+        if self.ends.is_led_to {
+            self.ends.contact = self.ends.first_touch;
+        }
+    }
+
+    /// The fold between two places, of which the first is unstable.
+    fn fold(&self, (low, high): (Place, Place), outer: f64) -> Place {
+        let outline = &self.outline;
+        let slope = |place: Place| (place.beyond, outline.at(place, outer).slope);
+        let mut place = high;
+        let at = |beyond: f64| {
+            let known;
+            (place, known) = outline.state(beyond, outer, place.angle);
+            known.slope / known.magnitude
+        };
+        let per_edge = FOLD / (outline.edge + high.beyond);
+        false_position(at, slope(low), slope(high), |_, slope| slope.abs() <= per_edge);
+        place
+    }
+
+    /// Finds states from which solves start.
+    fn find_starts(&mut self) {
+        let Self { outline, end, last, .. } = *self;
+        let mut count = 0;
+        let mut angle = last.angle;
+        let runs = if self.ends.edge == f64::NEG_INFINITY || end.beyond >= 0.0 {
+            [(last.beyond, end.beyond, 1.0, NODES[0]), (end.beyond, end.beyond, 1.0, 0)]
+        } else {
+            [(last.beyond, 0.0, 1.0, NODES[1]), (0.0, end.beyond, 0.0, NODES[0])]
+        };
+        let mut nodes = [(0.0, [0.0; 4]); ALL_NODES];
+        let has_slope = self.ends.is_led_to;
+        for (run, (from, to, outer, parts)) in runs.into_iter().enumerate() {
+            for part in 0..parts {
+                if run == 0 && part == 0 {
+                    nodes[count] = self.node(last, &outline.at(last, outer));
+                } else {
+                    let share = part as f64 / parts as f64;
+                    // Δ begins like a square at a fold, and else in proportion.
+                    let share = if has_slope { share * (2.0 - share) } else { share };
+                    let beyond = from + (to - from) * share;
+                    let (place, known) = outline.state(beyond, outer, angle);
+                    angle = place.angle;
+                    nodes[count] = self.node(place, &known);
+                }
+                count += 1;
+            }
+        }
+        nodes[count] = self.last_node(end);
+        count += 1;
+        for i in 0..ALL_NODES {
+            let (root, place) = nodes[count - 1 - i.min(count - 1)];
+            (self.starts.roots[i], self.starts.places[i]) = (root, place);
+        }
+    }
+
+    /// A state as a start.
+    fn node(&self, place: Place, known: &Known) -> (f64, [f64; 4]) {
+        let root = (known.displacement - self.ends.contact).max(0.0).sqrt();
+        let per_root = 2.0 * root / known.slope;
+        let turn = -known.by_edge / known.by_angle * per_root;
+        (root, [place.beyond, place.angle, per_root, turn])
+    }
+
+    /// The end of contact as a start: a fold, or where the radius vanishes like a root.
+    fn last_node(&self, place: Place) -> (f64, [f64; 4]) {
+        let Self { outline, .. } = *self;
+        let outer = Outline::side(place.beyond);
+        let known = outline.at(place, outer);
+        if self.ends.is_led_to {
+            let c = outline.edge + place.beyond;
+            let bend = outline.lambda * FRAC_PI_2 * c * (2.0 * c + 4.0 / 3.0 * outline.lambda);
+            let turn = (2.0 * known.by_edge / (known.slope * bend)).max(0.0).sqrt();
+            return (0.0, [place.beyond, place.angle, 0.0, -turn]);
+        }
+        // The slope by c rises from 0: its rate is that of a short step.
+        let step = 1e-4 * (self.last.beyond - place.beyond).max(f64::MIN_POSITIVE);
+        let (_, next) = outline.state(place.beyond + step, outer, place.angle);
+        let per_root = (2.0 * step / next.slope).max(0.0).sqrt();
+        let kinked = known.slope > 1e-6 * known.magnitude / (outline.edge + place.beyond);
+        let per_root = if kinked { 0.0 } else { per_root };
+        (0.0, [place.beyond, place.angle, per_root, -known.by_edge / known.by_angle * per_root])
+    }
+
+    /// Finds the folds before contact, and where the zone ends at a₀ there.
+    fn find_before(&mut self) {
+        let outline = self.outline;
+        self.ends.edges_before = self.edges_before();
+        if outline.lambda < FIRST_FOLD {
+            return;
+        }
+        // Contact begins before the gap closes.
+        let first = self.innermost(self.ends.first_touch);
+        let rate = libm::log(OUTERMOST / first) / (LOOKS - 1) as f64;
+        let gap = |i: usize| first * libm::exp(rate * i as f64);
+        let slopes: [f64; LOOKS] = std::array::from_fn(|i| outline.apart(gap(i)).slope);
+        let mut highest = f64::NEG_INFINITY;
+        let mut found = [None; 2];
+        for i in (1..LOOKS).rev() {
+            let (inner, outer) = (slopes[i - 1], slopes[i]);
+            if inner > 0.0 && outer <= 0.0 {
+                let fold = self.fold_before((gap(i - 1), inner), (gap(i), outer));
+                if fold.displacement > highest && found[1].is_none() {
+                    let place = usize::from(found[0].is_some());
+                    (found[place], highest) = (Some(fold), fold.displacement);
+                }
+            }
+            if inner <= 0.0 && outer > 0.0 && self.ends.is_led_to {
+                self.ends.inner = Some(self.fold_before((gap(i - 1), inner), (gap(i), outer)));
+            }
+        }
+        self.ends.outer = found;
+    }
+
+    /// A fold between two gaps with their slopes.
+    fn fold_before(&self, low: (f64, f64), high: (f64, f64)) -> Fold {
+        let least = FOLD * Noncontact::whole(self.outline.lambda).spacing();
+        let slope = |gap: f64| self.outline.apart(gap).slope;
+        let gap = false_position(slope, low, high, |_, slope| slope.abs() <= least);
+        Fold { gap, displacement: self.outline.apart(gap).displacement }
+    }
+
+    /// ε of the innermost state at the Δ of first touch.
+    fn innermost(&self, displacement: f64) -> f64 {
+        let outline = &self.outline;
+        let mut high = 1e-12_f64.min(outline.rigid(displacement));
+        while outline.apart(high).displacement > displacement {
+            high *= 2.0;
+        }
+        outline.gap_between(displacement, (0.25 * high, high), high)
+    }
+
+    /// Δ at which the zone ends at a₀ before contact.
+    fn edges_before(&self) -> [Option<f64>; 2] {
+        let outline = &self.outline;
+        let height = outline.height(outline.edge);
+        let whole = Noncontact::whole(outline.lambda);
+        let within = |gap: f64| {
+            let [stress, _, work, _] = whole.terms(gap);
+            2.0 * stress * (height + B * stress * outline.edge) - work
+        };
+        // The stress over the work is largest a little beyond its own maximum.
+        let most = 0.3;
+        if within(most) <= 0.0 {
+            return [None; 2];
+        }
+        let mut far = 1.0;
+        while within(far) > 0.0 {
+            far *= 2.0;
+        }
+        let place = |low: f64, high: f64| {
+            let ends = [low, high].map(|gap| (gap, within(gap)));
+            false_position(within, ends[0], ends[1], |_, value| value.abs() <= NOISE)
+        };
+        let displacement = |gap: f64| {
+            let displacement = outline.apart(gap).displacement;
+            (displacement < self.ends.first_touch.max(self.ends.contact)).then_some(displacement)
+        };
+        [displacement(place(most, far)), displacement(place(0.0, most))]
+    }
+
+    /// The response in contact at Δ, which is taken as the nearest end where it is beyond.
+    pub fn contact(&self, displacement: f64, stats: &mut SolverStats) -> Response {
+        let (outline, ends) = (&self.outline, &self.ends);
+        stats.safeguarded += 1;
+        if displacement >= ends.deepest {
+            return outline.at(self.last, Outline::side(self.last.beyond)).corrected([0.0; 2]);
+        }
+        if displacement <= ends.contact {
+            return outline.at(self.end, Outline::side(self.end.beyond)).corrected([0.0; 2]);
+        }
+        let outer = if displacement > ends.edge { 1.0 } else { 0.0 };
+        let (mut low, mut high) = (self.end.beyond, self.last.beyond);
+        (low, high) =
+            if outer > 0.0 { (if ends.edge > ends.contact { 0.0 } else { low }, high) } else { (low, 0.0) };
+        let Place { mut beyond, mut angle } = self.start(displacement);
+        for _ in 0..100 {
+            beyond = if beyond >= low && beyond <= high { beyond } else { 0.5 * (low + high) };
+            let (place, known) = outline.state(beyond, outer, angle);
+            stats.evaluations += 1;
+            angle = place.angle;
+            let [edge, turn] = step(&known, place, outline, displacement);
+            *(if edge > 0.0 { &mut low } else { &mut high }) = beyond;
+            let (c, room) = (outline.edge + beyond, angle.min(FRAC_PI_2 - angle));
+            let is_small = edge.abs() <= LAST_STEP * c && turn.abs() <= LAST_TURN * room;
+            if is_small || edge.abs() <= f64::EPSILON * c || !(low < high) {
+                let off = (displacement - known.displacement).abs() / known.magnitude;
+                stats.largest_residual = stats.largest_residual.max(off);
+                return known.corrected(if is_small { [edge, turn] } else { [0.0; 2] });
+            }
+            beyond += edge;
+        }
+        self.contact_at(beyond, outer, angle)
+    }
+
+    /// The response of the state at a place.
+    fn contact_at(&self, beyond: f64, outer: f64, angle: f64) -> Response {
+        self.outline.state(beyond, outer, angle).1.corrected([0.0; 2])
+    }
+
+    /// Where a solve for Δ starts.
+    #[inline(always)]
+    fn start(&self, displacement: f64) -> Place {
+        let Starts { roots, places } = &self.starts;
+        let root = (displacement - self.ends.contact).max(0.0).sqrt();
+        let above: usize = roots[1..ALL_NODES - 1].iter().map(|own| usize::from(root > *own)).sum();
+        let (width, [from, to]) = (roots[above + 1] - roots[above], [places[above], places[above + 1]]);
+        let t = (root - roots[above]) / width;
+        let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+        let (rest, both) = (1.0 - t, t * (1.0 - t));
+        let value = |i: usize| {
+            let (a, b, da, db) = (from[i], to[i], from[i + 2] * width, to[i + 2] * width);
+            let straight = b - a;
+            rest * a + t * b + both * (rest * (da - straight) - t * (db - straight))
+        };
+        Place { beyond: value(0), angle: value(1) }
+    }
+
+    /// F̂_s before contact at Δ: of the outermost state, or with `holds` of the innermost where an asperity that comes out of
+    /// contact is on it.
+    pub fn attraction(&self, displacement: f64, holds: bool, stats: &mut SolverStats) -> f64 {
+        let (outline, ends) = (&self.outline, &self.ends);
+        stats.safeguarded += 1;
+        let displacement = displacement.min(ends.first_touch);
+        let rigid = outline.rigid(displacement);
+        let held = ends.inner.filter(|inner| holds && displacement >= inner.displacement);
+        let within = match (held, ends.outer) {
+            (Some(inner), _) => (0.0, inner.gap),
+            (_, [Some(first), _]) if displacement <= first.displacement => (first.gap, f64::INFINITY),
+            (_, [Some(first), Some(second)]) if displacement <= second.displacement => {
+                (second.gap, first.gap)
+            }
+            (_, [_, Some(second)]) => (0.0, second.gap),
+            (_, [Some(first), None]) => (0.0, first.gap),
+            _ => (0.0, f64::INFINITY),
+        };
+        let (low, high) = (within.0, within.1.min(rigid * (1.0 + NOISE)));
+        let gap = outline.gap_between(displacement, (low, high), high);
+        let state = outline.apart(gap);
+        let step = (displacement - state.displacement) / state.slope;
+        let small = step.abs() <= LAST_STEP * gap;
+        state.adhesion + if small { state.adhesion_slope * step } else { 0.0 }
+    }
+
+    /// The interval of ε in which the outermost state at Δ is.
+    #[inline(always)]
+    fn outermost(&self, displacement: f64) -> (f64, f64) {
+        match self.ends.outer {
+            [None, _] => (0.0, f64::INFINITY),
+            [Some(first), _] if displacement <= first.displacement => (first.gap, f64::INFINITY),
+            [Some(first), _] => (0.0, first.gap),
+        }
+    }
+}
+
+/// F̂_s and a of tops in contact at displacements Δ, at most [`BLOCK`]; those beyond the ends of their states are taken as
+/// there.
+pub fn contacts<'a>(
+    of: impl Fn(usize) -> &'a OutlinedTop,
+    displacements: &[f64],
+    adhesion: &mut [f64],
+    radius: &mut [f64],
+    stats: &mut SolverStats,
+) {
+    let mut lanes = Lanes::default();
+    for (first, part) in displacements.chunks(TOGETHER).enumerate().map(|(i, part)| (i * TOGETHER, part)) {
+        let good = InstructionSet::current().run(
+            #[inline(always)]
+            || lanes.contacts(|i| of(first + i), part),
+        );
+        stats.evaluations += (STEPS as u64 + 1) * part.len() as u64;
+        for (i, displacement) in part.iter().enumerate() {
+            let own = if good[i] {
+                Response { adhesion: lanes.adhesion[i], radius: lanes.radius[i] }
+            } else {
+                of(first + i).contact(*displacement, stats)
+            };
+            (adhesion[first + i], radius[first + i]) = (own.adhesion, own.radius);
+        }
+    }
+}
+
+/// F̂_s of tops before contact at displacements Δ, at most [`BLOCK`], as [`OutlinedTop::attraction`] has it.
+pub fn attractions<'a>(
+    of: impl Fn(usize) -> &'a OutlinedTop,
+    (displacements, holds): (&[f64], bool),
+    adhesion: &mut [f64],
+    stats: &mut SolverStats,
+) {
+    let mut lanes = Lanes::default();
+    for (first, part) in displacements.chunks(TOGETHER).enumerate().map(|(i, part)| (i * TOGETHER, part)) {
+        let good = InstructionSet::current().run(
+            #[inline(always)]
+            || lanes.attractions(|i| of(first + i), part, holds),
+        );
+        stats.evaluations += (STEPS_BEFORE as u64 + 1) * part.len() as u64;
+        for (i, displacement) in part.iter().enumerate() {
+            adhesion[first + i] = if good[i] {
+                lanes.adhesion[i]
+            } else {
+                of(first + i).attraction(*displacement, holds, stats)
+            };
+        }
+    }
+}
+
+/// Tops that are solved together.
+const TOGETHER: usize = 32;
+const _: () = assert!(BLOCK % TOGETHER == 0);
+
+/// Tops of a part of a block.
+struct Lanes {
+    outlines: [Outline; TOGETHER],
+    displacements: [f64; TOGETHER],
+    outer: [f64; TOGETHER],
+    beyond: [f64; TOGETHER],
+    angles: [f64; TOGETHER],
+    adhesion: [f64; TOGETHER],
+    radius: [f64; TOGETHER],
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        let sphere = Outline { lambda: 1.0, quartic: 0.0, edge: 1.0, outside: 1.0 };
+        Self {
+            outlines: [sphere; TOGETHER],
+            displacements: [0.0; TOGETHER],
+            outer: [0.0; TOGETHER],
+            beyond: [0.0; TOGETHER],
+            angles: [1.0; TOGETHER],
+            adhesion: [0.0; TOGETHER],
+            radius: [0.0; TOGETHER],
+        }
+    }
+}
+
+impl Lanes {
+    /// Newton steps, and one to correct the outputs along; says which are good.
+    #[inline(always)]
+    fn contacts<'a>(
+        &mut self,
+        of: impl Fn(usize) -> &'a OutlinedTop,
+        displacements: &[f64],
+    ) -> [bool; TOGETHER] {
+        for (i, displacement) in displacements.iter().enumerate() {
+            let top = of(i);
+            self.outlines[i] = top.outline;
+            self.displacements[i] = displacement.max(top.ends.contact).min(top.ends.deepest);
+            self.outer[i] = if self.displacements[i] > top.ends.edge { 1.0 } else { 0.0 };
+            Place { beyond: self.beyond[i], angle: self.angles[i] } = top.start(self.displacements[i]);
+        }
+        for _ in 0..STEPS {
+            for i in 0..TOGETHER {
+                let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
+                let known = self.outlines[i].at(place, self.outer[i]);
+                let [edge, angle] = step(&known, place, &self.outlines[i], self.displacements[i]);
+                self.beyond[i] += edge;
+                // A radius that vanishes is on this side.
+                self.angles[i] = (self.angles[i] + angle).min(FRAC_PI_2);
+            }
+        }
+        let mut good = [false; TOGETHER];
+        for i in 0..TOGETHER {
+            let (outline, outer) = (&self.outlines[i], self.outer[i]);
+            let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
+            let known = outline.at(place, outer);
+            let [edge, angle] = step(&known, place, outline, self.displacements[i]);
+            let room = place.angle.min(FRAC_PI_2 - place.angle);
+            let small =
+                (edge.abs() <= LAST_STEP * (outline.edge + place.beyond)) & (angle.abs() <= LAST_TURN * room);
+            let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
+            good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
+            Response { adhesion: self.adhesion[i], radius: self.radius[i] } = known.corrected([edge, angle]);
+        }
+        good
+    }
+
+    /// Newton steps before contact, and one to correct the outputs along; says which are good.
+    #[inline(always)]
+    fn attractions<'a>(
+        &mut self,
+        of: impl Fn(usize) -> &'a OutlinedTop,
+        displacements: &[f64],
+        holds: bool,
+    ) -> [bool; TOGETHER] {
+        let mut low = [0.0; TOGETHER];
+        let mut can_be = [true; TOGETHER];
+        for (i, displacement) in displacements.iter().enumerate() {
+            let top = of(i);
+            self.outlines[i] = top.outline;
+            self.displacements[i] = *displacement;
+            let high;
+            (low[i], high) = top.outermost(*displacement);
+            self.beyond[i] = top.outline.rigid(*displacement);
+            can_be[i] = (high == f64::INFINITY)
+                & !(holds & top.ends.inner.is_some_and(|inner| *displacement >= inner.displacement));
+        }
+        for _ in 0..STEPS_BEFORE {
+            for i in 0..TOGETHER {
+                let state = self.outlines[i].apart(self.beyond[i]);
+                let next = self.beyond[i] + (self.displacements[i] - state.displacement) / state.slope;
+                self.beyond[i] = if next > low[i] { next } else { 0.5 * (low[i] + self.beyond[i]) };
+            }
+        }
+        let mut good = [false; TOGETHER];
+        for i in 0..TOGETHER {
+            let gap = self.beyond[i];
+            let state = self.outlines[i].apart(gap);
+            let off = self.displacements[i] - state.displacement;
+            let step = off / state.slope;
+            let small = step.abs() <= LAST_STEP * (gap - low[i]).min(gap);
+            let is_on_side = state.beyond.abs() > 4.0 * LAST_STEP * self.outlines[i].edge;
+            good[i] = can_be[i] & small & is_on_side & (state.slope < 0.0);
+            self.adhesion[i] = state.adhesion + state.adhesion_slope * step;
+        }
+        good
+    }
+}
+
+/// The Newton step of both equations.
+#[inline(always)]
+fn step(known: &Known, place: Place, outline: &Outline, displacement: f64) -> [f64; 2] {
+    let off = displacement - known.displacement - known.excess / (outline.lambda * place.angle);
+    let edge = off / known.slope;
+    [edge, -(known.excess + known.by_edge * edge) / known.by_angle]
+}

@@ -19,7 +19,7 @@ use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
 use super::stats::SolverStats;
-use super::top::{Top, Tops};
+use super::top::Tops;
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
@@ -118,8 +118,8 @@ impl Memory<'_> {
     /// The interference from which the asperity flows, m; ∞ where it does not, or where what follows is not known.
     pub fn onset(&self) -> f64 {
         match self {
-            Self::Loop(cycle) if cycle.flows() => cycle.critical(),
-            _ => f64::INFINITY,
+            Self::Loop(cycle) => cycle.onset(),
+            Self::None(_) => f64::INFINITY,
         }
     }
 
@@ -153,17 +153,16 @@ impl Memory<'_> {
     }
 
     /// The state of an asperity that has flowed to ω_max, m; none where that is not known, or below ω_c.
-    pub fn flowed(&self, largest: f64, stats: &mut SolverStats) -> Option<Flowed> {
+    pub fn flowed(&self, largest: f64) -> Option<Flowed> {
         let Self::Loop(cycle) = self else { return None };
         if !cycle.has_flowed(largest) {
             return None;
         }
-        let mut top = Top::default();
-        cycle.tops(&[largest], stats, |own| top = own);
+        let top = cycle.top_of(largest);
         let residual = largest - top.recovery;
         // A top that has let go is an asperity of the law, of the radius of its apex.
         let own = cycle.of(top.lane());
-        let kinks = cycle.kinks_of(&top).map(|kink| kink + residual);
+        let kinks = top.kinks.map(|kink| kink + residual);
         let lost_contact = lowered(&own, Path::Approach, f64::NEG_INFINITY..own.capture, residual);
         let mut contact = lowered(&own, Path::Retraction, own.lost()..own.release(), residual);
         contact.push(Segment::unloading(own.release() + residual..largest));

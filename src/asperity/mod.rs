@@ -54,6 +54,7 @@ mod stats;
 #[doc(hidden)]
 pub mod table;
 mod top;
+mod top_table;
 mod turned;
 #[doc(hidden)]
 pub mod unloading;

@@ -39,20 +39,22 @@ const LAST_STEP: f64 = 2e-9;
 const LAST_TURN: f64 = 1e-8;
 /// Roundings of the sum of the magnitudes of terms below which a residual is noise.
 const NOISE: f64 = 4.0 * f64::EPSILON;
-/// Newton steps of a block before the one along which outputs are corrected.
-const STEPS: usize = 2;
+/// Newton steps of a block, at most, before the one along which outputs are corrected.
+const STEPS: usize = 3;
 /// Newton steps of a block before contact, likewise.
 const STEPS_BEFORE: usize = 4;
 /// States between the end of contact and the edge of the outline, and between that and the deepest, from which solves start.
 const NODES: [usize; 2] = [6, 3];
 /// States from which solves start, all of them.
 const ALL_NODES: usize = NODES[0] + NODES[1] + 1;
-/// Largest ε at which the branch before contact folds (2.5 in 3000 tops drawn at random), with room.
-const OUTERMOST: f64 = 4.0;
 /// λ below which the branch before contact does not fold.
 const FIRST_FOLD: f64 = 0.88;
-/// Places at which the slope of the branch before contact is looked at.
-const LOOKS: usize = 96;
+/// Places at which the slope of the branch before contact is looked at: the least ε, and the ratio of the next. It folds from
+/// 0.05 to 2.5 in 3000 tops drawn at random.
+const LOOKS: usize = 56;
+const LOOKED_AT: (f64, f64) = (0.02, 1.1);
+/// Places on both sides of one, as its multiples.
+const BESIDE: [f64; 2] = [1.0 - 1e-9, 1.0 + 1e-9];
 /// Relative accuracy of a fold. Δ has no slope there.
 const FOLD: f64 = 1e-10;
 /// Relative Newton step after which the solve of a pressed zone ends, and its steps at most. From the start it takes five.
@@ -217,6 +219,14 @@ impl Known {
     }
 }
 
+/// A Newton step of both equations before contact, dΔ/dε along the states, and C − a₀.
+#[derive(Clone, Copy, Debug)]
+struct Balance {
+    step: [f64; 2],
+    slope: f64,
+    beyond: f64,
+}
+
 /// The state at a gap before contact.
 #[derive(Clone, Copy, Debug)]
 struct Apart {
@@ -224,8 +234,6 @@ struct Apart {
     slope: f64,
     adhesion: f64,
     adhesion_slope: f64,
-    /// C − a₀.
-    beyond: f64,
 }
 
 impl Outline {
@@ -395,8 +403,54 @@ impl Outline {
             slope: -(spacing + pull_slope),
             adhesion: FRAC_PI_2 * y * y,
             adhesion_slope: PI * y * y_slope,
-            beyond: y / root - edge,
         }
+    }
+
+    /// The gap and √μ c before contact, about, from the gap of a rigid top and the least that there is.
+    #[inline(always)]
+    fn first_balance(&self, gap: f64, low: f64) -> (f64, f64) {
+        let Self { lambda, quartic, edge, outside } = *self;
+        let [stress, _, work, _] = Noncontact::whole(lambda).terms(gap);
+        let root = stress.sqrt();
+        let g = B * stress * root;
+        let lower = edge * edge * (0.5 * (outside - 1.0) - quartic * (edge * edge));
+        let own = work + 2.0 * stress * lower;
+        let outer = own / (g + (g * g + outside * own).sqrt());
+        let inner = work / (g + (g * g + work).sqrt());
+        let limit = (0.5 * work * stress / quartic).sqrt().sqrt();
+        let y = if outer >= root * edge { outer } else { inner.min(limit).min(root * edge) };
+        let nearer = gap - 4.0 / 3.0 * root * y / Noncontact::whole(lambda).spacing();
+        (if nearer > 0.7 * gap + 0.3 * low { nearer } else { gap }, y)
+    }
+
+    /// Both equations before contact at ε and y = √μ c.
+    #[inline(always)]
+    fn balance(&self, gap: f64, y: f64, displacement: f64) -> Balance {
+        let Self { lambda, quartic, edge, outside } = *self;
+        let whole = Noncontact::whole(lambda);
+        let [stress, stress_slope, work, work_slope] = whole.terms(gap);
+        let root = stress.sqrt();
+        let (g, g_slope) = (B * stress * root, 1.5 * B * root * stress_slope);
+        let per_stress = 1.0 / stress;
+        let beyond = y * (root * per_stress) - edge;
+        let (square, is_outer) = (y * y, beyond > 0.0);
+        let lower = edge * edge * (0.5 * (outside - 1.0) - quartic * (edge * edge));
+        let lower = if is_outer { 2.0 * lower } else { 0.0 };
+        let curved = if is_outer { outside } else { 1.0 };
+        let steep = if is_outer { 0.0 } else { 2.0 * quartic * per_stress };
+        let (fourth, fourth_slope) = (steep * (square * square), 4.0 * steep * (square * y));
+        // y² + 2Gy + (2β/μ)y⁴ = W, or that of the paraboloid beyond.
+        let excess = curved * square + 2.0 * g * y + fourth - work - stress * lower;
+        let by_pull = 2.0 * curved * y + 2.0 * g + fourth_slope;
+        let by_gap = 2.0 * g_slope * y - fourth * stress_slope * per_stress - work_slope - stress_slope * lower;
+        let spacing = whole.spacing();
+        let off = displacement + spacing * gap + 4.0 / 3.0 * root * y;
+        let pull_by_gap = spacing + 2.0 / 3.0 * y * stress_slope * (root * per_stress);
+        let per_pull = 1.0 / by_pull;
+        let pull_by_pull = 4.0 / 3.0 * root;
+        let slope = -pull_by_gap + pull_by_pull * by_gap * per_pull;
+        let gap_step = (off - pull_by_pull * excess * per_pull) / slope;
+        Balance { step: [gap_step, -(excess + by_gap * gap_step) * per_pull], slope, beyond }
     }
 
     /// ε of a rigid top at Δ: no gap is wider.
@@ -480,6 +534,52 @@ impl OutlinedTop {
         top.find_starts();
         top.find_before();
         top
+    }
+
+    /// Visits the numbers that are known of it, in an order that its kind alone decides, with the unit that their accuracy is relative
+    /// to besides themselves; of where solves start without.
+    pub(super) fn each(&mut self, mut visit: impl FnMut(&mut f64, Option<f64>)) {
+        let Self { outline, ends, starts, end, last } = self;
+        let unit = Some(1.0);
+        visit(&mut outline.quartic, Some(0.0));
+        visit(&mut outline.edge, Some(0.0));
+        visit(&mut ends.first_touch, unit);
+        visit(&mut ends.contact, unit);
+        visit(&mut ends.deepest, unit);
+        if ends.edge.is_finite() {
+            visit(&mut ends.edge, unit);
+        }
+        for fold in ends.outer.iter_mut().chain([&mut ends.inner]).flatten() {
+            // ε decides where solves are alone.
+            visit(&mut fold.gap, None);
+            visit(&mut fold.displacement, unit);
+        }
+        ends.edges_before.iter_mut().flatten().for_each(|place| visit(place, unit));
+        for place in [end, last] {
+            visit(&mut place.beyond, unit);
+            visit(&mut place.angle, unit);
+        }
+        starts.roots.iter_mut().for_each(|root| visit(root, None));
+        starts.places.iter_mut().flatten().for_each(|value| visit(value, None));
+    }
+
+    /// What it has and what not, as bits.
+    pub(super) fn kind(&self) -> u64 {
+        let Ends { edge, outer, inner, edges_before, is_led_to, .. } = &self.ends;
+        let has = [
+            edge.is_finite(),
+            outer[0].is_some(),
+            outer[1].is_some(),
+            inner.is_some(),
+            edges_before[0].is_some(),
+            edges_before[1].is_some(),
+            *is_led_to,
+            self.end.beyond > 0.0,
+            self.end.beyond < 0.0,
+            self.outline.quartic > 0.0,
+            self.ends.contact < self.ends.deepest,
+        ];
+        has.iter().fold(0, |bits, has| 2 * bits + u64::from(*has))
     }
 
     /// Finds where the stable states in contact end, from the deepest on.
@@ -596,53 +696,55 @@ impl OutlinedTop {
     /// Finds the folds before contact, and where the zone ends at a₀ there.
     fn find_before(&mut self) {
         let outline = self.outline;
-        self.ends.edges_before = self.edges_before();
+        let edges = self.edge_gaps();
+        let touch = self.ends.first_touch.max(self.ends.contact);
+        let place = |gap: f64| outline.apart(gap).displacement;
+        self.ends.edges_before = edges.map(|gap| gap.map(place).filter(|place| *place < touch));
         if outline.lambda < FIRST_FOLD {
             return;
         }
-        // Contact begins before the gap closes.
-        let first = self.innermost(self.ends.first_touch);
-        let rate = libm::log(OUTERMOST / first) / (LOOKS - 1) as f64;
-        let gap = |i: usize| first * libm::exp(rate * i as f64);
-        let slopes: [f64; LOOKS] = std::array::from_fn(|i| outline.apart(gap(i)).slope);
+        // Both sides of where the slope jumps, too.
+        let mut gaps = [LOOKED_AT.0; LOOKS + 4];
+        for i in 1..LOOKS {
+            gaps[i] = gaps[i - 1] * LOOKED_AT.1;
+        }
+        let beside = |gap: Option<f64>| gap.map_or([LOOKED_AT.0; 2], |gap| BESIDE.map(|beside| gap * beside));
+        gaps[LOOKS..].copy_from_slice(edges.map(beside).as_flattened());
+        gaps.sort_unstable_by(f64::total_cmp);
+        let mut slopes = [0.0; LOOKS + 4];
+        InstructionSet::current().run(
+            #[inline(always)]
+            || slopes.iter_mut().zip(&gaps).for_each(|(slope, gap)| *slope = outline.apart(*gap).slope),
+        );
         let mut highest = f64::NEG_INFINITY;
         let mut found = [None; 2];
-        for i in (1..LOOKS).rev() {
-            let (inner, outer) = (slopes[i - 1], slopes[i]);
-            if inner > 0.0 && outer <= 0.0 {
-                let fold = self.fold_before((gap(i - 1), inner), (gap(i), outer));
-                if fold.displacement > highest && found[1].is_none() {
+        for i in (1..gaps.len()).rev() {
+            let ends = [(gaps[i - 1], slopes[i - 1]), (gaps[i], slopes[i])];
+            let [inner, outer] = ends.map(|(_, slope)| slope > 0.0);
+            if inner && !outer && found[1].is_none() {
+                let fold = self.fold_before(ends);
+                if fold.displacement > highest {
                     let place = usize::from(found[0].is_some());
                     (found[place], highest) = (Some(fold), fold.displacement);
                 }
             }
-            if inner <= 0.0 && outer > 0.0 && self.ends.is_led_to {
-                self.ends.inner = Some(self.fold_before((gap(i - 1), inner), (gap(i), outer)));
+            if !inner && outer && self.ends.is_led_to {
+                self.ends.inner = Some(self.fold_before(ends));
             }
         }
         self.ends.outer = found;
     }
 
     /// A fold between two gaps with their slopes.
-    fn fold_before(&self, low: (f64, f64), high: (f64, f64)) -> Fold {
+    fn fold_before(&self, [low, high]: [(f64, f64); 2]) -> Fold {
         let least = FOLD * Noncontact::whole(self.outline.lambda).spacing();
         let slope = |gap: f64| self.outline.apart(gap).slope;
         let gap = false_position(slope, low, high, |_, slope| slope.abs() <= least);
         Fold { gap, displacement: self.outline.apart(gap).displacement }
     }
 
-    /// ε of the innermost state at the Δ of first touch.
-    fn innermost(&self, displacement: f64) -> f64 {
-        let outline = &self.outline;
-        let mut high = 1e-12_f64.min(outline.rigid(displacement));
-        while outline.apart(high).displacement > displacement {
-            high *= 2.0;
-        }
-        outline.gap_between(displacement, (0.25 * high, high), high)
-    }
-
-    /// Δ at which the zone ends at a₀ before contact.
-    fn edges_before(&self) -> [Option<f64>; 2] {
+    /// ε at which the zone ends at a₀ before contact, the wider first.
+    fn edge_gaps(&self) -> [Option<f64>; 2] {
         let outline = &self.outline;
         let height = outline.height(outline.edge);
         let whole = Noncontact::whole(outline.lambda);
@@ -663,11 +765,7 @@ impl OutlinedTop {
             let ends = [low, high].map(|gap| (gap, within(gap)));
             false_position(within, ends[0], ends[1], |_, value| value.abs() <= NOISE)
         };
-        let displacement = |gap: f64| {
-            let displacement = outline.apart(gap).displacement;
-            (displacement < self.ends.first_touch.max(self.ends.contact)).then_some(displacement)
-        };
-        [displacement(place(most, far)), displacement(place(0.0, most))]
+        [Some(place(most, far)), Some(place(0.0, most))]
     }
 
     /// The response in contact at Δ, which is taken as the nearest end where it is beyond.
@@ -819,33 +917,60 @@ pub fn attractions<'a>(
 const TOGETHER: usize = 32;
 const _: () = assert!(BLOCK % TOGETHER == 0);
 
-/// Tops of a part of a block.
+/// Tops of a part of a block, each quantity in a row.
+#[repr(align(64))]
 struct Lanes {
-    outlines: [Outline; TOGETHER],
+    lambda: [f64; TOGETHER],
+    quartic: [f64; TOGETHER],
+    edge: [f64; TOGETHER],
+    outside: [f64; TOGETHER],
     displacements: [f64; TOGETHER],
     outer: [f64; TOGETHER],
     beyond: [f64; TOGETHER],
     angles: [f64; TOGETHER],
+    low: [f64; TOGETHER],
     adhesion: [f64; TOGETHER],
     radius: [f64; TOGETHER],
 }
 
 impl Default for Lanes {
     fn default() -> Self {
-        let sphere = Outline { lambda: 1.0, quartic: 0.0, edge: 1.0, outside: 1.0 };
+        let (ones, zeros) = ([1.0; TOGETHER], [0.0; TOGETHER]);
         Self {
-            outlines: [sphere; TOGETHER],
-            displacements: [0.0; TOGETHER],
-            outer: [0.0; TOGETHER],
-            beyond: [0.0; TOGETHER],
-            angles: [1.0; TOGETHER],
-            adhesion: [0.0; TOGETHER],
-            radius: [0.0; TOGETHER],
+            lambda: ones,
+            quartic: zeros,
+            edge: ones,
+            outside: ones,
+            displacements: zeros,
+            outer: zeros,
+            beyond: ones,
+            angles: ones,
+            low: zeros,
+            adhesion: zeros,
+            radius: zeros,
         }
     }
 }
 
 impl Lanes {
+    /// Sets the outline of a lane.
+    #[inline(always)]
+    fn set(&mut self, i: usize, outline: &Outline) {
+        let Outline { lambda, quartic, edge, outside } = *outline;
+        (self.lambda[i], self.quartic[i], self.edge[i], self.outside[i]) = (lambda, quartic, edge, outside);
+    }
+
+    /// The outline of a lane.
+    #[inline(always)]
+    fn outline(&self, i: usize) -> Outline {
+        Outline {
+            lambda: self.lambda[i],
+            quartic: self.quartic[i],
+            edge: self.edge[i],
+            outside: self.outside[i],
+        }
+    }
+
     /// Newton steps, and one to correct the outputs along; says which are good.
     #[inline(always)]
     fn contacts<'a>(
@@ -855,33 +980,35 @@ impl Lanes {
     ) -> [bool; TOGETHER] {
         for (i, displacement) in displacements.iter().enumerate() {
             let top = of(i);
-            self.outlines[i] = top.outline;
+            self.set(i, &top.outline);
             self.displacements[i] = displacement.max(top.ends.contact).min(top.ends.deepest);
             self.outer[i] = if self.displacements[i] > top.ends.edge { 1.0 } else { 0.0 };
             Place { beyond: self.beyond[i], angle: self.angles[i] } = top.start(self.displacements[i]);
         }
-        for _ in 0..STEPS {
-            for i in 0..TOGETHER {
+        let count = whole_vectors(displacements.len());
+        let mut good = [false; TOGETHER];
+        for pass in 0..=STEPS {
+            let mut are_good = true;
+            for i in 0..count {
+                let (outline, outer) = (self.outline(i), self.outer[i]);
                 let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
-                let known = self.outlines[i].at(place, self.outer[i]);
-                let [edge, angle] = step(&known, place, &self.outlines[i], self.displacements[i]);
+                let known = outline.at(place, outer);
+                let [edge, angle] = step(&known, place, &outline, self.displacements[i]);
+                let room = place.angle.min(FRAC_PI_2 - place.angle);
+                let small = (edge.abs() <= LAST_STEP * (outline.edge + place.beyond))
+                    & (angle.abs() <= LAST_TURN * room);
+                let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
+                good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
+                are_good &= good[i];
+                Response { adhesion: self.adhesion[i], radius: self.radius[i] } =
+                    known.corrected([edge, angle]);
                 self.beyond[i] += edge;
                 // A radius that vanishes is on this side.
-                self.angles[i] = (self.angles[i] + angle).min(FRAC_PI_2);
+                self.angles[i] = (place.angle + angle).min(FRAC_PI_2);
             }
-        }
-        let mut good = [false; TOGETHER];
-        for i in 0..TOGETHER {
-            let (outline, outer) = (&self.outlines[i], self.outer[i]);
-            let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
-            let known = outline.at(place, outer);
-            let [edge, angle] = step(&known, place, outline, self.displacements[i]);
-            let room = place.angle.min(FRAC_PI_2 - place.angle);
-            let small =
-                (edge.abs() <= LAST_STEP * (outline.edge + place.beyond)) & (angle.abs() <= LAST_TURN * room);
-            let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
-            good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
-            Response { adhesion: self.adhesion[i], radius: self.radius[i] } = known.corrected([edge, angle]);
+            if are_good || pass == STEPS {
+                break;
+            }
         }
         good
     }
@@ -894,38 +1021,52 @@ impl Lanes {
         displacements: &[f64],
         holds: bool,
     ) -> [bool; TOGETHER] {
-        let mut low = [0.0; TOGETHER];
         let mut can_be = [true; TOGETHER];
         for (i, displacement) in displacements.iter().enumerate() {
             let top = of(i);
-            self.outlines[i] = top.outline;
+            self.set(i, &top.outline);
             self.displacements[i] = *displacement;
             let high;
-            (low[i], high) = top.outermost(*displacement);
+            (self.low[i], high) = top.outermost(*displacement);
             self.beyond[i] = top.outline.rigid(*displacement);
             can_be[i] = (high == f64::INFINITY)
                 & !(holds & top.ends.inner.is_some_and(|inner| *displacement >= inner.displacement));
         }
-        for _ in 0..STEPS_BEFORE {
-            for i in 0..TOGETHER {
-                let state = self.outlines[i].apart(self.beyond[i]);
-                let next = self.beyond[i] + (self.displacements[i] - state.displacement) / state.slope;
-                self.beyond[i] = if next > low[i] { next } else { 0.5 * (low[i] + self.beyond[i]) };
-            }
+        let count = whole_vectors(displacements.len());
+        for i in 0..count {
+            (self.beyond[i], self.angles[i]) = self.outline(i).first_balance(self.beyond[i], self.low[i]);
         }
         let mut good = [false; TOGETHER];
-        for i in 0..TOGETHER {
-            let gap = self.beyond[i];
-            let state = self.outlines[i].apart(gap);
-            let off = self.displacements[i] - state.displacement;
-            let step = off / state.slope;
-            let small = step.abs() <= LAST_STEP * (gap - low[i]).min(gap);
-            let is_on_side = state.beyond.abs() > 4.0 * LAST_STEP * self.outlines[i].edge;
-            good[i] = can_be[i] & small & is_on_side & (state.slope < 0.0);
-            self.adhesion[i] = state.adhesion + state.adhesion_slope * step;
+        for pass in 0..=STEPS_BEFORE {
+            let mut are_good = true;
+            for i in 0..count {
+                let (gap, y, low) = (self.beyond[i], self.angles[i], self.low[i]);
+                let Balance { step, slope, beyond } = self.outline(i).balance(gap, y, self.displacements[i]);
+                let small =
+                    (step[0].abs() <= LAST_STEP * (gap - low).min(gap)) & (step[1].abs() <= LAST_STEP * y);
+                let is_on_side = beyond.abs() > 4.0 * LAST_STEP * self.edge[i];
+                good[i] = small & is_on_side & (slope < 0.0);
+                are_good &= good[i];
+                self.adhesion[i] = FRAC_PI_2 * y * (y + 2.0 * step[1]);
+                let next = gap + step[0];
+                let kept = next > low;
+                self.beyond[i] = if kept { next } else { 0.5 * (low + gap) };
+                let pull = y + if kept { step[1] } else { 0.0 };
+                self.angles[i] = if pull > 0.0 { pull } else { 0.5 * y };
+            }
+            if are_good || pass == STEPS_BEFORE {
+                break;
+            }
         }
+        good.iter_mut().zip(can_be).for_each(|(good, can_be)| *good &= can_be);
         good
     }
+}
+
+/// Rounds a number of lanes up to whole vectors.
+#[inline(always)]
+fn whole_vectors(count: usize) -> usize {
+    count.div_ceil(8) * 8
 }
 
 /// The Newton step of both equations.

@@ -4,15 +4,9 @@ use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::stats::SolverStats;
-use super::top::{Top, Tops};
+use super::top::Tops;
 use super::unloading::{Loop, TOP_KINKS, begin_of};
-use crate::math::roots::{Sample, safe_newton};
-
-/// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not
-/// smooth.
-const KINK_PARTS: usize = 64;
-/// The step of a slope by differences, relative to its place.
-const STEP: f64 = 1e-6;
+use crate::math::roots::false_position;
 
 impl Loop {
     /// The ω_max, m, between limits on one regime of flow, above which asperities are still in contact, or deeper than a regime
@@ -20,24 +14,39 @@ impl Loop {
     fn let_go_from(&self, distance: f64, regime: usize, (begin, end): (f64, f64)) -> f64 {
         let low = begin.next_up();
         let beyond = |largest: f64| distance - self.left_at(regime, largest);
-        if !(low < end && beyond(low) > 0.0) {
+        if !(low < end) {
             return begin;
         }
-        if end.is_finite() && beyond(end) > 0.0 {
+        let at_low = beyond(low);
+        if !(at_low > 0.0) {
+            return begin;
+        }
+        let at_end = if end.is_finite() { beyond(end) } else { f64::NEG_INFINITY };
+        if at_end > 0.0 {
             return end;
         }
-        let slope = |largest: f64| {
-            let step = STEP * largest.abs().max(self.critical().abs());
-            (self.recovery(largest + step) - self.recovery(largest)) / step
-        };
-        let mut reach = low.abs();
-        while low + reach < end && beyond(low + reach) > 0.0 {
-            reach = 2.0 * reach + low.abs();
+        let (mut low, mut high) = ((low, at_low), (end, at_end));
+        let kink = self.end_kink(regime);
+        let known = self.stretches().iter().flat_map(|stretch| stretch.places.iter().zip(&stretch.kinks));
+        for (place, kinks) in known {
+            if !(low.0 < *place && *place < high.0) {
+                continue;
+            }
+            let here = (*place, distance - kinks[kink]);
+            if here.1 > 0.0 {
+                low = here;
+            } else {
+                high = here;
+                break;
+            }
         }
-        let high = end.min(low + reach);
-        let sample = |largest: f64| Sample { value: beyond(largest), slope: -slope(largest) };
-        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * distance;
-        safe_newton(sample, low, high, high, close).x
+        while high.0.is_infinite() {
+            let further = 2.0 * low.0 + self.critical().abs();
+            let here = (further, beyond(further));
+            *(if here.1 > 0.0 { &mut low } else { &mut high }) = here;
+        }
+        let close = |_: f64, value: f64| value.abs() <= 2.0 * f64::EPSILON * distance;
+        false_position(beyond, low, high, close)
     }
 
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
@@ -75,16 +84,10 @@ impl Loop {
         meetings
     }
 
-    /// The law at a distance, m, for a few asperities alone: the interference ω_max, rising, of those that have flowed, and
-    /// the distances, m, at which their film or bridge breaks and contact is lost, say what they are in.
+    /// The law at a distance, m, for asperities that have not flowed alone.
     #[doc(hidden)]
-    pub fn at_for(&self, distance: f64, flowed: &[(f64, [f64; 2])]) -> Retraction<'_> {
-        Retraction::with(self, distance, |regime, (begin, end)| {
-            let ends = usize::from(regime + 1 == self.first_contact);
-            let mut within = flowed.iter().filter(|(largest, _)| *largest > begin && *largest <= end);
-            let held = within.find(|(_, passed)| distance < passed[ends]);
-            held.map_or(end, |(largest, _)| *largest)
-        })
+    pub fn elastic_at(&self, distance: f64) -> Retraction<'_> {
+        Retraction::with(self, distance, |_, (_, end)| end)
     }
 }
 
@@ -254,12 +257,9 @@ impl<'a> Retraction<'a> {
         let mut pieces = Vec::new();
         let mut lower = lower;
         for end in ends {
-            for (place, jumps) in self.passed((lower, end)) {
-                let smoothness = if jumps {
-                    Smoothness::Root { end: End::Upper, place, order: 2 }
-                } else {
-                    Smoothness::Smooth
-                };
+            for place in self.passed((lower, end)) {
+                // Most kinks are where a fold is.
+                let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
                 lower = place;
             }
@@ -270,36 +270,30 @@ impl<'a> Retraction<'a> {
         pieces
     }
 
-    /// The ω_max, m, rising, within limits at which tops pass kinks of theirs, and whether they jump there.
-    fn passed(&self, (lower, upper): (f64, f64)) -> Vec<(f64, bool)> {
+    /// The ω_max, m, rising, within limits at which tops pass kinks of theirs.
+    fn passed(&self, (lower, upper): (f64, f64)) -> Vec<f64> {
         let cycle = self.cycle;
-        if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper.abs()) {
-            return Vec::new();
-        }
-        let beyond = |top: &Top| cycle.kinks_of(top).map(|kink| kink - (top.recovery - self.distance));
-        let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
-        let places: [f64; KINK_PARTS + 1] =
-            std::array::from_fn(|part| place(part).clamp(lower.next_up(), upper.next_down()));
-        let mut beyond_at = Vec::with_capacity(KINK_PARTS + 1);
-        cycle.tops(&places, &mut SolverStats::default(), |top| beyond_at.push(beyond(&top)));
+        let beyond = |largest: f64, kink: usize| self.distance - cycle.top_of(largest).passes()[kink];
         let mut passed = Vec::new();
-        for kink in 0..TOP_KINKS - 2 {
-            for (ends, own) in places.windows(2).zip(beyond_at.windows(2)) {
-                // Kinks that not all have are in no fixed order.
-                let [at_low, at_high] = [own[0][kink], own[1][kink]];
-                if !((at_low > 0.0) != (at_high > 0.0) && at_low.is_finite() && at_high.is_finite()) {
+        for stretch in cycle.stretches() {
+            for (i, ends) in stretch.places.windows(2).enumerate() {
+                if ends[1] <= lower || ends[0] >= upper {
                     continue;
                 }
-                let [mut low, mut high] = [ends[0], ends[1]];
-                while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
-                    let middle = 0.5 * (low + high);
-                    let here = beyond(&cycle.top_of(middle))[kink];
-                    *(if (here > 0.0) == (at_low > 0.0) { &mut low } else { &mut high }) = middle;
+                // The last two are ends of regimes.
+                for kink in 0..TOP_KINKS - 2 {
+                    let [low, high] = [i, i + 1].map(|i| self.distance - stretch.kinks[i][kink]);
+                    let is_between = low.is_finite() && high.is_finite() && (low > 0.0) != (high > 0.0);
+                    if is_between {
+                        let close = |_: f64, value: f64| value.abs() <= 2.0 * f64::EPSILON * self.distance;
+                        let at = |largest: f64| beyond(largest, kink);
+                        passed.push(false_position(at, (ends[0], low), (ends[1], high), close));
+                    }
                 }
-                passed.push((high, true));
             }
         }
-        passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        passed.retain(|place| lower < *place && *place < upper);
+        passed.sort_by(f64::total_cmp);
         passed
     }
 }

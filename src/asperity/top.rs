@@ -9,8 +9,9 @@ use super::block::{BLOCK, Responses};
 use super::flattened::State;
 use super::lane::{EACH, Lane, Lanes};
 use super::law::{Law, Regime};
-use super::outline::OutlinedTop;
+use super::outline::{OutlinedTop, Pressed};
 use super::stats::SolverStats;
+use super::unloading::TOP_KINKS;
 
 /// The top of an asperity that has flowed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,17 +22,49 @@ pub(super) struct Top {
     pub ratio: f64,
     /// The outline, with the ends of its states.
     pub outlined: OutlinedTop,
+    /// λ of a sphere of the radius that others are multiples of, 0 without adhesion, and the radius of the asperity over it.
+    pub units: [f64; 2],
+    /// Interferences, m, from the lowered apex, of its kinks ([`TOP_KINKS`]); NaN of what it has not.
+    pub kinks: [f64; TOP_KINKS],
 }
 
 impl Top {
     /// The top that a state leaves, with the unit of displacements, m.
     pub fn new(state: &State, length: f64) -> Self {
-        let outline = state.contact.outline();
+        let Pressed { lambda, apex, sphere, .. } = state.contact;
         Self {
             recovery: length * state.recovery(),
-            ratio: state.contact.apex,
-            outlined: OutlinedTop::new(outline, state.zone),
+            ratio: apex,
+            outlined: OutlinedTop::new(state.contact.outline(), state.zone),
+            units: [lambda, sphere],
+            kinks: [f64::NAN; TOP_KINKS],
         }
+    }
+
+    /// The distances, m, at which it passes its kinks.
+    pub fn passes(&self) -> [f64; TOP_KINKS] {
+        self.kinks.map(|kink| self.recovery - kink)
+    }
+
+    /// Visits its numbers, as [`OutlinedTop::each`]; these of lengths are relative to the recovery.
+    pub fn each(&mut self, mut visit: impl FnMut(&mut f64, Option<f64>)) {
+        let recovery = self.recovery.abs();
+        visit(&mut self.recovery, Some(0.0));
+        visit(&mut self.ratio, Some(0.0));
+        self.kinks.iter_mut().filter(|kink| kink.is_finite()).for_each(|kink| visit(kink, Some(recovery)));
+        self.outlined.each(visit);
+    }
+
+    /// What it has and what not, as bits.
+    pub fn kind(&self) -> u64 {
+        self.kinks.iter().fold(self.outlined.kind(), |bits, kink| 2 * bits + u64::from(kink.is_finite()))
+    }
+
+    /// Finds what follows from its numbers.
+    pub fn close(&mut self) {
+        let [lambda, sphere] = self.units;
+        self.outlined.outline.lambda = lambda * libm::cbrt(self.ratio);
+        self.outlined.outline.outside = self.ratio / sphere;
     }
 
     /// The asperity of its apex.

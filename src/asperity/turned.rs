@@ -9,7 +9,7 @@ use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Lanes, Numbered};
 use super::retraction::Condition;
 use super::stats::SolverStats;
-use super::top::Tops;
+use super::top::{Top, Tops};
 use super::unloading::{Loop, TOP_KINKS};
 use std::sync::Arc;
 
@@ -138,18 +138,24 @@ impl Turned {
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
                 let mut numbers = which.iter().map(|i| *i as usize);
-                let lanes = Numbered::new(&self.lanes, which);
-                cycle.press(regime, lanes, &largest, stats, |top| {
+                let lanes = Arc::clone(&self.lanes);
+                let are_own = which.iter().all(|i| cycle.is_of(&lanes[*i as usize]));
+                let visit = |top: Top| {
                     let Some(i) = numbers.next() else { return };
-                    let (kinks, lane) = (cycle.kinks_of(&top), top.lane());
                     self.slots[i] = self.tops.count() as u32;
                     self.recovery[i] = top.recovery;
+                    let passes = top.passes();
                     for (regime, column) in self.ends[..cycle.first_contact].iter_mut().enumerate() {
-                        column[i] = top.recovery - cycle.leaves(regime, &lane);
+                        column[i] = passes[cycle.end_kink(regime)];
                     }
-                    self.kinks.push(kinks);
+                    self.kinks.push(top.kinks);
                     self.tops.push(top);
-                });
+                };
+                if are_own {
+                    cycle.tops(&largest, stats, visit);
+                } else {
+                    cycle.press(regime, Numbered::new(&lanes, which), &largest, stats, visit);
+                }
             }
         }
     }
@@ -225,22 +231,23 @@ impl Turned {
         self.histories[asperity]
     }
 
-    /// Distances, m, at which the force of an asperity is not smooth: falling, but the ends of the film and of contact at last
-    /// where it has flowed.
+    /// Distances, m, at which the force of an asperity is not smooth: falling, or these of its top where it has flowed, NaN where
+    /// it has not all of them.
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
         let (path, end) = match self.history(asperity) {
             ContactHistory::Untouched => (Path::Approach, cycle.first_contact),
             ContactHistory::Touched => (Path::Retraction, cycle.first_plastic),
-            ContactHistory::Flowed => {
-                let kinks = self.kinks[self.slots[asperity] as usize].iter();
-                let distances = kinks.map(|kink| self.recovery[asperity] - kink);
-                return distances.filter(|kink| kink.is_finite()).collect();
-            }
+            ContactHistory::Flowed => return self.kinks_of_top(asperity).to_vec(),
         };
         let lane = Some(&self.lanes[asperity]);
         let pieces = (0..end).flat_map(|regime| cycle.law(path).pieces_of(regime, lane));
         let ends = pieces.map(|piece| piece.upper).filter(|end| end.is_finite());
         ends.map(|end| self.recovery[asperity] - end).collect()
+    }
+
+    /// Distances, m, of the kinks of the top of an asperity that has flowed, NaN where it has not all of them.
+    pub fn kinks_of_top(&self, asperity: usize) -> [f64; TOP_KINKS] {
+        self.kinks[self.slots[asperity] as usize].map(|kink| self.recovery[asperity] - kink)
     }
 
     /// The largest distance, m, at which an asperity loses contact; none where none has any.

@@ -26,6 +26,7 @@
 //! the outermost one again, as the laws are. Source: the contact of a known outline is that of Sneddon, Int. J. Eng. Sci. 3
 //! (1965) 47, under the adhesion of Maugis and Dugdale.
 
+use super::block::Responses;
 use super::error::LawError;
 use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Numbered};
@@ -35,13 +36,29 @@ use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
 use super::scale::Scale;
+use super::solved::SolvedAsperity;
 use super::stats::SolverStats;
-use super::top::{Top, first_contact};
-use std::sync::Arc;
+use super::top::{Top, Tops, first_contact};
+use super::top_table::TopTable;
+use std::sync::{Arc, OnceLock};
 
 /// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
 /// and, the last two, where the film or bridge breaks, and where contact ends.
 pub const TOP_KINKS: usize = 10;
+
+/// A stretch of ω_max between two joints of the law on approach, and the distances at which tops pass their kinks at some places of it.
+pub(super) struct Stretch {
+    /// ω_max, m, rising.
+    pub places: [f64; PLACES],
+    /// Distances, m.
+    pub kinks: [[f64; TOP_KINKS]; PLACES],
+}
+
+/// Tops from which on a table of them is worth its making.
+const MANY: usize = 8;
+/// Places of a stretch, and the end of the last in multiples of its beginning where nothing is known of it.
+pub(super) const PLACES: usize = 33;
+const LAST_STRETCH: f64 = 100.0;
 
 /// The laws of one asperity on approach and on retraction.
 ///
@@ -69,6 +86,14 @@ pub struct Loop {
     flow: Option<Arc<Flow>>,
     /// The loop of a second approach, if there is one.
     again: Option<Box<Loop>>,
+    /// Interference up to which tops are looked at beforehand, m, and what is known of them, when it has been asked for.
+    deepest: f64,
+    known: OnceLock<Vec<Stretch>>,
+    /// The table of tops, of a loop that has one, when it has been asked for.
+    table: OnceLock<TopTable>,
+    is_tabulated: bool,
+    /// The asperity of the own radius.
+    lane: [Lane; 1],
     /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
     ratio: f64,
     lambda: Option<f64>,
@@ -106,6 +131,7 @@ impl Loop {
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let first_contact = first_contact(approach.as_ref());
         let regimes = approach.regimes();
+        let lambda = retraction.lambda().filter(|_| retraction.follows_radius());
         let flows = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.unloads_flow());
         Ok(Self {
             capture: capture_of(approach.as_ref(), first_contact),
@@ -113,8 +139,13 @@ impl Loop {
             first_plastic: flows.unwrap_or(regimes.len()),
             flow: flows.map(|_| model.flow(parameters)).transpose()?,
             again: None,
+            deepest: parameters.table_range.map_or(f64::NEG_INFINITY, |(_, deepest)| deepest),
+            known: OnceLock::new(),
+            table: OnceLock::new(),
+            is_tabulated: parameters.table_range.is_some(),
+            lane: [Lane::new(1.0, lambda)],
             ratio: 1.0,
-            lambda: retraction.lambda().filter(|_| retraction.follows_radius()),
+            lambda,
             scale: parameters.scale,
             approach,
             retraction,
@@ -135,6 +166,11 @@ impl Loop {
             first_plastic: self.first_plastic,
             flow: self.flow.clone(),
             again: self.again.as_ref().map(|again| Box::new(again.of(lane))),
+            deepest: self.deepest,
+            known: OnceLock::new(),
+            table: OnceLock::new(),
+            is_tabulated: false,
+            lane: [lane],
             ratio: lane.ratio,
             lambda: self.lambda,
             scale: self.scale.of_ratio(lane.ratio),
@@ -193,10 +229,9 @@ impl Loop {
         self.history(largest) == ContactHistory::Flowed
     }
 
-    /// Interferences, m, rising, at which the force on retraction is not smooth, by [`ContactHistory`]: counted
-    /// from the top that the asperity has then, so they are passed at the distance [`Loop::recovery`] less
-    /// them.
-    pub fn kinks(&self) -> [Vec<f64>; 3] {
+    /// Interferences, m, rising, at which the force on retraction is not smooth, of asperities that have not touched and of these
+    /// that have and are elastic.
+    pub fn kinks(&self) -> [Vec<f64>; 2] {
         let ends = |law: &dyn Law, regimes: usize| {
             let ends = (0..regimes).flat_map(|regime| law.pieces_of(regime, None)).map(|piece| piece.upper);
             ends.filter(|end| end.is_finite()).collect::<Vec<f64>>()
@@ -204,12 +239,51 @@ impl Loop {
         let untouched =
             ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
         let elastic = ends(self.retraction(), self.first_plastic);
-        [untouched.collect(), elastic, ends(self.retraction(), self.first_contact)]
+        [untouched.collect(), elastic]
     }
 
     /// Kinks of a top that has flowed, at the interference ω_max, m, of [`TOP_KINKS`]; NaN where it has none.
     pub fn flattened_kinks(&self, largest: f64) -> [f64; TOP_KINKS] {
         self.kinks_of(&self.top_of(largest))
+    }
+
+    /// What is known of the tops of the stretches between the joints of the law on approach, rising.
+    pub(super) fn stretches(&self) -> &[Stretch] {
+        self.known.get_or_init(|| {
+            let stretch = |ends: &[f64]| {
+                let share = |i: usize| i as f64 / (PLACES - 1) as f64;
+                let (from, width) = (ends[0], ends[1] - ends[0]);
+                let place = |i: usize| from + width * share(i) * share(i);
+                let places: [f64; PLACES] =
+                    std::array::from_fn(|i| place(i).clamp(from.next_up(), ends[1].next_down()));
+                let mut kinks = [[f64::NAN; TOP_KINKS]; PLACES];
+                let mut rows = kinks.iter_mut();
+                self.tops(&places, &mut SolverStats::default(), |top| {
+                    rows.next().into_iter().for_each(|row| *row = top.passes());
+                });
+                Stretch { places, kinks }
+            };
+            self.joints().windows(2).map(stretch).collect()
+        })
+    }
+
+    /// The external forces, N, of an asperity that has flowed to ω_max, m, at interferences from its lowered apex, m, on the way
+    /// back; deeper than ω_max on approach.
+    pub fn forces_after(&self, largest: f64, interferences: &[f64]) -> Vec<f64> {
+        let (top, mut tops) = (self.top_of(largest), Tops::default());
+        let (kinks, recovery) = (top.kinks, top.recovery);
+        tops.push(top);
+        let ends: Vec<f64> = (0..self.first_contact).map(|regime| kinks[self.end_kink(regime)]).collect();
+        let (mut out, mut stats) = (Responses::default(), SolverStats::default());
+        let mut force = |own: &f64| {
+            if *own > recovery {
+                return SolvedAsperity::new(self.approach(), largest + (own - recovery)).external_force();
+            }
+            let law = (self.retraction(), ends.iter().filter(|end| **end <= *own).count());
+            tops.respond_all(law, recovery - own, &mut out, &mut stats);
+            out.contact[0] - out.adhesion[0]
+        };
+        interferences.iter().map(|own| force(own)).collect()
     }
 
     /// The interferences, m, from the lowered apex, of the kinks of a top.
@@ -228,11 +302,20 @@ impl Loop {
             }
             lower = upper;
         }
-        if let Some(film) = self.first_contact.checked_sub(2) {
-            kinks[TOP_KINKS - 2] = self.leaves(film, &lane);
+        for regime in self.first_contact.saturating_sub(2)..self.first_contact {
+            kinks[self.end_kink(regime)] = self.leaves(regime, &lane);
         }
-        kinks[TOP_KINKS - 1] = self.leaves(self.first_contact - 1, &lane);
         kinks
+    }
+
+    /// The kink of a top at which it comes into a regime before contact from above.
+    pub(super) fn end_kink(&self, regime: usize) -> usize {
+        TOP_KINKS + regime - self.first_contact
+    }
+
+    /// Whether an asperity has the own radius.
+    pub(super) fn is_of(&self, lane: &Lane) -> bool {
+        lane.ratio == self.ratio
     }
 
     /// The interference, m, from the lowered apex, of a lane, at which it comes into a regime before contact from above: the
@@ -278,8 +361,7 @@ impl Loop {
 
     /// The distance, m, at which an asperity that has flowed to ω_max, m, comes into a regime before contact from above.
     pub(super) fn left_at(&self, regime: usize, largest: f64) -> f64 {
-        let top = self.top_of(largest);
-        top.recovery - self.leaves(regime, &top.lane())
+        self.top_of(largest).passes()[self.end_kink(regime)]
     }
 
     /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing flowed.
@@ -290,18 +372,33 @@ impl Loop {
     /// The top of an asperity of the interference ω_max, m, above ω_c.
     pub(super) fn top_of(&self, largest: f64) -> Top {
         let mut top = Top::default();
-        self.tops(&[largest], &mut SolverStats::default(), |own| top = own);
+        self.press(self.flowing(largest), self.own(), &[largest], &mut SolverStats::default(), |own| {
+            top = own
+        });
         top
     }
 
-    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c.
-    pub(super) fn tops(&self, largest: &[f64], stats: &mut SolverStats, mut visit: impl FnMut(Top)) {
-        let lane = [self.lane(1.0)];
+    /// Asperities of the own radius.
+    fn own(&self) -> Numbered<'_> {
+        Numbered::alike(&self.lane)
+    }
+
+    /// The regime above ω_c of an asperity on approach.
+    fn flowing(&self, largest: f64) -> usize {
         let boundaries = self.approach.boundaries();
-        let regime =
-            |largest: f64| boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic);
-        for same in largest.chunk_by(|a, b| regime(*a) == regime(*b)) {
-            self.press(regime(same[0]), Numbered::alike(&lane), same, stats, &mut visit);
+        boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic)
+    }
+
+    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c: of more than a few by the table.
+    pub(super) fn tops(&self, largest: &[f64], stats: &mut SolverStats, mut visit: impl FnMut(Top)) {
+        if self.is_tabulated && largest.len() >= MANY {
+            let table = self.table.get_or_init(|| TopTable::new(&self.joints(), |own| self.top_of(own)));
+            return largest
+                .iter()
+                .for_each(|own| visit(table.top(*own).unwrap_or_else(|| self.top_of(*own))));
+        }
+        for same in largest.chunk_by(|a, b| self.flowing(*a) == self.flowing(*b)) {
+            self.press(self.flowing(same[0]), self.own(), same, stats, &mut visit);
         }
     }
 
@@ -312,10 +409,28 @@ impl Loop {
         lanes: Numbered<'_>,
         largest: &[f64],
         stats: &mut SolverStats,
-        visit: impl FnMut(Top),
+        mut visit: impl FnMut(Top),
     ) {
         let Some(flow) = &self.flow else { return };
-        flow.tops(regime - self.first_plastic, lanes, largest, stats, visit);
+        flow.tops(regime - self.first_plastic, lanes, largest, stats, |top| {
+            visit(Top { kinks: self.kinks_of(&top), ..top });
+        });
+    }
+
+    /// ω_max, m, rising, between which tops are smooth in it: from the onset to the end of what is looked at beforehand.
+    fn joints(&self) -> Vec<f64> {
+        let critical = self.critical();
+        let mut joints: Vec<f64> = self.approach.pieces(None).iter().map(|piece| piece.upper).collect();
+        joints.retain(|end| critical < *end && end.is_finite());
+        let last = joints.last().copied().unwrap_or(critical);
+        joints.insert(0, critical);
+        joints.push(self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length)));
+        joints
+    }
+
+    /// The interference, m, from which asperities flow and unload by their outlines; infinite where none does.
+    pub fn onset(&self) -> f64 {
+        if self.flows() { self.critical() } else { f64::INFINITY }
     }
 
     /// End of the elastic regime, m.

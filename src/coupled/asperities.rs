@@ -209,7 +209,7 @@ impl<'a> Asperities<'a> {
             return own.next[usize::from(upwards)];
         }
         let number = self.number(i);
-        let Some(flowed) = self.laws[number].memory.flowed(largest, &mut self.stats) else {
+        let Some(flowed) = self.laws[number].memory.flowed(largest) else {
             return own.next[0];
         };
         let above = flowed.segments.iter().position(|segment| segment.source == own.source);

@@ -6,7 +6,7 @@ use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};
 use super::radii::{Places, PolydisperseCurve, Way};
-use super::retraction::{FlattenedTop, Pulled, Retracted};
+use super::retraction::{Pulled, Retracted};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
 use super::stray_table::StrayTable;
 use super::summed::{Summed, of_highest};
@@ -33,9 +33,6 @@ pub(super) struct HeldSurface<'a> {
     /// separation h, m.
     pub places: Option<Places>,
     pub places_back: Option<(f64, Places)>,
-    /// Kinks of tops that have flowed and have radii of their own, when they are pulled back from a
-    /// separation h, m.
-    pub flattened: Option<(f64, Vec<FlattenedTop>)>,
     /// The moments of the surface, if it was summed by them.
     pub moments: Option<OfLane<'a>>,
 }
@@ -130,11 +127,7 @@ impl HeldSurface<'_> {
             return self.find_pulled(sought, (cycle, from), samples);
         }
         let pulled = Pulled { job, cycle, heights, from };
-        if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
-            self.flattened = Some((from, FlattenedTop::of(pulled)));
-        }
-        let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
-        let mut surface = Retracted::new(pulled, &self.kinks.retraction, flattened, self.sums);
+        let mut surface = Retracted::new(pulled, &self.kinks.retraction, self.sums);
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 

@@ -3,9 +3,14 @@
 use super::Job;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
-use crate::asperity::{Facing, Law, Scratch, SolverStats};
+use crate::asperity::{Facing, Law, Loop, Scratch, SolverStats};
 use std::cell::RefCell;
 
+/// Tops of which the kinks are looked at, and the highest asperity of these, in standard deviations of heights,
+/// that is at least so far beyond the onset.
+const TOPS: usize = 8;
+const HIGHEST: f64 = 5.0;
+const LEAST_REACH: f64 = 0.1;
 /// More kinks than asperities of one history have.
 pub const KINKS: usize = 64;
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
@@ -73,6 +78,47 @@ impl Kink {
         kinks
     }
 
+    /// The kinks of a top that has flowed to ω_max, m, by the interference from its lowered apex; NaN where it has none.
+    fn of_top(cycle: &Loop, largest: f64, width: f64) -> Vec<Self> {
+        let solved = |own: &[f64]| cycle.forces_after(largest, own);
+        let places = cycle.flattened_kinks(largest);
+        let jump = |place: &f64| {
+            let forces = solved(&beside(*place));
+            forces[1] - forces[0]
+        };
+        let jumps = places.map(|place| if place.is_finite() { jump(&place) } else { 0.0 });
+        let force = |own: &[f64]| {
+            let mut forces = solved(own);
+            for (own, force) in own.iter().zip(&mut forces) {
+                let passed = places.iter().zip(&jumps).filter(|(place, _)| **place <= *own);
+                passed.for_each(|(_, jump)| *force -= jump);
+            }
+            forces
+        };
+        let kink = |(place, jump): (&f64, &f64)| {
+            let none = Self { interference: f64::NAN, jump: 0.0, fall: 0.0, stray: Stray::default() };
+            let known = |place| Self {
+                interference: place,
+                jump: *jump,
+                fall: fall(&solved, place, width),
+                stray: stray(&force, place, width),
+            };
+            if place.is_finite() { known(*place) } else { none }
+        };
+        places.iter().zip(&jumps).map(kink).collect()
+    }
+
+    /// The larger falls and strays of two.
+    fn most(&self, other: &Self) -> Self {
+        let most = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
+        let stray = Stray {
+            samples: most(self.stray.samples, other.stray.samples),
+            points: most(self.stray.points, other.stray.points),
+            ..self.stray
+        };
+        Self { fall: self.fall.max(other.fall), stray, ..*self }
+    }
+
     /// Places where the force of a law is not smooth, δ in m, rising.
     pub fn interferences(law: &dyn Law) -> Vec<f64> {
         let pieces = law.pieces(None);
@@ -120,7 +166,7 @@ impl Kinks {
             return Self { approach, strays, retraction: Default::default() };
         };
         let known: Vec<Kink> = approach.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
-        let retraction = cycle.kinks().map(|kinks| {
+        let [untouched, elastic] = cycle.kinks().map(|kinks| {
             // What begins or ends on retraction alone does so with about as much as what does so before
             // contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
@@ -142,7 +188,20 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        Self { approach, strays, retraction }
+        let flowed = if cycle.flows() { Self::of_tops(job, cycle, width) } else { Vec::new() };
+        Self { approach, strays, retraction: [untouched, elastic, flowed] }
+    }
+
+    /// The largest falls and strays of the kinks of tops that have flowed, of asperities up to the highest of a surface.
+    fn of_tops(job: &Job<'_>, cycle: &Loop, width: f64) -> Vec<Kink> {
+        let heights = &job.surface.heights;
+        let closest = job.surface.asperity_separation(job.separations[0]);
+        let from = cycle.onset();
+        let reach = (heights.mean + HIGHEST * heights.std - closest - from).max(LEAST_REACH * heights.std);
+        let share = |top: usize| (top as f64 + 0.5) / TOPS as f64;
+        let tops = (0..TOPS).map(|top| Kink::of_top(cycle, from + reach * share(top) * share(top), width));
+        let most = |a: Vec<Kink>, b: Vec<Kink>| a.iter().zip(&b).map(|(a, b)| a.most(b)).collect();
+        tops.reduce(most).unwrap_or_default()
     }
 }
 

@@ -8,6 +8,7 @@ pub(super) use pairs::{Pair, Pairs};
 use super::Job;
 use super::curves::Curves;
 use super::sums::RegimeSums;
+use crate::asperity::unloading::TOP_KINKS;
 use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};
 use crate::asperity::{Lane, Lanes};
 use crate::math::instruction_set::InstructionSet;
@@ -272,6 +273,11 @@ impl PulledBack {
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> impl Iterator<Item = f64> + use<> {
         let closest = self.closest;
         self.turned.kinks(cycle, asperity).into_iter().map(move |distance| closest + distance)
+    }
+
+    /// The separations d, m, of the kinks of asperities, all of which have flowed; NaN of kinks that they do not have.
+    pub fn top_kinks(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
+        (0..self.turned.count()).map(|i| self.turned.kinks_of_top(i).map(|distance| self.closest + distance))
     }
 
     /// The history of an asperity.

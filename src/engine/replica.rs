@@ -268,7 +268,6 @@ impl Workspace {
                 table: &mut self.table,
                 places: None,
                 places_back: None,
-                flattened: None,
                 highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
                 sums: &mut self.sums,
                 moments: moments

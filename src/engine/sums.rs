@@ -163,7 +163,7 @@ impl Sums {
         }
     }
 
-    /// Sums a surface that is pulled back from h and d, m, to d, m, where tops that have flowed have radii of their own: what
+    /// Sums a surface that is pulled back from h and d, m, to d, m, where tops that have flowed have outlines of their own: what
     /// is left of each is found once.
     fn flattened(
         &mut self,
@@ -173,18 +173,62 @@ impl Sums {
         d: f64,
     ) {
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
-        let law = cycle.at_for(d - closest, &[]);
-        self.over(&law, Some(law.base()), &heights[..first], closest);
-        if first == heights.len() {
-            return;
+        self.elastic(cycle, &heights[..first], (closest, d));
+        if self.turn((job, cycle), &heights[first..], from).is_some() {
+            self.add_flowed(cycle, None, d);
+        }
+    }
+
+    /// Sums asperities that have not flowed, heights in m, pulled back from d to d, m.
+    fn elastic(&mut self, cycle: &Loop, heights: &[f64], (closest, d): (f64, f64)) {
+        let law = cycle.elastic_at(d - closest);
+        self.over(&law, Some(law.base()), heights, closest);
+    }
+
+    /// Turns the asperities of a surface that have flowed, heights in m, at a separation h, m, if that was not done last; none
+    /// where there are none.
+    pub fn turn(
+        &mut self,
+        (job, cycle): (&Job<'_>, &Loop),
+        heights: &[f64],
+        from: f64,
+    ) -> Option<&PulledBack> {
+        if heights.is_empty() {
+            return None;
         }
         if self.flowed.as_ref().is_none_or(|flowed| !flowed.is_of(cycle, from)) {
-            self.flowed = Some(PulledBack::alike((job, cycle), &heights[first..], from, &mut self.stats));
+            self.flowed = Some(PulledBack::alike((job, cycle), heights, from, &mut self.stats));
         }
+        self.flowed.as_ref()
+    }
+
+    /// Adds some of the asperities that have flowed and were turned last, or all, at d, m.
+    fn add_flowed(&mut self, cycle: &Loop, which: Option<&[u32]>, d: f64) {
         if let Some(flowed) = &self.flowed {
-            flowed.sum(cycle, None, d, &mut self.lane_sums, &mut self.stats);
+            flowed.sum(cycle, which, d, &mut self.lane_sums, &mut self.stats);
             self.regimes.iter_mut().zip(&self.lane_sums.regimes).for_each(|(sum, other)| sum.merge(other));
         }
+    }
+
+    /// The external force, N, of a few asperities that are pulled back from d to d, m: these that have not flowed by their
+    /// heights, m, rising, the others by their numbers among what was turned last.
+    pub fn few(
+        &mut self,
+        (job, cycle): (&Job<'_>, &Loop),
+        (heights, tops): (&[f64], &[u32]),
+        (closest, d): (f64, f64),
+    ) -> f64 {
+        match job.protocol.cycle.filter(|own| own.flows()) {
+            Some(_) => self.elastic(cycle, heights, (closest, d)),
+            None => {
+                let law = cycle.at(d - closest);
+                self.over(&law, Some(law.base()), heights, closest);
+            }
+        }
+        if !tops.is_empty() {
+            self.add_flowed(cycle, Some(tops), d);
+        }
+        RegimeSums::external_force(&self.regimes)
     }
 
     /// The external force, N, of a surface in a state, likewise.

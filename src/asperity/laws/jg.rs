@@ -33,7 +33,7 @@ use std::f64::consts::PI;
 /// x up to which the contact is Hertz's.
 const FIRST_END: f64 = 1.9;
 /// H/Y (Tabor 1951).
-const HARDNESS: f64 = 2.84;
+pub(super) const HARDNESS: f64 = 2.84;
 /// Largest H/E_r that B is taken of, where it is 8: the powers of what is harder are no numbers, and contacts are as wide as
 /// their asperities before they flow.
 const HARDEST: f64 = 0.5;
@@ -41,6 +41,17 @@ const HARDEST: f64 = 0.5;
 const TABULATED: f64 = 1e3;
 /// Relative accuracy of tables: a few roundings, as in exponentials and products.
 const TABLE_TOLERANCE: f64 = 8e-15;
+
+/// C, the largest pressure over Y where a sphere yields.
+fn yielding(parameters: &LawParameters) -> f64 {
+    1.295 * libm::exp(0.736 * poisson_ratio(parameters.pressure_factor))
+}
+
+/// ω_c of Jackson and Green, m: (πCY/2E_r)²R, from (πkH/2E_r)²R.
+pub(super) fn critical_interference(parameters: &LawParameters) -> f64 {
+    let ratio = yielding(parameters) / (HARDNESS * parameters.pressure_factor);
+    ratio * ratio * parameters.critical_interference
+}
 
 /// The law `jg`.
 ///
@@ -50,12 +61,10 @@ pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let own = parameters.plastic("jg")?;
     let hardness = own.hardness_ratio.ok_or(LawError::Hardness("jg"))?;
     let strain = hardness / HARDNESS;
-    let c = 1.295 * libm::exp(0.736 * poisson_ratio(own.pressure_factor));
+    let c = yielding(own);
     let b = 0.14 * libm::exp(23.0 * strain.min(HARDEST / HARDNESS));
     let root = 0.5 * PI * c * strain;
-    // (πCY/2E_r)²R over (πKH/2E_r)²R.
-    let ratio = c / (HARDNESS * own.pressure_factor);
-    let own = LawParameters { critical_interference: ratio * ratio * own.critical_interference, ..*own };
+    let own = LawParameters { critical_interference: critical_interference(own), ..*own };
     let critical = Critical::new(&own);
     let (load, disc) = (critical.load, critical.disc);
     let area = move |x: f64| x * libm::pow(x / FIRST_END, b);

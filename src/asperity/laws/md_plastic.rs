@@ -62,8 +62,6 @@ const HALVINGS: usize = 60;
 const SHORT: f64 = 1e-5;
 /// Coefficient and exponent of E/Y by which ρ/R − 1 grows with ω/ω_c − 1 (Etsion, Kligerman and Kadin 2005).
 const FLATTENING: (f64, f64) = (1.275, -0.216);
-/// H/Y (Tabor 1951).
-const TABOR: f64 = 2.84;
 /// Places of a regime at which its formulas are looked at, and the ω over that where the last regime begins up to which they
 /// are.
 const LOOKS: usize = 400;
@@ -208,7 +206,7 @@ pub(in crate::asperity) struct Flow {
     around: Around,
     /// Where contact begins or ends by the history.
     begin: Place,
-    /// ω_c/s_δ.
+    /// ω_c/s_δ of Jackson and Green, where a sphere yields.
     critical: f64,
     /// The rate at which ρ/R grows with ω/ω_c.
     flattening: f64,
@@ -224,9 +222,9 @@ impl Flow {
         let onset = flows.expect("a plastic contact flows") - 1;
         let hardness = parameters.hardness_ratio.ok_or(LawError::Hardness("md_plastic"))?;
         let poisson = poisson_ratio(parameters.pressure_factor);
-        let yielding = (1.0 - poisson * poisson) * TABOR / hardness;
+        let yielding = (1.0 - poisson * poisson) * jg::HARDNESS / hardness;
         let flattening = FLATTENING.0 * libm::pow(yielding, FLATTENING.1);
-        let critical = parameters.critical_interference / around.scale.length;
+        let critical = jg::critical_interference(parameters) / around.scale.length;
         Ok(Self { law, onset, around, begin: begin.clone(), critical, flattening })
     }
 

@@ -361,9 +361,9 @@ static FIRST: &[Key] = &[
         .formerly("path")
         .what("history")
         .about(
-            "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its \
-             stable branch. `loop`: approach, then retraction, each asperity by its own history. Surfaces that have touched are pulled off on `retraction`, or on `loop` where \
-             asperities have flowed.",
+            "`approach`: contact begins at first touch. `loop`: approach to the closest separation, then retraction from there, \
+             each asperity by its own history. `retraction`: the retraction of that loop, without the approach. Surfaces that \
+             have touched are pulled off on `loop` or `retraction`.",
         )
         .defaults_to("\"approach\""),
     key("model.critical_approach", "\"0.3 nm\"", Quantity(Of::Length, NotNegative))

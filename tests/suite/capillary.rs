@@ -671,7 +671,8 @@ fn bridges_are_missing_from_the_film(histories: &[&str]) {
 /// The faces of `configs/humidity.toml`, so hard that they stay elastic, at a relative humidity and separations.
 fn faces(humidity: f64, separations: &str) -> Scene {
     let text = include_str!("../../configs/humidity.toml");
-    let text = text.replace("to = 8.5, count = 161", separations);
+    // All asperities have touched that do further away.
+    let text = text.replace("from = 0.5", "from = -2.5").replace("to = 8.5, count = 161", separations);
     let text = text.split("[sweep]").next().unwrap();
     let text = text
         .replace("relative_humidity = 0.45", &format!("relative_humidity = {humidity}"))

@@ -46,7 +46,7 @@ def attraction(run: Mapping[Any, Any], low: float, high: float) -> tuple[Array, 
     `run` are the attributes of a run, with the numbers of its asperities.
     """
     law = {key: run[key] for key in _ASPERITY}
-    law |= {"radius": run["asperity_radius"], "path": run["history"]}
+    law |= {"radius": run["asperity_radius"]}
 
     def solved(at: Array) -> Array:
         values: Array = -single.asperity(interference=at, **law).external_force.values

@@ -64,7 +64,7 @@ class Facts:
 
 _HISTORIES = {
     "approach": "on approach",
-    "retraction": "on retraction from contact",
+    "retraction": "on retraction from the closest separation",
     "loop": "a loop: to the smallest separation and back",
 }
 _INDEPENDENCE = {"good": "good", "a shift": "caution", "invalid": "bad"}

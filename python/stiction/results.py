@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import shutil
 import tomllib
 from dataclasses import dataclass
@@ -173,6 +174,12 @@ class Result:
     def warnings(self) -> list[str]:
         """Warnings of the program, a text each."""
         return [line for line in str(self.tree.attrs.get("warnings", "")).splitlines() if line]
+
+    @property
+    def left_out(self) -> str:
+        """Asperities beyond the end of the law, and where, as the warnings name them; "" where the law leaves out none."""
+        found = (re.search(r"leaves out (.+)", warning) for warning in self.warnings)
+        return next((match[1] for match in found if match), "")
 
     @property
     def is_partial(self) -> bool:

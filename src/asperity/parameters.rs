@@ -50,22 +50,24 @@ impl LawParameters {
     /// # Errors
     /// [`LawError`] for a λ that is not solved, or quantities that are not positive and finite.
     pub fn new(asperity: &Asperity, path: Path, table_range: (f64, f64)) -> Result<Self, LawError> {
+        let flows = asperity.hardness < f64::INFINITY;
         let parameters = Self {
             scale: Scale::new(asperity)?,
             critical_interference: asperity.critical_interference(),
-            pressure_factor: asperity.pressure_factor(),
-            hardness_ratio: Some(asperity.hardness / asperity.reduced_modulus),
+            pressure_factor: if flows { asperity.pressure_factor() } else { 1.0 },
+            hardness_ratio: flows.then(|| asperity.hardness / asperity.reduced_modulus),
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
             inner_state: InnerState::default(),
             table_range: Some(table_range),
         };
-        let positive =
-            [("hardness", asperity.hardness), ("critical_interference", parameters.critical_interference)];
-        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()))
-        {
-            return Err(LawError::NotPositive { name, value });
+        if !(asperity.hardness > 0.0) {
+            return Err(LawError::NotPositive { name: "hardness", value: asperity.hardness });
+        }
+        let critical = parameters.critical_interference;
+        if flows && !critical.is_finite() {
+            return Err(LawError::NotPositive { name: "critical_interference", value: critical });
         }
         parameters.checked()
     }

@@ -39,9 +39,9 @@ pub struct Asperity {
     pub work_of_adhesion: f64,
     /// Equilibrium spacing Z₀, m.
     pub equilibrium_spacing: f64,
-    /// Hardness H of the softer body, Pa.
+    /// Hardness H of the softer body, Pa; infinite where nothing flows.
     pub hardness: f64,
-    /// Poisson ratio ν of the softer body.
+    /// Poisson ratio ν of the softer body; of no use where nothing flows.
     pub poisson_ratio: f64,
     /// Lubricant thickness t, m; 0 when dry.
     pub lubricant_thickness: f64,
@@ -60,6 +60,9 @@ impl Asperity {
 
     /// Critical interference ω_c = (πkH/2E_r)²R at which plastic flow begins, m.
     pub fn critical_interference(&self) -> f64 {
+        if self.hardness == f64::INFINITY {
+            return f64::INFINITY;
+        }
         let strain = 0.5 * PI * self.pressure_factor() * self.hardness / self.reduced_modulus;
         strain * strain * self.radius
     }

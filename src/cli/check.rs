@@ -113,7 +113,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
 /// valid for, or likely a wrong unit.
 fn expected(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> (Independence, Vec<Warning>) {
     let integral = Integral::new(scene, law, cycle);
-    let expected = integral.expected(scene, &scene.model, law);
+    let expected = integral.expected(scene, law);
     let warnings = warnings(scene, &scene.model, law.typical, &expected);
     (integral.pulled().independence, warnings)
 }

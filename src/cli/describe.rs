@@ -139,8 +139,11 @@ fn parameters(scene: &Scene) -> String {
     let [length, critical] = [length, scene.asperity.critical_interference()].map(|length| si(length, "m"));
     let plastic = "plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1";
     let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
-    labelled("lambda", &format!("{lambda}: adhesion parameter (unit of approach {length})"))
-        + &labelled("psi of sigma_s", &format!("{of_asperities}: {plastic}"))
+    let text = labelled("lambda", &format!("{lambda}: adhesion parameter (unit of approach {length})"));
+    if scene.asperity.hardness == f64::INFINITY {
+        return text + &labelled("psi", "none: without material.hardness nothing flows");
+    }
+    text + &labelled("psi of sigma_s", &format!("{of_asperities}: {plastic}"))
         + &labelled("psi of sigma", &format!("{of_surface}, {printed}"))
 }
 

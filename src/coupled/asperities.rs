@@ -138,18 +138,6 @@ impl<'a> Asperities<'a> {
         States { segments: vec![0; count], largest, unloaded, resting: BTreeMap::new() }
     }
 
-    /// The states of asperities at interferences, m, each of which has touched where that can be.
-    pub fn touched(&self, interference: &[f64]) -> States {
-        let mut states = self.none_touched();
-        for (i, &delta) in interference.iter().enumerate() {
-            let of_law = self.of_law(i, delta);
-            let holds = |segment: &Segment| of_law >= segment.lower && of_law < segment.upper;
-            let last = self.laws[self.number(i)].segments.iter().rposition(holds);
-            states.segments[i] = last.unwrap_or(0) as u8;
-        }
-        states
-    }
-
     /// All segments of an asperity.
     pub(super) fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
         match &states.unloaded[i] {

@@ -195,19 +195,14 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Puts all asperities at the separation d, m, of their mean plane, as if independent, with all that can
-    /// be in contact touching or not.
-    pub fn begin(&mut self, d: f64, has_touched: bool) {
+    /// Puts all asperities at the separation d, m, of their mean plane, as if independent; none has touched before.
+    pub fn begin(&mut self, d: f64) {
         for (delta, z) in self.interference.iter_mut().zip(self.heights) {
             *delta = z - d;
         }
         self.stretches.fill(1.0);
         self.asperities.stretch(&self.stretches);
-        self.states = if has_touched {
-            self.asperities.touched(&self.interference)
-        } else {
-            self.asperities.none_touched()
-        };
+        self.states = self.asperities.none_touched();
         (self.separation, self.is_stable) = (d, false);
         self.forget();
         self.passages.begin(self.heights.len(), true);

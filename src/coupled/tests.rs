@@ -99,7 +99,7 @@ impl Given {
         // All touch so deep without coupling; states of few in a small square end before.
         let pulled = |k: u32| d - 0.05e-9 * f64::from(10 - k);
         let path: Vec<f64> = if is_loop { (0..=10).map(pulled).collect() } else { vec![far, d] };
-        solver.begin(if is_loop { d - 20e-9 } else { far }, is_loop);
+        solver.begin(if is_loop { d - 20e-9 } else { far });
         for d in path {
             let settled = solver.settle(d);
             assert!(settled.is_converged, "{name} {coupling:?} {d:e}: {settled:?}");
@@ -233,7 +233,7 @@ impl Case {
         let go = |h_star: f64| {
             let d = h_star * self.sigma - self.offset;
             if solver.separation().is_infinite() {
-                solver.begin(d, false);
+                solver.begin(d);
             }
             let settled = solver.settle(d);
             (solver.external_force(), settled)

@@ -9,7 +9,7 @@ use super::summed::Summed;
 use super::sums::RegimeSums;
 use super::{Ends, Job};
 use crate::asperity::memory::{Held, Memory};
-use crate::asperity::{Loop, Path, Quantity, SolverStats, SurfaceLoops};
+use crate::asperity::{Loop, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
 use crate::substrate::{Coupling, Kernel};
@@ -43,8 +43,6 @@ pub struct Substrate<'a> {
     pub loads_at: &'a [usize],
     /// E*, Pa.
     pub reduced_modulus: f64,
-    /// The history of the surfaces.
-    pub history: Path,
     /// Memory of asperities.
     pub memory: Option<&'a SurfaceLoops>,
     /// The length over which the law of the typical asperity varies, m.
@@ -136,13 +134,13 @@ impl Independent {
         if let Some(span) = job.protocol.stiffness_span {
             let external = &self.curves.total[Quantity::ExternalForce.index()];
             let s = job.separations.len();
-            let pulled = if job.ways() == Ways::One { &external[..s] } else { &external[s..2 * s] };
+            let pulled = &external[job.ways().pulled() * s..][..s];
             replica.stiffest(&largest_secant(job.separations, pulled, span));
         }
         replica
     }
 
-    /// The separations h, m, of its pull-offs on approach and on retraction, or on its one way, where samples miss them; else NaN.
+    /// The separations h, m, of its pull-offs on approach and on retraction where samples miss them; else NaN.
     fn missed(&self, job: &Job<'_>) -> [f64; 2] {
         let last = (self.kept.pull_off_force, self.kept.pull_off_separation);
         let first = self
@@ -151,11 +149,13 @@ impl Independent {
             .as_ref()
             .map_or(last, |cycle| (cycle.approach_pull_off_force, cycle.approach_pull_off_separation));
         let external = self.curves.total[Quantity::ExternalForce.index()].chunks(job.separations.len());
-        let mut ways = external.zip([first, last]).map(|(external, (pull_off, place))| {
+        let ways = external.zip([first, last]).map(|(external, (pull_off, place))| {
             let sampled = -external.iter().copied().fold(f64::INFINITY, f64::min);
             if sampled < (1.0 - MISSED) * pull_off { place } else { f64::NAN }
         });
-        [(); 2].map(|()| ways.next().unwrap_or(f64::NAN))
+        let mut missed = [f64::NAN; 2];
+        missed[job.ways().first()..].iter_mut().zip(ways).for_each(|(place, way)| *place = way);
+        missed
     }
 }
 
@@ -211,8 +211,8 @@ impl CoupledJob<'_> {
         };
         let mut curves = Curves::new(job.states(), r);
         let mut coupled = CoupledCurves::new(&of_independent);
-        surface.travel(substrate.history, &mut curves, &mut coupled);
-        if job.protocol.cycle.is_some() {
+        surface.travel(&mut curves, &mut coupled);
+        if job.ways().is_loop() {
             surface.contacts = contacts(job, &curves);
         }
         let mut kept = keep(&mut surface, &mut curves);
@@ -316,32 +316,34 @@ fn contacts(job: &Job<'_>, curves: &Curves) -> (f64, f64) {
 
 impl CoupledSurface<'_> {
     /// Takes the surface through all states of the job.
-    fn travel(&mut self, history: Path, curves: &mut Curves, coupled: &mut CoupledCurves) {
-        let s = self.job.separations.len();
-        let is_loop = self.job.protocol.cycle.is_some();
-        let begins_far = is_loop || history == Path::Approach;
-        let first = if begins_far { s - 1 } else { 0 };
-        let d = self.job.surface.asperity_separation(self.job.separations[first]);
-        self.solver.begin(d, !begins_far);
-        let inward: Vec<usize> = if begins_far { (0..s).rev().collect() } else { Vec::new() };
-        let outward = if is_loop || !begins_far { 0..s } else { 0..0 };
-        self.pass(inward, 0, curves, coupled);
-        self.pass(outward.collect(), if is_loop { s } else { 0 }, curves, coupled);
-        if self.job.ways() == Ways::Repeated {
-            self.pass((0..s).rev().collect(), 2 * s, curves, coupled);
+    fn travel(&mut self, curves: &mut Curves, coupled: &mut CoupledCurves) {
+        let (s, ways) = (self.job.separations.len(), self.job.ways());
+        self.solver.begin(self.job.surface.asperity_separation(self.job.separations[s - 1]));
+        match ways {
+            Ways::Back => {
+                for k in (0..s).rev() {
+                    self.go(self.job.separations[k]);
+                }
+            }
+            _ => self.pass((0..s).rev().collect(), (0, 0), curves, coupled),
+        }
+        if ways != Ways::One {
+            self.pass((0..s).collect(), (1, ways.pulled() * s), curves, coupled);
+        }
+        if ways == Ways::Repeated {
+            self.pass((0..s).rev().collect(), (2, 2 * s), curves, coupled);
         }
     }
 
-    /// Takes the surface through separations, by their numbers, as states from `first` on.
+    /// Takes the surface through separations, by their numbers, on a way of a loop, by its number, as states from `first` on.
     fn pass(
         &mut self,
         separations: Vec<usize>,
-        first: usize,
+        (way, first): (usize, usize),
         curves: &mut Curves,
         coupled: &mut CoupledCurves,
     ) {
-        let keeps_all = first == 0 && !self.job.protocol.loading.preload.is_empty();
-        let way = first / self.job.separations.len();
+        let keeps_all = way == 0 && !self.job.protocol.loading.preload.is_empty();
         for k in separations {
             let h = self.job.separations[k];
             let (force, before) = self.go(h);
@@ -416,7 +418,7 @@ impl CoupledSurface<'_> {
         coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
-    /// The smallest force on a way over the separations of the job, of which samples are given in its order.
+    /// The smallest force on approach or on retraction over the separations of the job, of which samples are given in its order.
     fn zoom_on(&mut self, way: usize, samples: &[(f64, f64)]) -> Extremum {
         let seen = Starts::new(self.starts[way].missed);
         let starts = std::mem::replace(&mut self.starts[way], seen);
@@ -500,10 +502,8 @@ impl Summed for CoupledSurface<'_> {
     }
 
     fn pull_off(&mut self, external_force: &[f64]) -> Extremum {
-        let samples = self.job.samples(external_force);
-        let is_inward = self.job.protocol.loading.ways.0;
-        let samples = if is_inward { samples.into_iter().rev().collect() } else { samples };
-        self.zoom_on(0, &samples)
+        let inward: Vec<(f64, f64)> = self.job.samples(external_force).into_iter().rev().collect();
+        self.zoom_on(0, &inward)
     }
 
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {

@@ -141,6 +141,8 @@ pub struct Protocol<'a> {
     /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest
     /// separation.
     pub cycle: Option<&'a Loop>,
+    /// Whether of the loop the retraction alone is recorded.
+    pub only_back: bool,
     /// The loading of the surfaces.
     #[doc(hidden)]
     pub loading: Loading<'a>,
@@ -225,6 +227,7 @@ impl<'a> Job<'a> {
     pub fn ways(&self) -> Ways {
         match self.protocol.cycle.map(Loop::again) {
             None => Ways::One,
+            Some(_) if self.protocol.only_back => Ways::Back,
             Some(None) => Ways::Loop,
             Some(Some(_)) => Ways::Repeated,
         }

@@ -173,9 +173,10 @@ impl ReductionTree {
             reached = batches.end;
             covered = covered.checked_add(sums.regime_count.count())?;
         }
-        let Protocol { cycle, substrate, loading, .. } = &job.protocol;
+        let Protocol { substrate, loading, .. } = &job.protocol;
         let is_like = |replica: &Replica| {
-            replica.cycle.is_some() == cycle.is_some() && replica.coupled.is_some() == substrate.is_some()
+            replica.cycle.is_some() == job.ways().is_loop()
+                && replica.coupled.is_some() == substrate.is_some()
         };
         let fits = start <= self.next
             && self.next <= end

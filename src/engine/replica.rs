@@ -9,6 +9,7 @@ use super::held::{HeldSurface, OfLane};
 use super::kinks::Kinks;
 use super::moments::{LANES, MANY, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};
+use super::scalars::Ways;
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use super::{Ends, Job};
@@ -226,11 +227,13 @@ impl Workspace {
         if let Some(family) = job.laws.family {
             let asperities = Asperities::new(family, &self.heights[0], &self.radii);
             let (stats, curves) = (&mut self.sums.stats, &mut self.curves[0]);
-            asperities.record(job, &mut self.lane_sums, stats, curves);
+            let (s, ways) = (job.separations.len(), job.ways());
+            if ways != Ways::Back {
+                asperities.record(job, &mut self.lane_sums, stats, curves);
+            }
             self.pulled = job.protocol.cycle.map(|cycle| {
                 let pulled = asperities.turn(job, cycle, job.separations[0], stats);
-                let s = job.separations.len();
-                pulled.record((job, cycle), s, &mut self.lane_sums, stats, curves);
+                pulled.record((job, cycle), ways.pulled() * s, &mut self.lane_sums, stats, curves);
                 if let Some(again) = cycle.again() {
                     let closer = asperities.turn(job, again, job.separations[0], stats);
                     closer.record((job, again), 2 * s, &mut self.lane_sums, stats, curves);
@@ -292,25 +295,25 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     for (force, state) in curves.total[Quantity::ExternalForce.index()].iter_mut().zip(State::all(job)) {
         *force = state.external_force(job.surface, *force);
     }
-    let external = &curves.total[Quantity::ExternalForce.index()];
-    let (external, back) = external.split_at(job.separations.len());
-    let pull_off = surface.pull_off(external);
+    let (s, external) = (job.separations.len(), &curves.total[Quantity::ExternalForce.index()]);
+    let (first, pulled) = (&external[..s], &external[job.ways().pulled() * s..][..s]);
     let highest_asperity = surface.highest();
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
-    let mut last = (external, pull_off);
-    if let Some(cycle) = job.protocol.cycle {
-        let contacts = surface.contacts(cycle);
+    if let Some(cycle) = job.protocol.cycle.filter(|_| job.ways().is_loop()) {
+        let (pull_off, contacts) = (surface.pull_off(first), surface.contacts(cycle));
         kept.cycle = Some(Box::new(Cycle::new(job, highest_asperity, contacts, curves, &pull_off)));
-        let retraction = &back[..job.separations.len()];
-        last = (retraction, surface.retraction_pull_off(job.separations[0], &job.samples(retraction)));
     }
-    kept.pull_off(&last.1);
     let from = job.protocol.cycle.map(|_| job.separations[0]);
+    let pull_off = match from {
+        Some(from) => surface.retraction_pull_off(from, &job.samples(pulled)),
+        None => surface.pull_off(pulled),
+    };
+    kept.pull_off(&pull_off);
     let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
-    let stiffest = |span| surface.stiffest(from, &job.samples(last.0), span);
+    let stiffest = |span| surface.stiffest(from, &job.samples(pulled), span);
     kept.stiffest(&job.protocol.stiffness_span.map_or(unknown, stiffest));
     if job.protocol.loading.length() > 0 {
-        curves.snaps = snaps(job, surface, external, last);
+        curves.snaps = snaps(job, surface, first, (pulled, pull_off));
     }
     kept
 }

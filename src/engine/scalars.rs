@@ -9,6 +9,8 @@ pub enum Ways {
     /// One path of the law.
     #[default]
     One,
+    /// The retraction of a loop alone.
+    Back,
     /// A loop: approach and retraction.
     Loop,
     /// A loop, and the second approach, which further cycles repeat.
@@ -23,10 +25,25 @@ impl Ways {
     /// The number of times that the separations are passed.
     pub fn count(self) -> usize {
         match self {
-            Self::One => 1,
+            Self::One | Self::Back => 1,
             Self::Loop => 2,
             Self::Repeated => 3,
         }
+    }
+
+    /// The number of its first among approach, retraction and second approach.
+    pub fn first(self) -> usize {
+        usize::from(self == Self::Back)
+    }
+
+    /// Whether the approach and the retraction of a loop are both recorded.
+    pub fn is_loop(self) -> bool {
+        matches!(self, Self::Loop | Self::Repeated)
+    }
+
+    /// The number of the way on which the surfaces are pulled off: of a loop the second.
+    pub fn pulled(self) -> usize {
+        usize::from(self.is_loop())
     }
 
     /// The beginnings of the names of datasets of each way.
@@ -141,7 +158,7 @@ fn of_cycle(replica: &Replica, of: fn(&Cycle) -> f64) -> f64 {
 
 /// The scalars of a job on its ways: [`SCALARS`], and of loops behind these [`LOOP_SCALARS`] and [`REPEATED_SCALARS`].
 pub fn scalars(ways: Ways) -> impl Iterator<Item = Scalar> {
-    let of_loops = LOOP_SCALARS.into_iter().filter(move |_| ways != Ways::One);
+    let of_loops = LOOP_SCALARS.into_iter().filter(move |_| ways.is_loop());
     let of_repeated = REPEATED_SCALARS.into_iter().filter(move |_| ways == Ways::Repeated);
     SCALARS.into_iter().chain(of_loops).chain(of_repeated)
 }

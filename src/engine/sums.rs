@@ -14,8 +14,7 @@ use crate::surface::Surface;
 pub(super) enum State {
     /// A separation h, m, on the way of the job's law.
     Approach(f64),
-    /// The separation `to` on retraction from the separation `from`, m; where there is no other way, on
-    /// the one there is.
+    /// The separation `to` on retraction from the separation `from`, m.
     Retraction {
         /// h, m.
         from: f64,
@@ -34,8 +33,8 @@ pub(super) enum State {
 impl State {
     /// The states that the surfaces of a job are summed in, in the order of its curves.
     pub fn all(job: &Job<'_>) -> Vec<Self> {
-        let approach = job.separations.iter().map(|&h| Self::Approach(h));
         let (from, ways) = (job.separations[0], job.ways());
+        let approach = job.separations.iter().map(|&h| Self::Approach(h)).filter(|_| ways != Ways::Back);
         let back = |of: fn(f64, f64) -> Self| job.separations.iter().map(move |&to| of(from, to));
         let retraction = back(|from, to| Self::Retraction { from, to }).filter(|_| ways != Ways::One);
         let again = back(|from, to| Self::Again { from, to }).filter(|_| ways == Ways::Repeated);

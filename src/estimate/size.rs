@@ -43,7 +43,7 @@ pub struct Estimate {
     /// States that a surface is summed in: separations, of a loop twice.
     pub separations: f64,
     /// Whether surfaces are pulled back.
-    pub is_loop: bool,
+    pub is_turned: bool,
     /// Bytes of an asperity that is coupled; 0 where they are independent.
     pub coupled: f64,
     /// States in which the asperities of the first replica are recorded one by one.
@@ -83,7 +83,7 @@ impl Estimate {
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
-            is_loop: scene.cycle,
+            is_turned: scene.turns(),
             coupled: coupled(scene),
             told: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
             regimes: law.regimes().len() as f64,
@@ -159,7 +159,7 @@ impl Estimate {
     /// Bytes of the surfaces that are summed at the same time.
     fn surfaces(&self) -> f64 {
         let n = self.asperities;
-        let searched = n * if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
+        let searched = n * if self.is_turned { SEARCHED.1 } else { SEARCHED.0 };
         let Some(periods) = self.periods else { return self.workers() * (NUMBER * n + searched) };
         let of_moments = |n: f64, lanes: f64| {
             let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
@@ -268,7 +268,7 @@ mod tests {
     use super::*;
 
     const RUN: Estimate = Estimate {
-        is_loop: false,
+        is_turned: false,
         coupled: 0.0,
         told: 0.0,
         asperities: 1e6,

@@ -2,7 +2,7 @@
 
 use super::integral::{Integral, RESOLVING};
 use super::results::Results;
-use crate::asperity::{Laws, Loop, Path, Quantity};
+use crate::asperity::{Laws, Loop, Quantity};
 use crate::integral::{MeanField, Model, RetractionModel, substrate_stiffness};
 use crate::scene::Scene;
 use crate::substrate::Coupling;
@@ -43,9 +43,6 @@ pub(crate) fn mean_fields(
         way
     };
     let force_at = |x: f64| model.external_force_of_asperities(x);
-    if scene.history == Path::Retraction {
-        return vec![beside(MeanField::new(separations, stiffness, step, None, force_at))];
-    }
     let inward: Vec<f64> = separations.iter().rev().copied().collect();
     let approach = MeanField::new(&inward, stiffness, step, None, force_at).reversed();
     let retraction = cycle.map(|cycle| {
@@ -59,7 +56,8 @@ pub(crate) fn mean_fields(
         let force_at = |x: f64| model.external_force_of_asperities(x);
         MeanField::new(&inward, stiffness, step, None, force_at).reversed()
     });
-    [approach].into_iter().chain(retraction).chain(again).map(beside).collect()
+    let ways = [approach].into_iter().chain(retraction).chain(again);
+    ways.skip(scene.ways().first()).map(beside).collect()
 }
 
 /// The mean external force with coupling less a mean field at some states, N, its standard error, N, and z.

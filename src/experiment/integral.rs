@@ -1,6 +1,7 @@
 //! The integral of a scene, and what is read off it.
 
-use crate::asperity::{self, Laws, Loop, Path, Quantity, Regime};
+use crate::asperity::{Laws, Loop, Quantity, Regime};
+use crate::engine::Ways;
 use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
@@ -53,7 +54,7 @@ pub struct PathIntegral {
 /// ```
 #[derive(Clone)]
 pub struct Integral {
-    /// The integral on approach, or on the one path of the scene.
+    /// The integral on approach, or on retraction where that alone is the history.
     pub main: PathIntegral,
     /// The integral on the retraction of a loop.
     pub retraction: Option<PathIntegral>,
@@ -94,7 +95,7 @@ impl PathIntegral {
         Self { at_stiffest, at_pull_off, independence, features, expectations, forces }
     }
 
-    /// The integral of a law along one path.
+    /// The integral of a law on approach.
     pub(crate) fn of(scene: &Scene, law: Laws<'_>) -> Self {
         let model = Model::new(law, &scene.surface, &scene.separations);
         let at = |h: f64| model.answer(&[h], TOLERANCE);
@@ -207,15 +208,19 @@ impl Integral {
     /// The integral of a scene under a law, and along its loop if surfaces are pulled back.
     pub(crate) fn new(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Self {
         let closest = scene.separations[0];
+        let retraction = cycle.map(|cycle| PathIntegral::retraction(scene, cycle));
+        if let (Ways::Back, Some(main)) = (scene.ways(), &retraction) {
+            return Self { main: main.clone(), retraction: None, reapproach: None };
+        }
         let again = cycle.and_then(|cycle| RetractionModel::again(cycle, &scene.surface, closest));
         Self {
             main: PathIntegral::of(scene, law),
-            retraction: cycle.map(|cycle| PathIntegral::retraction(scene, cycle)),
+            retraction,
             reapproach: again.map(|model| PathIntegral::turned(scene, model)),
         }
     }
 
-    /// The main path, the retraction of a loop, and its second approach.
+    /// The main path, the retraction of a loop on both ways, and its second approach.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathIntegral> {
         [&self.main].into_iter().chain(&self.retraction).chain(&self.reapproach)
     }
@@ -226,25 +231,25 @@ impl Integral {
     }
 
     /// The readings off the integral with their places, and how good it is.
-    pub(crate) fn expected(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Expected {
+    pub(crate) fn expected(&self, scene: &Scene, law: Laws<'_>) -> Expected {
         let mut readings = self.pulled().readings(scene, law);
-        if self.retraction.is_some() {
+        if scene.turns() {
             let place = self.main.turn(scene);
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
             readings.push(reading(scene, law, (WhatIsRead::Turn, place), &at));
         }
         let error = self.paths().map(|way| way.expectations.quadrature_error).fold(0.0, maximum);
-        Expected { readings, error, held: self.held(scene, model, law) }
+        Expected { readings, error, held: self.held(scene, law) }
     }
 
     /// The pull-offs on approach and of surfaces that have touched, N, where these have another law.
-    fn held(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Option<[f64; 2]> {
+    fn held(&self, scene: &Scene, law: Laws<'_>) -> Option<[f64; 2]> {
         let pull_off = self.main.pull_off();
-        if scene.cycle || scene.history != Path::Approach || !(pull_off > 0.0) {
+        if scene.turns() || !(pull_off > 0.0) {
             return None;
         }
-        let touched = Scene { history: Path::Retraction, ..scene.clone() };
-        let other = touched.law_of(model).ok().filter(|other| other.boundaries() != law.boundaries())?;
-        Some([pull_off, PathIntegral::of(&touched, other.view()).pull_off()])
+        // The loop itself takes a hundred times as long where tops flow.
+        let touched = scene.touched_law().ok().filter(|other| other.boundaries() != law.boundaries())?;
+        Some([pull_off, PathIntegral::of(scene, touched.view()).pull_off()])
     }
 }

@@ -7,12 +7,12 @@ use super::integral::{Integral, PathIntegral};
 use super::keeper::Keeper;
 use super::partial::{Beginning, OverwritePolicy, Part, Run, beginning, write_restart};
 use super::result_file::{write_curves, write_head};
-use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
+use super::results::{PathResults, Results, RunMetadata, Stopped};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::snaps::missed_preloads;
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
-use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of};
+use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, Ways, batches_of};
 use crate::estimate::Estimate;
 use crate::integral::{Expectations, MeanField, controls};
 use crate::math::control_variates::controlled_means;
@@ -194,7 +194,7 @@ impl PreparedRun {
         phases.phase("integral");
         let (integral, warnings, mean_fields) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
-            let expected = integral.expected(&scene, &scene.model, law);
+            let expected = integral.expected(&scene, law);
             let warnings = warnings(&scene, &scene.model, law.typical, &expected);
             let mean_fields = match scene.replicas {
                 0 => Vec::new(),
@@ -261,11 +261,13 @@ impl PreparedRun {
         let scalars = controlled_means(&ensemble.groups.scalars, &self.expected);
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main, retraction, reapproach } = integral;
-        let PathIntegral { expectations, features: of_integral, .. } = main;
-        let of_mean = || mean_features(&scene, law.view(), &ensemble, &expectations);
-        let of_mean = if replicas == 0 { of_integral } else { of_mean() };
-        let retraction =
-            cycle.zip(retraction).map(|(cycle, way)| RetractionResults::new(&scene, cycle, &ensemble, way));
+        let back = |way| Some(PathResults::of_retraction(&scene, cycle?, &ensemble, way));
+        let retraction = retraction.and_then(back);
+        let main = match scene.ways() {
+            Ways::Back => back(main).expect("surfaces that are pulled back have a loop"),
+            _ => PathResults::of_approach(&scene, law.view(), &ensemble, main),
+        };
+        let PathResults { expectations, of_mean, of_integral } = main;
         let mut results = Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             fit: law.view().fit().cloned(),
@@ -303,8 +305,8 @@ fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &I
     }
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
-    // Of a loop the way on which the surfaces are pulled off.
-    let first = cycle.map_or(0, |_| scene.separations.len());
+    // The way on which the surfaces are pulled off.
+    let first = scene.ways().pulled() * scene.separations.len();
     let pulled = &integral.pulled().expectations;
     let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
     let controls = controls.into_iter().map(|place| first + place).collect();

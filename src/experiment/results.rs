@@ -9,6 +9,7 @@ use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Scene, Warning};
 use crate::validation::{Basis, JointTest};
+use std::cell::LazyCell;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,7 +23,7 @@ pub(crate) struct Results {
     pub fit: Option<FitReport>,
     pub expectations: Expectations,
     /// The retraction of a loop; everything else that belongs to one path is of the approach.
-    pub retraction: Option<RetractionResults>,
+    pub retraction: Option<PathResults>,
     /// The integral of the second approach of a loop of several cycles.
     pub reapproach: Option<Expectations>,
     pub ensemble: Box<Ensemble>,
@@ -34,8 +35,7 @@ pub(crate) struct Results {
     pub controls: Vec<usize>,
     /// Means of the scalars of the replicas, in the order of [`crate::engine::scalars`].
     pub scalars: Vec<ControlledMean>,
-    /// Pull-off and stiffest point of the mean curve of the external force, without replicas of the integral's, and of the
-    /// integral's.
+    /// Features of the one path, or of the approach: of [`PathResults`].
     pub of_mean: Features,
     pub of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
@@ -72,23 +72,42 @@ pub(crate) struct Partial {
     pub of: u64,
 }
 
-/// Results of a loop on retraction.
-pub(crate) struct RetractionResults {
+/// Results on one path.
+pub(crate) struct PathResults {
     pub expectations: Expectations,
-    /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
+    /// Pull-off and stiffest point of the mean curve of the external force, without replicas of the integral's, and of the
+    /// integral's.
     pub of_mean: Features,
     pub of_integral: Features,
 }
 
-impl RetractionResults {
-    /// Compares the mean curve of an ensemble with its integral.
-    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: PathIntegral) -> Self {
-        let q = Quantity::ExternalForce.index();
-        let separations = &scene.separations;
-        let PathIntegral { expectations, features: of_integral, forces, .. } = integral;
-        let model = RetractionModel::new(cycle, &scene.surface, separations[0]).knowing(forces);
-        let force = |h: f64| model.external_force(h);
-        let mean = &ensemble.curves[q].mean()[separations.len()..2 * separations.len()];
+impl PathResults {
+    /// Compares the mean curve of an ensemble on approach with its integral.
+    pub fn of_approach(scene: &Scene, law: Laws<'_>, ensemble: &Ensemble, integral: PathIntegral) -> Self {
+        // Without replicas it is not needed.
+        let model = LazyCell::new(|| Model::new(law, &scene.surface, &scene.separations));
+        Self::new(scene, (ensemble, 0), integral, |h| model.external_force(h))
+    }
+
+    /// Compares the mean curve of an ensemble on the retraction of a loop with its integral.
+    pub fn of_retraction(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: PathIntegral) -> Self {
+        let forces = integral.forces.clone();
+        let of_loop = || RetractionModel::new(cycle, &scene.surface, scene.separations[0]);
+        let model = LazyCell::new(|| of_loop().knowing(forces));
+        Self::new(scene, (ensemble, scene.ways().pulled()), integral, |h| model.external_force(h))
+    }
+
+    /// Compares the mean curve of an ensemble on a way, by its number, with an integral, which has a force, N, at a separation
+    /// h, m.
+    fn new(
+        scene: &Scene,
+        (ensemble, way): (&Ensemble, usize),
+        integral: PathIntegral,
+        force: impl Fn(f64) -> f64,
+    ) -> Self {
+        let (s, q) = (scene.separations.len(), Quantity::ExternalForce.index());
+        let PathIntegral { expectations, features: of_integral, .. } = integral;
+        let mean = &ensemble.curves[q].mean()[way * s..][..s];
         let of_mean = match ensemble.replicas.is_empty() {
             true => of_integral,
             false => near_features(force, scene, mean, &expectations.expected[q]),
@@ -160,22 +179,8 @@ impl Stopped {
     }
 }
 
-/// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its
-/// deviation from the integral, which is small, is interpolated.
-pub(crate) fn mean_features(
-    scene: &Scene,
-    law: Laws<'_>,
-    ensemble: &Ensemble,
-    expectations: &Expectations,
-) -> Features {
-    let q = Quantity::ExternalForce.index();
-    let model = Model::new(law, &scene.surface, &scene.separations);
-    let mean = &ensemble.curves[q].mean()[..scene.separations.len()];
-    near_features(|h| model.external_force(h), scene, mean, &expectations.expected[q])
-}
-
-/// Features of a mean curve that is known at the separations of a scene only, and is close to an integral
-/// that is expected there, N.
+/// Features of a mean curve that is known at the separations of a scene only, and is close to an integral that is expected
+/// there, N: between them its deviation from the integral, which is small, is interpolated.
 fn near_features(integral: impl Fn(f64) -> f64, scene: &Scene, mean: &[f64], expected: &[f64]) -> Features {
     let separations = &scene.separations;
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();

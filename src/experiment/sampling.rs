@@ -2,16 +2,16 @@
 
 use super::Error;
 use super::observer::Phases;
-use crate::asperity::{Laws, Loop, Path, Quantity, SurfaceLoops};
+use crate::asperity::{Laws, Loop, Quantity, SurfaceLoops};
 use crate::engine::{
     Batch, Bounds, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation,
-    run_from,
+    Ways, run_from,
 };
 use crate::integral::Expectations;
 use crate::output::OutputError;
 use crate::scene::{self, Instability, Scene, Sums};
 use crate::surface::SamplingScheme;
-use crate::validation::{Basis, Draws, JointTest, basis_of_loop, basis_to, z_scores};
+use crate::validation::{Basis, Draws, JointTest, basis_of_loop, basis_of_retraction, basis_to, z_scores};
 use std::sync::atomic::AtomicBool;
 
 /// The ensemble of a scene under a law.
@@ -44,6 +44,7 @@ impl Sampling<'_> {
             moments: None,
             protocol: Protocol {
                 cycle: self.cycle,
+                only_back: self.scene.ways() == Ways::Back,
                 loading: loading(self.scene),
                 substrate: self.scene.substrate.as_ref().map(|substrate| self.substrate(substrate)),
                 stiffness_span: Some(self.scene.stiffness_span),
@@ -60,7 +61,6 @@ impl Sampling<'_> {
             tolerance: *tolerance,
             loads_at,
             reduced_modulus: self.scene.asperity.reduced_modulus,
-            history: self.scene.history,
             memory: self.memory,
             length: self.scene.scale().length,
             energy: (!self.scene.model.is_wet()).then(|| self.scene.scale().energy()),
@@ -141,7 +141,7 @@ pub(crate) fn set_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Optio
 
 /// The springs and preloads of a scene.
 pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
-    let ways = (scene.history == Path::Approach, scene.cycle || scene.history == Path::Retraction);
+    let ways = (scene.ways() != Ways::Back, scene.turns());
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;
     let kept = if scene.curves && !preload.is_empty() { scene.separations.len() } else { 0 };
     Loading { stiffness, preload, smallest_snap: *smallest_snap, ways, kept }
@@ -153,6 +153,7 @@ pub(crate) fn basis_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Ba
     let Scene { surface, separations, .. } = scene;
     let draws = Draws { scheme: scene.sampling, replicas: scene.fewest_replicas() };
     match cycle {
+        Some(cycle) if scene.ways() == Ways::Back => basis_of_retraction(cycle, surface, separations, draws),
         Some(cycle) => basis_of_loop(law, cycle, surface, separations, draws),
         None => basis_to(law, surface, separations, draws, scene.sum_tolerance().unwrap_or(0.0)),
     }

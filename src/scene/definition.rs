@@ -54,12 +54,12 @@ pub struct Scene {
     /// The thickness of films before they drain into bridges, m, if they do.
     #[doc(hidden)]
     pub draining_film: Option<f64>,
-    /// The films on its ways, if there are any.
+    /// The films on approach and on the ways after it, if there are any.
     #[doc(hidden)]
     pub films: Vec<Films>,
     /// The history; of a loop its approach.
     pub history: Path,
-    /// Whether the surfaces are pulled back, each asperity by its own history.
+    /// Whether both ways of a loop are results; with the history `retraction` that way alone is.
     pub cycle: bool,
     /// Cycles of a loop, at least 1; every cycle after the first repeats the second.
     pub cycles: u64,
@@ -115,7 +115,7 @@ impl Scene {
     /// The tolerance of sums by moments, where they are to be tried.
     pub fn sum_tolerance(&self) -> Option<f64> {
         let responses = self.surface.asperity_count as f64 * self.states() as f64 * self.replicas as f64;
-        let is_fit = !self.cycle && self.substrate.is_none() && !self.surface.is_polydisperse();
+        let is_fit = !self.turns() && self.substrate.is_none() && !self.surface.is_polydisperse();
         let (_, tolerance) = self
             .sums
             .filter(|(sums, _)| *sums == Sums::Moments || (is_fit && responses >= MANY_RESPONSES))?;
@@ -149,11 +149,17 @@ impl Scene {
 
     /// The ways that its surfaces take.
     pub fn ways(&self) -> Ways {
-        match (self.cycle, self.cycles) {
-            (false, _) => Ways::One,
-            (true, 1) => Ways::Loop,
-            (true, _) => Ways::Repeated,
+        match (self.cycle, self.history) {
+            (true, _) if self.cycles > 1 => Ways::Repeated,
+            (true, _) => Ways::Loop,
+            (false, Path::Retraction) => Ways::Back,
+            (false, Path::Approach) => Ways::One,
         }
+    }
+
+    /// Whether its surfaces are brought close and pulled back, each asperity by its own history.
+    pub fn turns(&self) -> bool {
+        self.ways() != Ways::One
     }
 
     /// States that a surface is summed in: the separations once for each of its ways.
@@ -168,7 +174,7 @@ impl Scene {
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
         match self.ways() {
             Ways::One => Ok(None),
-            Ways::Loop => Loop::new(&self.model, &self.parameters()?).map(Some),
+            Ways::Back | Ways::Loop => Loop::new(&self.model, &self.parameters()?).map(Some),
             Ways::Repeated => Loop::repeated(&self.model, &self.parameters()?).map(Some),
         }
     }
@@ -192,7 +198,7 @@ impl Scene {
         loops.map(Some)
     }
 
-    /// The asperity law of the scene.
+    /// The asperity law of the scene on approach.
     ///
     /// # Errors
     /// As [`Scene::law_of`].
@@ -200,17 +206,26 @@ impl Scene {
         self.law_of(&self.model)
     }
 
-    /// Another law for the asperities of the scene.
+    /// Another law for the asperities of the scene on approach.
     ///
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
+        self.law_along(Path::Approach, model)
+    }
+
+    /// The law of asperities all of which have touched, and none of which has flowed: at least what a loop pulls.
+    pub(crate) fn touched_law(&self) -> Result<SurfaceLaws, LawError> {
+        self.law_along(Path::Retraction, &self.model)
+    }
+
+    fn law_along(&self, path: Path, model: &Model) -> Result<SurfaceLaws, LawError> {
         // Sums in parallel would wait for each other if one of them had to make these.
         let _ = self.surface.spread.len();
         let model = model.with_contact(self.model.contact);
         let model = self.model.meniscus().map_or(model, |meniscus| model.with_liquid(*meniscus));
-        let typical = model.law(&self.parameters()?)?;
-        let family = || Family::new(model, self.asperity, self.history, RADIUS_RANGE);
+        let typical = model.law(&LawParameters { path, ..self.parameters()? })?;
+        let family = || Family::new(model, self.asperity, path, RADIUS_RANGE);
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
     }
 
@@ -228,7 +243,7 @@ impl Scene {
     }
 
     fn parameters(&self) -> Result<LawParameters, LawError> {
-        let parameters = LawParameters::new(&self.asperity, self.history, self.interference_range())?;
+        let parameters = LawParameters::new(&self.asperity, Path::Approach, self.interference_range())?;
         Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
     }
 }

@@ -38,7 +38,7 @@ struct Expected {
 }
 
 impl Scene {
-    /// The films on the faces of the scene on its ways, if it has any.
+    /// The films on the faces of the scene on approach and on the ways after it, if it has any.
     ///
     /// # Errors
     /// [`LawError`] where a law cannot be made.
@@ -108,7 +108,7 @@ impl Scene {
         Self { model, ..self.clone() }.with_background_of(&model).with_spread()
     }
 
-    /// Expectations of the scene as it is on its ways.
+    /// Expectations of the scene as it is, on approach and on the ways after it.
     fn expected(&self) -> Result<Vec<Expected>, LawError> {
         let contents = self.expectations_on_ways(self.model.content(), &self.separations)?;
         let forces = self.expectations_on_ways(self.model, &self.separations)?;

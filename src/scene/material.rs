@@ -12,24 +12,33 @@ pub(super) struct Material {
     reduced_modulus: f64,
     work_of_adhesion: f64,
     equilibrium_spacing: f64,
+    /// Infinite, and NaN without a Poisson ratio, where neither is given for a law without plastic flow.
     hardness: f64,
     poisson_ratio: f64,
 }
 
 impl Material {
-    /// The material of `[material]`.
-    pub fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+    /// The material of `[material]`, of which contacts flow or stay elastic, whatever its hardness.
+    pub fn read(section: &Section<'_>, flows: bool) -> Result<Self, SceneError> {
+        let is_hard = flows || section.get("hardness").is_some();
+        let hardness = match is_hard {
+            true => section
+                .require("hardness")
+                .and_then(|entry| entry.one_or_two(Entry::measured).map(|hardness| Some((entry, hardness)))),
+            false => Ok(None),
+        };
         let readings = (
-            bodies(section),
+            bodies(section, is_hard),
             work_of_adhesion(section),
             section.value("equilibrium_spacing").measured(),
-            section
-                .require("hardness")
-                .and_then(|entry| entry.one_or_two(Entry::measured).map(|hardness| (entry, hardness))),
+            hardness,
         );
         let ((reduced_modulus, ratios), work_of_adhesion, equilibrium_spacing, hardness) =
             readings.together()?;
-        let (hardness, poisson_ratio) = softer(&hardness.0, &hardness.1, &ratios)?;
+        let (hardness, poisson_ratio) = match hardness {
+            Some((entry, hardness)) => softer(&entry, &hardness, &ratios)?,
+            None => (f64::INFINITY, ratios.first().copied().unwrap_or(f64::NAN)),
+        };
         Ok(Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio })
     }
 
@@ -62,14 +71,23 @@ impl Material {
     }
 }
 
-/// The reduced modulus, Pa, as it is given or that of two bodies, and the Poisson ratio that both have, or one of each.
-fn bodies(section: &Section<'_>) -> Result<(f64, Vec<f64>), SceneError> {
-    let ratios = section.require("poisson_ratio").and_then(|entry| match entry.one_or_two(ratio)? {
+/// The reduced modulus, Pa, as it is given or that of two bodies, and the Poisson ratio that both have, or one of each; none
+/// where it serves nothing.
+fn bodies(section: &Section<'_>, is_hard: bool) -> Result<(f64, Vec<f64>), SceneError> {
+    let is_needed =
+        is_hard || ["youngs_modulus", "poisson_ratio"].iter().any(|key| section.get(key).is_some());
+    let ratios = |entry: Entry<'_>| {
+        match entry.one_or_two(ratio)? {
         ratios if ratios.len() == 2 && section.get("youngs_modulus").is_none() => Err(entry.wrong(
             "two ratios are of two bodies with youngs_modulus; reduced_modulus needs that of the softer body alone",
         )),
         ratios => Ok(ratios),
-    });
+    }
+    };
+    let ratios = match is_needed {
+        true => section.require("poisson_ratio").and_then(ratios),
+        false => Ok(Vec::new()),
+    };
     let Some(moduli) = section.get("youngs_modulus") else {
         return (section.measured("reduced_modulus"), ratios).together();
     };

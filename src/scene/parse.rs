@@ -19,7 +19,7 @@ use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::validity::unknown_unloading;
 use super::{separation, stopping};
-use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
+use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS, Plasticity};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawParameters, Path, PlasticContact, model};
 use crate::engine::Stopping;
@@ -61,11 +61,12 @@ impl<'a> Readings<'a> {
             is_coupled: substrate.as_ref().is_ok_and(Option::is_some),
             has_body: root.get("shape").is_some(),
         };
-        let material = section("material").and_then(|material| Material::read(&material));
-        let population = section("surface")
-            .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, &around));
         let is_wet = root.get("capillary").is_some();
         let model = root.section_or_empty("model").and_then(|model| ModelTable::read(&model, is_wet));
+        let flows = model.as_ref().map_or(true, |own| own.law.validity.plasticity != Plasticity::Without);
+        let material = section("material").and_then(|material| Material::read(&material, flows));
+        let population = section("surface")
+            .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, &around));
         // What a separation is depends on the surface, whether it is one does not.
         let separation = root.section_or_empty("separation").and_then(|h| {
             let span = h.optional("stiffness_span", |span| span.measured());

@@ -46,6 +46,8 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
     } else {
         density * asperity.radius * sigma
     };
+    // Without a hardness nothing flows.
+    let known = |of_hardness: f64| if asperity.hardness.is_finite() { of_hardness } else { f64::NAN };
     vec![
         Range {
             name: "reduced_modulus",
@@ -57,7 +59,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
         },
         Range {
             name: "hardness over reduced_modulus",
-            value: asperity.hardness / asperity.reduced_modulus,
+            value: known(asperity.hardness / asperity.reduced_modulus),
             range: HARDNESSES,
             unit: ("", 1.0),
             reason: "three times (Tabor 1951) the yield strains of solids (Ashby 2011)",
@@ -97,7 +99,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
         },
         Range {
             name: "psi of sigma_s",
-            value: scene.plasticity_index(),
+            value: known(scene.plasticity_index()),
             range: PLASTICITY_INDICES,
             unit: ("", 1.0),
             reason: "known surfaces are within (Greenwood and Williamson 1966)",

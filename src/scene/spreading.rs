@@ -87,7 +87,7 @@ impl Scene {
         Some(Filling::new(meniscus, share, std, spectrum.m2))
     }
 
-    /// The expectations of the asperities of the scene under a law on its ways over separations, m, beginning with its own.
+    /// The expectations of the asperities of the scene under a law over separations, m: on approach, and on the ways after it.
     pub(super) fn expectations_on_ways(
         &self,
         model: Model,
@@ -122,7 +122,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// The liquid that spreads on the ways of the scene; nothing where it does on none.
+    /// The liquid that spreads on approach and on the ways after it; nothing where it does on none.
     fn spreads(&self, filling: &Filling, meniscus: &Meniscus) -> Result<Vec<Spread>, LawError> {
         let separations = self.spread_separations(meniscus);
         let surface = self.surface.plane();
@@ -138,14 +138,14 @@ impl Scene {
             let of = |regime: usize| (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k]);
             Wet::new(&regimes, wet.expected[area][k], of).covered(meniscus, &alone.surface)
         };
-        // On the way back there is liquid where a body was near enough.
+        // On the way back there is liquid where a body was near enough, or bridges form by themselves.
         let is_wet = |k: &usize| weight(covered(&wet[0], *k)) > 0.0;
         let reached =
             (0..separations.len()).rev().find(is_wet).map_or(0.0, |k| separations[k] - separations[0]);
         let spread = wet.iter().zip(&immersed).enumerate().map(|(way, (wet, immersed))| {
-            let is_held =
-                way > 0 || self.history == Path::Retraction || meniscus.bridges == Bridges::Reversible;
-            let deepest = if way > 0 { reached } else { f64::INFINITY };
+            let is_reversible = meniscus.bridges == Bridges::Reversible;
+            let is_held = way > 0 || is_reversible;
+            let deepest = if way > 0 && !is_reversible { reached } else { f64::INFINITY };
             let of_filling = |k: usize, h: f64| {
                 let filled = if is_held { filling.share(h) } else { 0.0 };
                 weight(covered(wet, k).max(filled))

@@ -64,6 +64,7 @@ static FIRST: &[Key] = &[
             "H sets where plastic flow begins: ω_c = (π k H / 2 E*)² R. A list of two has the hardness of both bodies: \
              the one with the smaller k H flows.",
         )
+        .follows("infinite under a law without plastic flow, such as `md`, `jkr` or `dmt`; all others require it")
         .swept(),
     key("material.poisson_ratio", "0.27", Number(POISSON_RATIOS.0, POISSON_RATIOS.1))
         .formerly("poissons_ratio")
@@ -72,6 +73,7 @@ static FIRST: &[Key] = &[
             "It enters k = 0.454 + 0.41 ν of plastic flow, and with `youngs_modulus` the reduced modulus. A list of two \
              is for both bodies, in the order of `youngs_modulus`; one value is for both.",
         )
+        .follows("not used without `hardness` and `youngs_modulus`; either requires it")
         .swept(),
     key("material.work_of_adhesion", "\"0.09 J/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
         .what("work of adhesion")
@@ -361,9 +363,9 @@ static FIRST: &[Key] = &[
         .formerly("path")
         .what("history")
         .about(
-            "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its \
-             stable branch. `loop`: approach, then retraction, each asperity by its own history. Surfaces that have touched are pulled off on `retraction`, or on `loop` where \
-             asperities have flowed.",
+            "`approach`: contact begins at first touch. `loop`: approach to the closest separation, then retraction from there, \
+             each asperity by its own history. `retraction`: the retraction of that loop, without the approach. Surfaces that \
+             have touched are pulled off on `loop` or `retraction`.",
         )
         .defaults_to("\"approach\""),
     key("model.critical_approach", "\"0.3 nm\"", Quantity(Of::Length, NotNegative))

@@ -8,7 +8,7 @@ use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
 use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::scale::{Asperity, STRESS_RATIO};
-use crate::asperity::{Law, Path, PlasticContact};
+use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
@@ -245,9 +245,8 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
 /// Contacts of the whole run that flow before the surfaces turn back, of a law of loading alone, and the plastic contact that is
 /// nearest to its own; none where too few do. Where radii scatter, contacts of small ones flow sooner.
 pub(super) fn unknown_unloading(scene: &Scene) -> Option<(f64, PlasticContact)> {
-    let is_turned = scene.cycle || scene.history == Path::Retraction;
     let Plasticity::Loading(nearest) = scene.model.validity.plasticity else { return None };
-    let onset = is_turned.then(|| flow_onset(scene.law_of(&scene.model).ok()?.typical.as_ref()))??;
+    let onset = scene.turns().then(|| flow_onset(scene.law_of(&scene.model).ok()?.typical.as_ref()))??;
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
     let flowing = contacts_beyond(scene, least);
     (flowing >= FEWEST_REFUSED).then_some((flowing, nearest))
@@ -271,7 +270,7 @@ fn contacts_beyond(scene: &Scene, interference: f64) -> f64 {
 
 /// Whether contacts unload that flow by adhesion alone.
 fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    let onset = flow_onset(law).filter(|onset| scene.cycle && *onset < 0.0)?;
+    let onset = flow_onset(law).filter(|onset| scene.turns() && *onset < 0.0)?;
     (contacts_beyond(scene, onset) >= FEWEST_UNLOADED).then(|| {
         Warning::new(
             format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
@@ -285,7 +284,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
 fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
     let Asperity { work_of_adhesion, equilibrium_spacing, hardness, .. } = scene.asperity;
     let stress = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * hardness);
-    let is_told = stress > LARGEST_STRESS && scene.cycle && model.unloads_flow();
+    let is_told = stress > LARGEST_STRESS && scene.turns() && model.unloads_flow();
     let flows = |onset: &f64| is_told && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
     flow_onset(law).filter(flows).map(|_| {
         Warning::new(
@@ -432,7 +431,7 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let (h, share) = (reading.separation, reading.untouched_adhesion);
     let is_of_tails = share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0;
     // The pull-off of a loop is on the way back, and spots under a body pull off elsewhere than their mean.
-    let is_read = !scene.cycle && surface.heights.depths().is_none();
+    let is_read = !scene.turns() && surface.heights.depths().is_none();
     (is_of_tails && is_read).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
         let flat = surface.nominal_area * planes.at(h).pressure;
@@ -458,7 +457,7 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
         let more = signed_percent(more);
         Warning::new(
             format!("surfaces that have touched are pulled off with {touched}, not {on_approach} ({more})"),
-            "contact lasts beyond first touch (Maugis 1992): model.history = \"approach\" is of surfaces that never touched",
+            "contact lasts beyond first touch (Maugis 1992), and longer where tops flowed: model.history = \"approach\" is of surfaces that never touched",
             "model.history = \"loop\" or \"retraction\" is of those that did",
         )
     })
@@ -468,7 +467,6 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
 /// known of contacts that have flowed.
 fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     let (psi, flows) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
-    let is_fresh = scene.history == Path::Approach && !scene.cycle;
     let found = format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}");
     let fresh = || {
         Warning::new(
@@ -493,9 +491,9 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
         )
     };
     match flows && psi > LARGEST_ELASTIC_PSI {
-        true if is_fresh => Some(fresh()),
-        true if scene.cycle => Some(flowed()),
-        _ => None,
+        true if scene.turns() => Some(flowed()),
+        true => Some(fresh()),
+        false => None,
     }
 }
 

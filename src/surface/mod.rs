@@ -350,9 +350,9 @@ impl Surface {
         self.less(self.spread.first(), separation, of_asperities)
     }
 
-    /// The external force on retraction of a loop, N, likewise; of surfaces that have one way only, on that.
+    /// The external force on retraction of a loop, N, likewise.
     pub fn external_force_back(&self, separation: f64, of_asperities: f64) -> f64 {
-        self.less(self.spread.get(1).or(self.spread.first()), separation, of_asperities)
+        self.less(self.spread.get(1), separation, of_asperities)
     }
 
     /// The external force on the second approach of a loop, N, likewise.

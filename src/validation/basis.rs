@@ -123,15 +123,27 @@ pub fn basis_of_loop<'a>(
     draws: Draws,
 ) -> Basis {
     let laws = laws.into();
-    let d = |h: &f64| surface.asperity_separation(*h);
-    let closest = d(&separations[0]);
-    let inward = separations.iter().map(|h| StateAt::Way(laws, d(h)));
-    let back = |h: &f64| Turned { cycle, from: closest, distance: d(h) - closest };
-    let outward = separations.iter().map(|h| StateAt::Retraction(back(h)));
-    let again = separations.iter().map(|h| StateAt::Again(back(h)));
-    let again = again.filter(|_| cycle.again().is_some());
-    let states: Vec<StateAt<'_>> = inward.chain(outward).chain(again).collect();
+    let inward = separations.iter().map(|h| StateAt::Way(laws, surface.asperity_separation(*h)));
+    let back = |of: fn(_) -> _| turned(cycle, surface, separations).map(of);
+    let again = back(StateAt::Again).filter(|_| cycle.again().is_some());
+    let states: Vec<StateAt<'_>> = inward.chain(back(StateAt::Retraction)).chain(again).collect();
     basis_of(&states, surface, draws, ACCURACY)
+}
+
+/// The functionals for the retraction of a loop alone.
+pub fn basis_of_retraction(cycle: &Loop, surface: &Surface, separations: &[f64], draws: Draws) -> Basis {
+    let states: Vec<StateAt<'_>> = turned(cycle, surface, separations).map(StateAt::Retraction).collect();
+    basis_of(&states, surface, draws, ACCURACY)
+}
+
+/// A loop at separations h, m, after it turned at the first of them.
+fn turned<'a>(
+    cycle: &'a Loop,
+    surface: &'a Surface,
+    separations: &'a [f64],
+) -> impl Iterator<Item = Turned<'a>> {
+    let from = surface.asperity_separation(separations[0]);
+    separations.iter().map(move |h| Turned { cycle, from, distance: surface.asperity_separation(*h) - from })
 }
 
 /// The number of separations that the functionals look at, out of `separations`.

@@ -15,7 +15,7 @@ mod joint;
 mod null;
 mod several;
 
-pub use basis::{Basis, Draws, basis, basis_of_loop};
+pub use basis::{Basis, Draws, basis, basis_of_loop, basis_of_retraction};
 #[doc(hidden)]
 pub use basis::{MAX_COMPONENTS, basis_to, tested_separations};
 #[doc(hidden)]

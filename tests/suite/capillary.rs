@@ -469,7 +469,8 @@ fn surfaces_agree_with_their_integrals() {
         let file = unlocked::open(folder.path("scene.h5"));
         let values = |name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
         let wet = values("capillary/wet_share");
-        assert!(wet.windows(2).all(|pair| pair[0] >= pair[1]) && wet[0] > 0.3, "{wet:?}");
+        // Bridges that keep their liquid are as many everywhere, but for rounding.
+        assert!(wet.windows(2).all(|pair| pair[0] >= pair[1] * (1.0 - 1e-14)) && wet[0] > 0.3, "{wet:?}");
         let covered = values("capillary/covered_share");
         assert!(covered.iter().all(|share| (0.0..=1.0).contains(share)) && covered[0] > 0.01);
         let spread = values("capillary/spread_force");
@@ -647,10 +648,9 @@ fn bridges_are_missing_from_the_film(histories: &[&str]) {
         for (way, is_back) in ways {
             let thickness = values(&format!("film/{way}thickness"));
             for (&h, &t) in separations.iter().zip(&thickness) {
-                let end = |meniscus: &Meniscus| match (is_back, history) {
-                    (false, _) => formed(meniscus),
-                    (true, "loop") => broken(meniscus).min(formed(meniscus) + h - separations[0]),
-                    (true, _) => broken(meniscus),
+                let end = |meniscus: &Meniscus| match is_back {
+                    false => formed(meniscus),
+                    true => broken(meniscus).min(formed(meniscus) + h - separations[0]),
                 };
                 let expected = balance(of, h, end);
                 assert!((t - expected).abs() < 1e-4 * 1e-9, "{history} {way} {h:e}: {t:e} {expected:e}");
@@ -671,7 +671,8 @@ fn bridges_are_missing_from_the_film(histories: &[&str]) {
 /// The faces of `configs/humidity.toml`, so hard that they stay elastic, at a relative humidity and separations.
 fn faces(humidity: f64, separations: &str) -> Scene {
     let text = include_str!("../../configs/humidity.toml");
-    let text = text.replace("to = 8.5, count = 161", separations);
+    // All asperities have touched that do further away.
+    let text = text.replace("from = 0.5", "from = -2.5").replace("to = 8.5, count = 161", separations);
     let text = text.split("[sweep]").next().unwrap();
     let text = text
         .replace("relative_humidity = 0.45", &format!("relative_humidity = {humidity}"))

@@ -18,6 +18,7 @@ mod cycles;
 mod ensemble;
 mod extremes;
 mod forest;
+mod histories;
 mod hostile_files;
 mod hybrid;
 mod independence;

@@ -1,7 +1,8 @@
 //! Scenes of eight lines: what they take by default, and the range of separations that follows from a surface.
 
-use crate::common::program::{Folder, QUICK, assert_exit, text};
+use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, unbroken};
 use stiction::Scene;
+use stiction::asperity::models::{MODELS, Plasticity};
 
 const SMALLEST: &str = "[material]\nyoungs_modulus = \"160 GPa\"\npoisson_ratio = 0.22\nhardness = \"11 GPa\"\n\
                         work_of_adhesion = \"20 mJ/m^2\"\n[surface]\nasperity_radius = \"100 nm\"\nasperity_density = \"50 /um^2\"\n\
@@ -31,6 +32,69 @@ fn the_body_with_the_smaller_k_h_flows() {
     }
     let one = Scene::parse(&SMALLEST.replace("0.22", "[0.22, 0.3]")).unwrap_err().to_string();
     assert!(one.contains("`material.hardness = \"11 GPa\"`: which body is that of?"), "{one}");
+}
+
+/// A scene without its lines on hardness and Poisson ratio.
+fn bare(scene: &str) -> String {
+    let of_flow = |line: &&str| !["hardness", "poisson_ratio"].iter().any(|key| line.starts_with(key));
+    scene.lines().filter(of_flow).map(|line| line.to_owned() + "\n").collect()
+}
+
+#[test]
+fn laws_that_flow_miss_their_hardness() {
+    for model in MODELS {
+        let scene = bare(&QUICK.replace("\"hybrid\"", &format!("\"{}\"", model.name)));
+        let message = "`material.hardness` is missing; for example hardness = \"2.5 GPa\"";
+        match Scene::parse(&scene) {
+            Ok(scene) => {
+                assert!(model.validity.plasticity == Plasticity::Without, "{}", model.name);
+                assert_eq!(scene.asperity.hardness, f64::INFINITY);
+            }
+            Err(error) => {
+                assert!(model.validity.plasticity != Plasticity::Without, "{}: {error}", model.name);
+                assert!(error.to_string().contains(message), "{}: {error}", model.name);
+            }
+        }
+    }
+    let moduli = QUICK.replace("\"hybrid\"", "\"dmt\"").replace("reduced_modulus", "youngs_modulus");
+    let error = Scene::parse(&bare(&moduli)).unwrap_err().to_string();
+    assert!(error.contains("`material.poisson_ratio` is missing"), "{error}");
+    let half = QUICK.replace("\"hybrid\"", "\"dmt\"").replace("poisson_ratio = 0.27 ", "#");
+    let error = Scene::parse(&half).unwrap_err().to_string();
+    assert!(error.contains("`material.poisson_ratio` is missing"), "{error}");
+}
+
+/// Without a hardness an elastic law has the numbers of a body that is as hard as can be, and no command trips over it.
+#[test]
+fn elastic_laws_need_no_hardness() {
+    let radii =
+        "radii = { law = \"lognormal\", coefficient_of_variation = 0.2 }\nlubricant_thickness = \"0 nm\"";
+    let scene = small().replace("replicas = 40", "replicas = 8").replace("100 um^2", "20 um^2");
+    let [jkr, emd] = ["jkr", "emd"].map(|law| scene.replace("\"hybrid\"", &format!("\"{law}\"")));
+    let jkr = jkr.replace("lubricant_thickness = \"0.5 nm\"", radii).replace("\"approach\"", "\"loop\"");
+    for scene in [jkr, emd] {
+        let hard = Folder::new(&scene.replace("2.5 GPa", "1e9 GPa"));
+        assert_exit(&hard.stiction(&["run", "scene.toml"]), 0);
+        let folder = Folder::new(&bare(&scene));
+        for arguments in [
+            &["check", "scene.toml"][..],
+            &["run", "scene.toml"],
+            &["validate", "scene.h5"],
+            &["info", "scene.h5"],
+            &["compare", "scene.toml", "--laws", "dmt,jkr"],
+        ] {
+            let output = folder.stiction(arguments);
+            assert_exit(&output, 0);
+            let said = unbroken(&text(&output.stdout));
+            assert!(!said.contains("NaN") && !said.contains("psi of sigma_s"), "{arguments:?}: {said}");
+        }
+        for (own, other) in bits(&folder.path("scene.h5")).iter().zip(&bits(&hard.path("scene.h5"))) {
+            assert!(own.0.starts_with("/: ") || own == other, "{}", own.0);
+        }
+    }
+    let flows = Folder::new(&bare(&small())).stiction(&["compare", "scene.toml", "--laws", "dmt,hybrid"]);
+    assert_exit(&flows, 2);
+    assert!(text(&flows.stderr).contains("`material.hardness` is missing"), "{}", text(&flows.stderr));
 }
 
 #[test]

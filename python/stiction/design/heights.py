@@ -45,8 +45,9 @@ def attraction(run: Mapping[Any, Any], low: float, high: float) -> tuple[Array, 
 
     `run` are the attributes of a run, with the numbers of its asperities.
     """
-    law = {key: run[key] for key in _ASPERITY}
-    law |= {"radius": run["asperity_radius"], "path": run["history"]}
+    # Without a hardness nothing flows.
+    known = (key for key in _ASPERITY if key == "law" or np.isfinite(run[key]))
+    law = {key: run[key] for key in known} | {"radius": run["asperity_radius"]}
 
     def solved(at: Array) -> Array:
         values: Array = -single.asperity(interference=at, **law).external_force.values

@@ -67,7 +67,7 @@ class Patches:
         self._first = int(self._seeds.integers(2**62))
         with self._sampled(_PILOT) as run:
             self._scene = dict(run.attrs)
-            self.is_loop = self._scene["history"] == "loop"
+            self.history = self._scene["history"]
             self.separations = run["replicas/separation"].values
             self.pull_off, self.preload = self._of(run), None
             turn = float(self.separations.min())
@@ -131,7 +131,8 @@ class Patches:
 
     def _one(self, h: Array) -> Array:
         """Attraction, N, of single asperities, (separations, cells), on the way back from where patches turn."""
-        given = np.unique([self._turn, *h]) if self.is_loop else h
+        # What an asperity remembers is from where the patches turn.
+        given = h if self.history == "approach" else np.unique([self._turn, *h])
         separation = {"h": [f"{float(one)!r} m" for one in given]}
         changes = {"separation": separation, "output": {"curves": True}, "instability": None, "substrate": None}
         with self._computed(self._cells.z[:, None], **changes) as run:
@@ -140,7 +141,7 @@ class Patches:
 
     def _force(self, run: Any) -> Any:
         """External force of the patches of a run, N; of a loop on the way back."""
-        return run["replicas/retraction_external_force" if self.is_loop else "replicas/external_force"]
+        return run["replicas/retraction_external_force" if self.history == "loop" else "replicas/external_force"]
 
     @functools.cached_property
     def _cells(self) -> tilting.Cells:
@@ -151,8 +152,8 @@ class Patches:
     @functools.cached_property
     def _tilts(self) -> tilting.Tilts:
         patch = tilting.Patch(self._cells, self.count, self.poisson, self._one, self._pull_off)
-        back = self.separations[self.separations >= self._turn] if self.is_loop else self.separations
-        return tilting.Tilts(patch, back)
+        outward = self.separations[self.separations >= self._turn]
+        return tilting.Tilts(patch, outward)
 
     @functools.cached_property
     def _asperity(self) -> tuple[Array, Array]:
@@ -161,8 +162,8 @@ class Patches:
 
     @functools.cached_property
     def _below(self) -> splitting.Curves:
-        if self.is_loop:
-            raise SceneError('model.history = "loop": probabilities below a force are of approach or retraction; count the patches of a long run')
+        if self.history != "approach":
+            raise SceneError(f'model.history = "{self.history}": probabilities below a force are of approach; count the patches of a long run')
         if _is_coupled(self.tables):
             raise SceneError("substrate: probabilities below a force are of independent asperities; count the patches of a long run")
         with self._sampled(_PILOT_BELOW) as run:

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from .. import quantities
 from ..results import Run
-from .run import WAYS, histogram, values
+from .run import WAYS, histogram, left_out, values
 from .style import (
     BLUE,
     COLORS,
@@ -276,6 +276,7 @@ def force_curve(
     ax.set_ylim(-1.12 * pull / unit if pull > 0.0 else None, 1.05 * highest / unit)
     ax.set(xlabel=label("piezo position", length_sign), ylabel=label("external force", sign))
     handles.append(Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="jumps"))
+    handles += left_out(run)
     words = f"cantilever {quantities.si(curve['stiffness'], 'N m-1', 3)}"
     ax.text(0.98, 0.97, words, transform=ax.transAxes, ha="right", va="top", fontsize="small")
     legend(ax, handles)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
@@ -60,6 +61,12 @@ def ways(run: Run) -> list[tuple[str, str, str, Any]]:
     if run.attrs["history"] == "loop":
         return [way for way in WAYS if f"integral/{way[1]}external_force" in run]
     return [(plain(run.attrs["history"]), "", BLUE, "-")]
+
+
+def left_out(run: Run) -> list[Line2D]:
+    """The line of a legend on asperities that the law leaves out, where it leaves out any."""
+    words = f"left out by the law: {run.left_out.split(' and ')[0]}"
+    return [Line2D([], [], linestyle="none", label=words)] if run.left_out else []
 
 
 def is_invalid(run: Run) -> Any:
@@ -149,7 +156,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         handles += marker
     handles += _snaps(run, ax, x, means, unit)
     marks = [marked_invalid(ax, x, mean / unit, is_invalid(run)) for mean in means.values()]
-    handles += marks[0]
+    handles += [*marks[0], *left_out(run)]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)
@@ -176,7 +183,7 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
     for way, force, color, line in curves:
         handles += ax.plot(values(run, "integral/h_star"), force / unit, color=color, linestyle=line, label=f"integral, {way}")
     marks = [marked_invalid(ax, values(run, "integral/h_star"), force / unit, is_invalid(run)) for _, force, _, _ in curves]
-    handles += marks[0]
+    handles += [*marks[0], *left_out(run)]
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if lowest < 0.0:
         ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)

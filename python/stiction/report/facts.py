@@ -64,7 +64,7 @@ class Facts:
 
 _HISTORIES = {
     "approach": "on approach",
-    "retraction": "on retraction from contact",
+    "retraction": "on retraction from the closest separation",
     "loop": "a loop: to the smallest separation and back",
 }
 _INDEPENDENCE = {"good": "good", "a shift": "caution", "invalid": "bad"}
@@ -138,6 +138,8 @@ def _law(result: Result) -> Iterator[tuple[str, str]]:
     attrs = result.attrs
     if "law" in attrs and "model_law" not in result:
         yield "law of an asperity", str(attrs["law"])
+    if result.left_out:
+        yield "left out by the law", result.left_out
     if "history" in attrs:
         yield "history", _HISTORIES.get(str(attrs["history"]), str(attrs["history"]))
 

@@ -53,7 +53,7 @@ impl Square {
     /// Goes through separations d, m.
     fn travel(&self, path: &[f64]) -> Vec<State> {
         let mut solver = self.solver();
-        solver.begin(path[0], false);
+        solver.begin(path[0]);
         let go = |d: &f64| {
             let settled = solver.settle(*d);
             State { lost: solver.energy_lost(), settled }
@@ -179,7 +179,7 @@ fn loops_lose_their_work(cases: &[(&str, Coupling)], (count, halvings): (usize, 
         let around = |count: usize, halvings: u32| {
             let path = there_and_back(6e-9, -1e-9, count);
             let mut solver = square.solver();
-            solver.begin(path[0], false);
+            solver.begin(path[0]);
             assert!(solver.settle(path[0]).is_converged);
             let parts: Vec<[f64; 2]> = path[1..].iter().map(|d| work_to(&mut solver, *d, halvings)).collect();
             [0, 1].map(|k| parts.iter().map(|part| part[k]).sum::<f64>())
@@ -215,7 +215,7 @@ fn passages_that_another_relieves_are_undone() {
     let (places, heights) = (vec![[0.25, 0.25], [0.75, 0.75]], vec![0.0, 0.3 * relief - step]);
     let square = Square { places, heights, ..one };
     let mut solver = square.solver();
-    solver.begin(length, false);
+    solver.begin(length);
     for d in [length, 1e-3 * length, -step] {
         assert!(solver.settle(d).is_converged, "{d:e}");
     }

@@ -45,7 +45,7 @@ fn two_at_jumps_to_either_side_hold_each_other() {
         let length = parameters.scale.length;
         let laws = [0, 1].map(|_| (Memory::None(Held::Shared(law)), length));
         let mut solver = pair(&of, laws, &heights);
-        solver.begin(d + 1e-9, false);
+        solver.begin(d + 1e-9);
         for step in (0..=20).rev() {
             let settled = solver.settle(d + 0.05e-9 * f64::from(step));
             assert!(settled.is_converged, "{shares:?} {step}: {settled:?}");
@@ -89,7 +89,7 @@ fn one_that_contact_takes_back_out_stays_where_contact_begins() {
             (Memory::None(Held::Shared(neighbour.as_ref())), length),
         ];
         let mut solver = pair(&of, laws, &heights);
-        solver.begin(d + 1e-9, false);
+        solver.begin(d + 1e-9);
         for step in (0..=20).rev() {
             let settled = solver.settle(d + 0.05e-9 * f64::from(step));
             assert!(settled.is_converged, "{share} {step}: {settled:?}");
@@ -146,7 +146,7 @@ fn near_neighbours_give_way_as_all_do() {
         let half_space = HalfSpace::new(coupling, places, 1.0 / (PI * of.reduced_modulus * side), 1e-10);
         let laws = vec![RadiusLaws::new(Memory::None(Held::Shared(law.as_ref())), length)];
         let mut solver = Solver::new(Asperities::new(laws, vec![0; count]), half_space, &heights, 1e-9);
-        solver.begin(2e-9, false);
+        solver.begin(2e-9);
         for step in 1..=8 {
             let settled = solver.settle(2e-9 - 5e-10 * f64::from(step));
             assert!(settled.is_converged, "{coupling:?} {step}: {settled:?}");

@@ -61,8 +61,8 @@ impl Surface<'_> {
         }
     }
 
-    /// Goes through separations d, m, in their order; asperities have touched before the first, or have not.
-    fn travel(&self, of: &Asperity, has_touched: bool, path: &[f64]) -> Vec<State> {
+    /// Goes through separations d, m, in their order.
+    fn travel(&self, of: &Asperity, path: &[f64]) -> Vec<State> {
         let model = model(self.law).unwrap();
         let parameters = parameters(of, Path::Approach);
         let cycle = Loop::new(&model, &parameters).unwrap();
@@ -77,7 +77,7 @@ impl Surface<'_> {
         let laws = vec![RadiusLaws::new(memory, parameters.scale.length)];
         let asperities = Asperities::new(laws, vec![0; self.heights.len()]);
         let mut solver = Solver::new(asperities, half_space, &self.heights, 1e-13);
-        solver.begin(path[0], has_touched);
+        solver.begin(path[0]);
         let go = |&d: &f64| {
             let settled = solver.settle(d);
             assert!(settled.is_converged, "{} {:?} {d:e}: {settled:?}", self.law, self.coupling);
@@ -111,7 +111,7 @@ fn two_spheres_meet_the_root_of_one_equation() {
     for distance in [1e-7, 2e-7, 1e-6] {
         let surface = Surface::pair("hertz", distance);
         let path = steps(0.0, -4e-9, 8);
-        for (state, d) in surface.travel(&of, false, &path).iter().zip(path).skip(1) {
+        for (state, d) in surface.travel(&of, &path).iter().zip(path).skip(1) {
             let force = |delta: f64| 4.0 / 3.0 * of.reduced_modulus * of.radius.sqrt() * delta.powf(1.5);
             let (mut low, mut high) = (0.0, -d);
             for _ in 0..200 {
@@ -140,7 +140,7 @@ fn neighbours_shift_the_pull_off_and_do_not_change_it() {
         let order = 0.212 * (radius / distance).powi(3);
         assert_close(contact / single - 1.0, order, 0.05 * order, "reference");
         let path = [steps(-2e-9, place, 20), vec![place + 2e-12, place + 4e-12]].concat();
-        let way = Surface::pair("jkr", distance).travel(&of, true, &path);
+        let way = Surface::pair("jkr", distance).travel(&of, &path);
         for state in &way {
             assert!(state.settled.avalanches.count == 0, "{:?}", state.settled);
             assert!(state.forces.iter().all(|force| *force >= -single * (1.0 + 1e-13)), "{:?}", state.forces);
@@ -163,14 +163,13 @@ fn pairs_jump_at_their_folds() {
     for fold in all["folds"].as_array().unwrap() {
         let [distance, radius, work] = named(fold, ["distance", "radius", "work_of_adhesion"]);
         let of = Asperity { radius, work_of_adhesion: work, ..reference(&all) };
-        for (name, far, has_touched, sign) in [("jump_in", 3e-9, false, 1.0), ("jump_off", -3e-9, true, -1.0)]
-        {
+        for (name, far, sign) in [("jump_in", 3e-9, 1.0), ("jump_off", -3e-9, -1.0)] {
             let jump = &fold[name];
             let [place, before, after] = named(jump, ["separation", "approach_before", "approach_after"]);
             let [force, lost] = named(jump, ["force_after", "energy_lost"]);
             let mut path = steps(place + far, place + sign * BESIDE, 60);
             path.push(place - sign * BESIDE);
-            let way = Surface::pair("idmt", distance).travel(&of, has_touched, &path);
+            let way = Surface::pair("idmt", distance).travel(&of, &path);
             let of_none = way.iter().filter(|state| state.lost == 0.0).count();
             assert_eq!((of_none, way.len()), (61, 62), "{name}");
             // Beyond the fold by a little, to the next order, which goes like the power 3/2.
@@ -189,8 +188,8 @@ fn pairs_jump_at_their_folds() {
         let [largest] = named(fold, ["largest_distance"]);
         let far = Surface::pair("idmt", 1.2 * largest);
         let path = steps(1e-9, 0.0, 25);
-        let [inward, outward] = [(false, path.clone()), (true, path.iter().rev().copied().collect())]
-            .map(|(has_touched, path)| far.travel(&of, has_touched, &path));
+        let [inward, outward] =
+            [path.clone(), path.into_iter().rev().collect()].map(|path| far.travel(&of, &path));
         for (inward, outward) in inward.iter().zip(outward.iter().rev()) {
             assert_close(inward.forces[0], outward.forces[0], 1e-10 * inward.forces[0].abs(), "both ways");
         }
@@ -212,7 +211,7 @@ fn the_first_order_in_the_compliance_is_its_closed_form() {
             let (places, heights) = (places.clone(), heights.clone());
             let surface =
                 Surface { law, coupling, side: *side, places, heights, softness, kernel: Kernel::Point };
-            surface.travel(&of, false, &[d + 20e-9, d])[1].total()
+            surface.travel(&of, &[d + 20e-9, d])[1].total()
         };
         assert_close(total(1e-9), independent, 1e-7 * independent.abs(), name);
         let [one, half] = [1e-3, 5e-4].map(|softness| (total(softness) - independent) / softness);
@@ -269,7 +268,7 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
                 let (law, coupling) = ("hertz", Coupling::Periodic);
                 let surface =
                     Surface { law, coupling, side, places, heights, softness, kernel: Kernel::Point };
-                surface.travel(&of, false, &[d + 20e-9, d])[1].total()
+                surface.travel(&of, &[d + 20e-9, d])[1].total()
             };
             (own(softness) - own(1e-9 * softness)) / softness
         };
@@ -300,7 +299,7 @@ fn cells_of_one_sphere_are_one_cell() {
         let surface = flat(n as f64 * cell, places, Kernel::Point);
         let states = all["lattice"]["states"].as_array().unwrap();
         let path: Vec<f64> = states.iter().map(|state| state["point_separation"].as_f64().unwrap()).collect();
-        for (found, expected) in surface.travel(&of, false, &path).iter().zip(states) {
+        for (found, expected) in surface.travel(&of, &path).iter().zip(states) {
             let [radius, force] = named(expected, ["radius", "point_force"]);
             let tolerance = 1e-12 / (1.0 - radius / end);
             for own in &found.forces {
@@ -320,7 +319,7 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     let surface = flat(cell, vec![[0.5, 0.5]], Kernel::Point);
     let states = &lattice["states"].as_array().unwrap()[..4];
     let path: Vec<f64> = states.iter().map(|state| state["contact_separation"].as_f64().unwrap()).collect();
-    let found = surface.travel(&of, false, &path);
+    let found = surface.travel(&of, &path);
     let orders = found.iter().zip(states).map(|(point, contact)| {
         let [radius, force] = named(contact, ["radius", "contact_force"]);
         (radius / cell, (force / point.forces[0] - 1.0) / (radius / cell).powi(3))
@@ -347,11 +346,11 @@ fn a_lattice_of_finite_contacts_has_its_closed_form() {
         (-(radius * radius / bent + force * widened / (PI * of.reduced_modulus)), force)
     });
     let (path, forces): (Vec<f64>, Vec<f64>) = exact.unzip();
-    for (state, expected) in surface.travel(&of, false, &path).iter().zip(forces) {
+    for (state, expected) in surface.travel(&of, &path).iter().zip(forces) {
         assert_close(state.forces[0] / expected, 1.0, 3e-12, "force");
     }
     let path: Vec<f64> = states.iter().map(|state| state["contact_separation"].as_f64().unwrap()).collect();
-    for (found, state) in surface.travel(&of, false, &path).iter().zip(states) {
+    for (found, state) in surface.travel(&of, &path).iter().zip(states) {
         let [radius, force] = named(state, ["radius", "contact_force"]);
         let off = found.forces[0] / force - 1.0;
         assert!(off.abs() < 0.6 * (radius / cell).powi(5) + 1e-12, "{off:e} at a = {} L", radius / cell);
@@ -375,7 +374,7 @@ fn finite_contacts_change_the_pull_off() {
         let place = alone * stretch - raised / (PI * of.reduced_modulus);
         let surface = Surface { kernel: Kernel::Contact, ..Surface::pair("jkr", distance) };
         let path = [steps(-2e-9, place, 20), vec![place + 1e-12, place + 2e-12]].concat();
-        let way = surface.travel(&of, true, &path);
+        let way = surface.travel(&of, &path);
         for (found, delta) in way[20].forces.iter().zip(&way[20].interference) {
             assert_close(-found, force, 1e-11 * force, "pull-off");
             assert_close(*delta, -alone * stretch, 1e-7 * alone, "interference at pull-off");
@@ -444,7 +443,7 @@ fn responses_are_reciprocal() {
             heights[i] += by;
             let (side, places) = (given.side, given.places.clone());
             let surface = Surface { law: "hertz", coupling, side, places, heights, softness: 1.0, kernel };
-            surface.travel(&of, false, &[20e-9, 1e-9]).pop().unwrap().forces
+            surface.travel(&of, &[20e-9, 1e-9]).pop().unwrap().forces
         };
         let first = forces(0, 0.0);
         let touching: Vec<usize> = (0..30).filter(|i| first[*i] > 1e-7).take(5).collect();

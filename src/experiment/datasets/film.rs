@@ -31,7 +31,7 @@ fn of_history(history: History) -> [Dataset; 2] {
     let words = "external force of the integral{} with the films of each separation, compressive positive";
     let films = move |results: &Results| -> Option<Films> {
         film(results)?;
-        results.scene.films.get(history.place).cloned()
+        results.scene.films.get(results.scene.ways().first() + history.place).cloned()
     };
     [
         Dataset::new(history.path(GROUP, "thickness"), &[Separation], "m", thickness, move |results| {

@@ -93,10 +93,10 @@ fn of_history(history: History) -> [Dataset; 4] {
                  positive: in the external force, not in the adhesion force",
             ),
             move |results| {
-                let surface = &results.scene.surface;
-                (results.scene.model.meniscus().is_some() && history.states(results).is_some()).then(|| {
-                    let spread = surface.spread.get(history.place);
-                    forces(&results.scene, |h| spread.map_or(0.0, |spread| spread.pressure(h)))
+                let scene = &results.scene;
+                (scene.model.meniscus().is_some() && history.states(results).is_some()).then(|| {
+                    let spread = scene.surface.spread.get(scene.ways().first() + history.place);
+                    forces(scene, |h| spread.map_or(0.0, |spread| spread.pressure(h)))
                 })
             },
         ),

@@ -39,6 +39,7 @@ TARGETS = [
 MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
+    "ending_law": of_scene("quick", 20, **{"model.law": "emd", "material.hardness": "1 GPa"}),
     "retraction": of_scene("quick", 40, **{"model.law": "md_plastic", "model.history": "retraction"}),
     "loop": of_scene("loop", 20),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),

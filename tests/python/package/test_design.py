@@ -401,8 +401,10 @@ def test_the_largest_preload_is_taken_in_any_order():
 
 
 def test_loops_have_no_probability_below_and_preloads_are_reached():
-    with pytest.raises(SceneError, match=r'model\.history = "loop": probabilities below'):
-        probability(pressed(), below="1 uN")
+    for history in ("loop", "retraction"):
+        tables = {**pressed(), "model": {"law": "md_plastic", "history": history}}
+        with pytest.raises(SceneError, match=rf'model\.history = "{history}": probabilities below'):
+            probability(tables, below="1 uN")
     with pytest.raises(SceneError, match=r"instability\.preload: 64 of 64 patches do not reach 1\.000 N"):
         probability(pressed("1 N"), above="1 uN")
 

@@ -31,6 +31,11 @@ def lines(ax):
     return {str(line.get_label()): line for line in ax.lines}
 
 
+def told(ax):
+    """The words of the legend."""
+    return [words.get_text() for words in ax.get_legend().get_texts()]
+
+
 def unit_of(ax):
     """The factor of the unit in the label of the y axis."""
     sign = re.search(r"\((.)?N\)$", ax.get_ylabel())[1] or ""
@@ -241,6 +246,18 @@ def test_the_integral_alone_is_drawn_as_it_is(result):
     drawn = np.asarray(ax.containers[0][0].get_ydata(), float) * unit_of(ax)
     np.testing.assert_allclose(drawn, sweep["integral/pull_off_force"].values, rtol=1e-12)
     assert list(plot.panels(sweep)) == ["pull_off_force", "pull_off_separation", "peak_secant_stiffness"]
+
+
+def test_figures_name_what_a_law_leaves_out(result):
+    run = result("ending_law")
+    (warning,) = (text for text in run.warnings if text.endswith(run.left_out))
+    count = int(run["replicas/asperity_count"].values[0])
+    # The integral has the same asperities beyond the end of the law.
+    left = count - float(run["integral/pull_off_regime_count"].values.sum())
+    assert warning.startswith("the law ends") and run.left_out.startswith(f"{left:.0f} of {count} asperities ({100 * left / count:.2f} %) at pull-off")
+    for draw in (plot.force, plot.integral):
+        assert f"left out by the law: {run.left_out.split(' and ')[0]}" in told(draw(run))
+    assert not result("run").left_out and not [words for words in told(plot.force(result("run"))) if "left out" in words]
 
 
 def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(result):

@@ -41,6 +41,12 @@ def slow_but(quick, names):
     return [pytest.param(name, marks=[pytest.mark.slow] * (name not in quick.split())) for name in names]
 
 
+def test_a_page_tells_what_a_law_leaves_out(result):
+    run = result("ending_law")
+    assert ("left out by the law", run.left_out) in facts(run).computed
+    assert f"left out by the law {run.left_out}" in text_of(stiction.report.page([run]))
+
+
 @pytest.mark.parametrize("name", slow_but("run instability pressed_sweep coupled sweep comparison finite_size alone asperities partial", KINDS))
 def test_every_kind_has_a_page_that_is_whole_and_needs_nothing_else(result, name):
     of = result(name)

@@ -2,23 +2,36 @@
 
 Writes tests/data/md_plastic.csv: the adhesion force, the contact force and the contact radius of one asperity
 that was pressed to the interference `largest` and is a `distance` from there, with 25 digits of 60. A contact
-is an elastic Maugis-Dugdale contact of the radius R1 = K a^3 / P of its top, with the load P and the contact
-radius a of a plastic contact without adhesion at the interference omega:
+is an elastic Maugis-Dugdale contact of the outline of its top. Where a plastic contact without adhesion has
+the load P_0 and the radius a_0 at the interference omega, it leaves
 
-* the edge of the adhesive zone, m = c/a, is where the gap is (work of adhesion)/sigma_0 (D. Maugis, J.
-  Colloid Interface Sci. 150 (1992) 243);
-* delta = omega - 2 sigma_0 a sqrt(m^2 - 1)/E, and a contact that unloads keeps R1;
-* P is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4): a loop of a larger load would give out energy.
+* the outline f(r) = r^2/(2 rho) + b r^4 up to a_0, and the paraboloid of R, lowered, beyond;
+* at the apex the radius rho, which is R up to omega_c, R (1 + 1.275 (E/Y)^-0.216 (omega/omega_c - 1)) beyond,
+  and at least K a_0^3/P_0 (I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716). omega_c
+  is Jackson and Green's, where a sphere first yields, for all four plastic contacts;
+* b >= 0, with which the load of the outline at a_0 is P_0.
+
+The edge c of the adhesive zone is where the gap is (work of adhesion)/sigma_0 (D. Maugis, J. Colloid
+Interface Sci. 150 (1992) 243). A contact of the radius a has the interference g(a) = a^2/rho + (8/3) b a^4
+without adhesion, and delta = omega - g(a_0) + g(a) - 2 sigma_0 sqrt(c^2 - a^2)/E. On loading a = a_0; a
+contact that unloads keeps its outline.
+
+P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4): a loop of a larger load would give out energy.
 
 Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random.
-Scaled quantities as in reference_plastic.py, whose plastic contacts these are.
+A row is a state to which a loop leads: on loading delta is larger than at every smaller omega, on unloading
+smaller than at every larger c. Scaled quantities as in reference_plastic.py, whose plastic contacts these
+are.
 """
 
 import random
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 from fixtures import write
 from mpmath import mp, mpf
-from reference_plastic import MODULUS, WORK, jg, ke, pressure_factor, tn, zmc
+from reference_plastic import WORK, jg, ke, pressure_factor, tn, zmc
 from reference_values import VALUE_DIGITS
 
 KEYS = ["contact", "lambda", "critical_interference", "poisson_ratio", "hardness_ratio", "largest",
@@ -35,6 +48,9 @@ ASPERITIES = [
 LOADED = "0.3 1.0 1.05 1.85 1.89 1.905 1.95 2.5 4.0 10.0 40.0 130.0 300.0".split()  # omega over omega_c
 RANDOM = 40
 SMALL = mpf(10) ** -25
+COARSE = 25  # digits of the states on the way to a row
+PARTS = 20  # of the way
+SLIGHT = mpf("0.005")  # rise of delta by log(c), over omega
 
 
 def scaled(*texts):
@@ -48,7 +64,7 @@ def scaled(*texts):
 
 
 def critical_of(law, critical, poisson, hardness):
-    """omega at which the contact begins to flow, over 1.9 for Jackson and Green's."""
+    """omega at which the contact begins to flow; that of Jackson and Green flows from 1.9 times that on."""
     if law is jg:
         c = mpf("1.295") * mp.exp(mpf("0.736") * poisson)
         return critical * (c / (mpf("2.84") * pressure_factor(poisson))) ** 2
@@ -56,25 +72,102 @@ def critical_of(law, critical, poisson, hardness):
 
 
 def bare(law, setting, omega):
-    """P and a of the contact without adhesion."""
+    """P_0 and a_0 of the contact without adhesion."""
     _, load, radius = law(*setting, omega)
     if law is ke and omega <= setting[1]:
         load, radius = omega ** mpf("1.5"), mp.sqrt(omega)
     return min(load, radius**3, mp.sqrt(radius) * omega ** mpf("1.25")), radius
 
 
-def gap_of(m, radius, flattened, stress):
-    """The gap at m = c/a of a contact, under a stress over E."""
-    root, angle = mp.sqrt(m * m - 1), mp.acos(1 / m)
-    profile = radius**2 / (mp.pi * flattened) * (root + (m * m - 2) * angle)
-    return profile + 4 * stress * radius / mp.pi * (root * angle - m + 1)
+@dataclass
+class Outline:
+    """The outline of a top: R, E, a_0, rho and b."""
+
+    radius: mpf
+    modulus: mpf
+    widest: mpf
+    apex: mpf
+    quartic: mpf
+
+    def height(self, r):
+        """f(r)."""
+        inner = min(r, self.widest)
+        return inner**2 / (2 * self.apex) + self.quartic * inner**4 + (r**2 - inner**2) / (2 * self.radius)
+
+    def interference(self, a):
+        """g(a)."""
+        return a**2 / self.apex + 8 * self.quartic * a**4 / 3
+
+    def load(self, a):
+        """P(a)."""
+        return 2 * self.modulus * (2 * a**3 / (3 * self.apex) + 32 * self.quartic * a**5 / 15)
+
+    def gap(self, a, c, stress):
+        """The gap at c around a contact of the radius a, under a stress from there on."""
+        root, angle = mp.sqrt(c**2 - a**2), mp.asin(a / c)
+        second = c**2 / 2 * angle - a / 2 * root
+        fourth = 3 * c**4 / 8 * angle - a / 8 * root * (2 * a**2 + 3 * c**2)
+        pressed = self.interference(a) * angle - second / self.apex - 8 * self.quartic * fourth / 3
+        drawn = 4 * stress / (mp.pi * self.modulus) * (root * mp.acos(a / c) - c + a)
+        return self.height(c) - self.interference(a) + 2 / mp.pi * pressed + drawn
+
+    def edge(self, stress, opening):
+        """c where the gap around a_0 rises through an opening."""
+
+        def excess(place):
+            return self.gap(self.widest, self.widest * (1 + mp.exp(place)), stress) - opening
+
+        return self.widest * (1 + mp.exp(root_of(excess, mpf(-60), mpf(60))))
+
+    def first_edge(self, stress, opening):
+        """c of a contact that is a point."""
+
+        def excess(place):
+            return self.gap(mpf(0), self.widest * mp.exp(place), stress) - opening
+
+        return self.widest * mp.exp(root_of(excess, mpf(-60), mpf(60)))
+
+    def contact(self, c, stress, opening):
+        """a of which the gap at c is an opening: at a given c the gap falls with a."""
+
+        def excess(place):
+            return self.gap(c * mp.cos(mp.exp(place)), c, stress) - opening
+
+        return c * mp.cos(mp.exp(root_of(excess, mpf(-60), mp.log(mp.pi / 2))))
 
 
-def zone_of(m, radius, stress):
-    """The adhesion force of a zone of a stress to m = c/a, and E times the displacement by which it draws the
-    surfaces."""
-    root, angle = mp.sqrt(m * m - 1), mp.acos(1 / m)
-    return 2 * stress * radius**2 * (root + m * m * angle), 2 * stress * radius * root
+def outline_of(setting, stiffness, radius, omega, load, widest):
+    """The outline that a plastic contact of P_0 and a_0 at omega leaves, of the setting of an asperity."""
+    critical, (_, _, poisson, hardness) = critical_of(jg, *setting[1:]), setting
+    slope = mpf("1.275") * ((1 - poisson**2) * mpf("2.84") / hardness) ** mpf("-0.216")
+    fit = radius * (1 + slope * max(omega / (critical * radius) - 1, 0))
+    apex = max(fit, stiffness * widest**3 / load)
+    modulus = 3 * stiffness / 4
+    quartic = (load / (2 * modulus) - 2 * widest**3 / (3 * apex)) * 15 / (32 * widest**5)
+    return Outline(radius, modulus, widest, apex, max(quartic, mpf(0)))
+
+
+class State(NamedTuple):
+    """A contact: its displacement from the lowered apex, that of the solids in a liquid, and F_s."""
+
+    interference: mpf
+    inner: mpf
+    force: mpf
+
+
+def zone_of(a, c, stress):
+    """The adhesion force of a zone of a stress from a to c, and E times the displacement by which it draws
+    the surfaces nearer."""
+    root = mp.sqrt(c**2 - a**2)
+    return 2 * stress * (a * root + c**2 * mp.acos(a / c)), 2 * stress * root
+
+
+def root_of(rising, low, high):
+    """The root of a rising function: bisection, then secants."""
+    for _ in range(14):
+        middle = (low + high) / 2
+        low, high = (low, middle) if rising(middle) > 0 else (middle, high)
+    return mp.findroot(rising, (low, high), tol=mpf(10) ** -90, maxsteps=80, verify=False)
 
 
 class Apart(Exception):
@@ -84,8 +177,8 @@ class Apart(Exception):
 class Dry:
     """An asperity of R = K = 1, and the plastic contact that it has without adhesion."""
 
-    LEAST, stiffness = mpf("0.02"), mpf(1)
-    SHARES = "0.99 0.9 0.6 0.3".split()  # contact radius over the largest
+    LEAST, radius, stiffness = mpf("0.02"), mpf(1), mpf(1)
+    SHARES = "0.99 0.9 0.7 0.4 0.2 0.1".split()  # of c, from that of a point to the largest
 
     def __init__(self, law, texts):
         self.law, self.setting = law, tuple(mpf(float(text)) for text in texts)
@@ -93,6 +186,7 @@ class Dry:
         lam = self.setting[0]
         zone = 4 * lam**2 * (mp.pi / 2 - 1) / 3
         self.touch = -mpf(4) / 3 * lam * 2 / (zone + mp.sqrt(zone**2 + mp.pi * lam))
+        self.zone = (lam / 2, 2 * WORK / lam)
 
     def bare(self, omega):
         return bare(self.law, self.setting, omega)
@@ -100,28 +194,88 @@ class Dry:
     def touches(self, delta):
         return delta >= self.touch
 
-    def is_stable(self, slope, own, flattened):
-        return slope > self.LEAST
+    def edges(self, outline):
+        """c of a contact that is a point, and of that of the radius a_0."""
+        return outline.first_edge(*self.zone), outline.edge(*self.zone)
 
-    def state(self, load, radius):
-        """The adhesion force, and the displacement by which it draws the surfaces nearer."""
-        stress, flattened = self.setting[0] / 2, radius**3 / load
+    def radius_at(self, outline, c):
+        return outline.contact(c, *self.zone)
 
-        # By the logarithm of m - 1, whose range is wide: bisection, then secants.
-        def excess(place):
-            return mp.log(gap_of(1 + mp.exp(place), radius, flattened, stress / MODULUS) * stress / WORK)
-
-        low, high = mpf(-60), mpf(60)
-        for _ in range(16):
-            middle = (low + high) / 2
-            low, high = (low, middle) if excess(middle) > 0 else (middle, high)
-        place = mp.findroot(excess, (low, high), tol=mpf(10) ** -100, maxsteps=60, verify=False)
-        force, drawn = zone_of(1 + mp.exp(place), radius, stress)
-        return force, drawn / MODULUS
+    def state(self, outline, a, c):
+        force, drawn = zone_of(a, c, self.zone[0])
+        interference = outline.interference(a) - drawn / outline.modulus
+        return State(interference, interference, force)
 
 
-def derivative(state_at, place, delta):
-    return (state_at(place * (1 + SMALL))[0] - delta) / (place * SMALL)
+class Pressed:
+    """A contact that was loaded to omega, and what it passes when it unloads."""
+
+    def __init__(self, contact, omega):
+        self.contact, self.omega = contact, omega
+        load, widest = contact.bare(omega)
+        self.outline = outline_of(contact.setting, contact.stiffness, contact.radius, omega, load, widest)
+        self.first, self.edge = contact.edges(self.outline)
+        self.state = contact.state(self.outline, widest, self.edge)
+        self.delta = omega - self.outline.interference(widest) + self.state.interference
+
+    def unloaded(self, c):
+        """a, and the state of the contact of the edge c."""
+        a = self.contact.radius_at(self.outline, c)
+        return a, self.contact.state(self.outline, a, c)
+
+    def distance(self, c):
+        return self.state.interference - self.unloaded(c)[1].interference
+
+    def edges(self):
+        """Edges at which the contact is looked at: by shares, and between a_0 and the edge around it."""
+        yield from (self.first + mpf(share) * (self.edge - self.first) for share in self.contact.SHARES)
+        least = max(self.outline.widest, self.first)
+        if least < self.edge:
+            yield (least + self.edge) / 2
+
+    def is_stable(self, c):
+        """Whether delta clearly rises with c, and a not much faster."""
+        (a, state), (wider, beyond) = self.unloaded(c), self.unloaded(c * (1 + SMALL))
+        rise, inner = (beyond.interference - state.interference) / SMALL, (beyond.inner - state.inner) / SMALL
+        least = max(SLIGHT * self.omega * max((wider / a - 1) / SMALL, 1),
+                    self.contact.LEAST * c**2 / self.outline.apex)
+        return min(rise, inner) > least
+
+    @cached_property
+    def passed(self):
+        """Edges that the contact passes when it unloads, the largest first, and its states."""
+        kink, states = min(max(self.outline.widest, self.first), self.edge), []
+        with mp.workdps(COARSE):
+            for low, high in ((kink, self.edge), (self.first, kink)):
+                for part in range(PARTS):
+                    c = high - (high - low) * (mpf(part) / PARTS) ** 2
+                    try:
+                        states.append((c, self.unloaded(c)[1]))
+                    except Apart:
+                        return states
+        return states
+
+    def is_led_to(self, c):
+        """Whether the contact passes no smaller displacement on the way to an edge."""
+        own = self.unloaded(c)[1]
+        return all(own.interference < state.interference and own.inner < state.inner
+                   for before, state in self.passed if before > c)
+
+
+def is_loaded_to(contact, omega, delta):
+    """Whether loading to omega has passed no larger displacement."""
+    with mp.workdps(COARSE):
+        for part in range(1, PARTS):
+            try:
+                if Pressed(contact, omega * (mpf(part) / PARTS) ** 2).delta >= delta:
+                    return False
+            except Apart:
+                continue
+    return True
+
+
+def slope_of(curve, place):
+    return (curve(place * (1 + SMALL)) - curve(place)) / (place * SMALL)
 
 
 def history(contact, omega):
@@ -129,36 +283,26 @@ def history(contact, omega):
     double."""
 
     def loading(omega):
-        load, radius = contact.bare(omega)
-        force, drawn = contact.state(load, radius)
-        return omega - drawn, (force, load, radius)
+        return Pressed(contact, omega).delta
 
     try:
-        delta, _ = loading(omega)
-        slope = derivative(loading, omega, delta)
-        if slope <= contact.LEAST:
+        delta, slope = loading(omega), slope_of(loading, omega)
+        if slope <= contact.LEAST or not contact.touches(delta):
             return
-        omega += (mpf(float(delta)) - delta) / slope
-        largest, (force, load, radius) = loading(omega)
+        top = Pressed(contact, omega + (mpf(float(delta)) - delta) / slope)
+        if not contact.touches(top.delta) or not is_loaded_to(contact, top.omega, top.delta):
+            return
     except Apart:
         return
-    if not contact.touches(largest):
-        return
-    yield largest, mpf(0), (force, load, radius)
-    flattened = contact.stiffness * radius**3 / load
-
-    def unloading(own):
-        own_load = contact.stiffness * own**3 / flattened
-        own_force, drawn = contact.state(own_load, own)
-        return omega - radius**2 / flattened + own**2 / flattened - drawn, (own_force, own_load, own)
-
-    for share in contact.SHARES:
-        own = radius * mpf(share)
+    widest = top.outline.widest
+    yield top.delta, mpf(0), (top.state.force, top.outline.load(widest), widest)
+    for c in sorted(top.edges(), reverse=True):
         try:
-            delta, _ = unloading(own)
-            distance, slope = mpf(float(largest - delta)), derivative(unloading, own, delta)
-            if distance > 0 and contact.is_stable(slope, own, flattened):
-                yield largest, distance, unloading(own + (largest - distance - delta) / slope)[1]
+            exact = top.distance(c)
+            distance = mpf(float(exact))
+            if distance > 0 and top.is_stable(c) and top.is_led_to(c):
+                a, state = top.unloaded(c + (distance - exact) / slope_of(top.distance, c))
+                yield top.delta, distance, (state.force, top.outline.load(a), a)
         except Apart:
             continue
 

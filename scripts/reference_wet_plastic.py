@@ -2,17 +2,18 @@
 
 Writes tests/data/wet_plastic.csv: the adhesion force, the contact force and the contact radius of one
 asperity in a vapour that was pressed to the interference `largest` and is a `distance` from there, SI, with
-25 digits of 60. A contact is at every moment an elastic wet contact of the radius R1 = K a^3 / P of its top,
-with the load P and the contact radius a of a plastic contact without adhesion at the interference omega
-(reference_md_plastic.py):
+25 digits of 60. A contact is at every moment an elastic wet contact of the outline of its top, which has the
+radius rho at its apex and the interference g(a) without adhesion (reference_md_plastic.py):
 
 * the solids in the liquid have W = (work of adhesion) - (share of) gamma s and the range H = Z_0/1.03. Their
-  zone is that of Maugis around a, with the stress W/H; less what they draw, their interference is delta_1 =
-  a^2/R1 - 2 (W/H) a sqrt(m^2 - 1)/E. With no W above 0 there is none;
+  zone is that of Maugis around a, with the stress W/H and the edge c; less what they draw, their interference
+  from the lowered apex is delta_1 = g(a) - 2 (W/H) sqrt(c^2 - a^2)/E. With no W above 0 there is none;
 * the bridge has the tension p_c = gamma/r_K up to the gap h_0 - kappa/c at the edge c of the liquid, kappa =
-  pi r_K^2/2 of faces that are wetted perfectly. With delta_1 > 0 its zone is that of Maugis around a_0 =
-  sqrt(R1 delta_1), with delta = a_0^2/R1 - 2 p_c a_0 sqrt(m^2 - 1)/E; otherwise around the gap -delta_1 in
-  the middle (Kim, McMeeking and Johnson, J. Mech. Phys. Solids 46 (1998) 243);
+  pi r_K^2/2 of faces that are wetted perfectly. It is the bridge of a sphere of the radius rho: with
+  delta_1 > 0 its zone is that of Maugis around a_b = sqrt(rho delta_1), and draws the surfaces nearer by
+  2 p_c sqrt(c^2 - a_b^2)/E; otherwise it is around the gap -delta_1 in the middle (Kim, McMeeking and
+  Johnson, J. Mech. Phys. Solids 46 (1998) 243);
+* delta = delta_1 + omega - g(a_0), less what the bridge draws;
 * of gamma s and p_c there is the share h_0/H - 1, from 0 to 1.
 
 Of two edges the larger is taken: it is searched for downwards from the edge without kappa.
@@ -22,7 +23,7 @@ import random
 
 from fixtures import write
 from mpmath import mp, mpf
-from reference_md_plastic import Apart, bare, critical_of, gap_of, table_of, zone_of
+from reference_md_plastic import Apart, Outline, State, bare, critical_of, root_of, table_of, zone_of
 from reference_plastic import jg, ke, pressure_factor, tn, zmc
 
 KEYS = ["contact", "radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "hardness",
@@ -46,7 +47,7 @@ class Wet:
     """An asperity, and the plastic contact that it has without adhesion."""
 
     LEAST = mpf("0.05")
-    SHARES = "0.99 0.8 0.5".split()  # contact radius over the largest
+    SHARES = "0.99 0.8 0.5 0.2".split()  # of c, from that of a point to the largest
 
     def __init__(self, law, texts):
         self.law = law
@@ -63,67 +64,62 @@ class Wet:
         self.setting = (mpf(1), own, poisson, hardness / modulus)
         self.critical = critical_of(law, *self.setting[1:]) * radius
 
-    def touches(self, delta):
-        return delta > 0
-
-    def is_stable(self, slope, own, flattened):
-        return slope * own > self.LEAST * own**2 / flattened
-
     def bare(self, omega):
         load, radius = bare(self.law, self.setting, omega / self.radius)
         return load * self.stiffness * self.radius**2, radius * self.radius
 
-    def zone(self, stress, reach, curvature, radius, flattened):
-        """The adhesion force of a zone, and the displacement by which it draws the surfaces nearer."""
+    def touches(self, delta):
+        return delta > 0
+
+    def edges(self, outline):
+        """c of the solids in the liquid of a contact that is a point, and of that of the radius a_0."""
+        if self.solid is None:
+            return mpf(0), outline.widest
+        return outline.first_edge(*self.solid), outline.edge(*self.solid)
+
+    def radius_at(self, outline, c):
+        return c if self.solid is None else outline.contact(c, *self.solid)
+
+    def zone(self, sphere, a):
+        """F_s of the bridge around a contact, and the displacement by which it draws the surfaces nearer."""
 
         def gap(place):
-            return gap_of(1 + mp.exp(place), radius, flattened, stress / self.modulus) - reach
+            return sphere.gap(a, a * (1 + mp.exp(place)), self.pressure) - self.range
 
         def excess(place):
-            return gap(place) + curvature / ((1 + mp.exp(place)) * radius)
+            return gap(place) + self.curvature / (a * (1 + mp.exp(place)))
 
         high = root_of(gap, mpf(-60), mpf(60))
         # The larger of two edges is between that without kappa and the least excess.
         low = high
         while excess(low) >= 0 and low > high - 40:
             low -= mpf("0.05")
-        force, drawn = zone_of(1 + mp.exp(root_of(excess, low, high)), radius, stress)
+        force, drawn = zone_of(a, a * (1 + mp.exp(root_of(excess, low, high))), self.pressure)
         return force, drawn / self.modulus
 
-    def bridge(self, inner, flattened):
-        """F_s of the bridge, and the displacement by which it draws the surfaces nearer."""
+    def bridge(self, inner, apex):
+        """F_s of the bridge of a sphere, and the displacement by which it draws the surfaces nearer."""
         if self.pressure == 0:
             return mpf(0), mpf(0)
         if inner > 0:
-            return self.zone(self.pressure, self.range, self.curvature, mp.sqrt(flattened * inner), flattened)
+            return self.zone(Outline(apex, self.modulus, mpf(0), apex, mpf(0)), mp.sqrt(apex * inner))
         beta = 4 * self.pressure / (mp.pi * self.modulus)
 
         def excess(c):
-            return c**2 / (2 * flattened) + (mp.pi / 2
-                                             - 1) * beta * c + self.curvature / c - self.range - inner
+            drawn = (mp.pi / 2 - 1) * beta * c
+            return c**2 / (2 * apex) + drawn + self.curvature / c - self.range - inner
 
-        circle = mp.findroot(excess, mp.sqrt(2 * flattened * self.range), tol=mpf(10) ** -90, maxsteps=100,
+        circle = mp.findroot(excess, mp.sqrt(2 * apex * self.range), tol=mpf(10) ** -90, maxsteps=100,
                              verify=False)
-        if not (abs(excess(circle)) < mpf(10) ** -40 * self.range and circle > 0):
+        if not (abs(excess(circle)) < mpf(10) ** (10 - mp.dps) * self.range and circle > 0):
             raise Apart
         return mp.pi * self.pressure * circle**2, mp.pi / 2 * beta * circle
 
-    def state(self, load, radius):
-        """The adhesion force, and the displacement by which adhesion and liquid draw the surfaces nearer."""
-        flattened = self.stiffness * radius**3 / load
-        force, drawn = (mpf(0), mpf(0))
-        if self.solid:
-            force, drawn = self.zone(*self.solid, mpf(0), radius, flattened)
-        pull, bent = self.bridge(radius**2 / flattened - drawn, flattened)
-        return force + pull, drawn + bent
-
-
-def root_of(rising, low, high):
-    """The root of a rising function: bisection, then secants."""
-    for _ in range(24):
-        middle = (low + high) / 2
-        low, high = (low, middle) if rising(middle) > 0 else (middle, high)
-    return mp.findroot(rising, (low, high), tol=mpf(10) ** -90, maxsteps=80, verify=False)
+    def state(self, outline, a, c):
+        force, drawn = zone_of(a, c, self.solid[0] if self.solid else mpf(0))
+        inner = outline.interference(a) - drawn / self.modulus
+        pull, bent = self.bridge(inner, outline.apex)
+        return State(inner - bent, inner, force + pull)
 
 
 def cases():

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime};
-use stiction::liquid::{Bridges, Liquid, Meniscus, Volume};
+use stiction::liquid::{Bridges, Liquid, Meniscus};
 
 /// Faces that the liquid wets perfectly.
 fn meniscus(surface_tension: f64, kelvin_radius: f64) -> Meniscus {

@@ -54,6 +54,8 @@ pub(super) struct Stretch {
     pub kinks: [[f64; TOP_KINKS]; PLACES],
 }
 
+/// Joints closer than this share are one.
+const SAME: f64 = 1e-12;
 /// Tops from which on a table of them is worth its making.
 const MANY: usize = 8;
 /// Places of a stretch, and the end of the last in multiples of its beginning where nothing is known of it.
@@ -425,6 +427,8 @@ impl Loop {
         let last = joints.last().copied().unwrap_or(critical);
         joints.insert(0, critical);
         joints.push(self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length)));
+        // Joints of two kinds are one but for rounding.
+        joints.dedup_by(|next, own| *next - *own <= SAME * next.abs());
         joints
     }
 

@@ -257,7 +257,7 @@ impl Loop {
                 let (from, width) = (ends[0], ends[1] - ends[0]);
                 let place = |i: usize| from + width * share(i) * share(i);
                 let places: [f64; PLACES] =
-                    std::array::from_fn(|i| place(i).clamp(from.next_up(), ends[1].next_down()));
+                    std::array::from_fn(|i| place(i).max(from + SAME * from.abs()).min(ends[1].next_down()));
                 let mut kinks = [[f64::NAN; TOP_KINKS]; PLACES];
                 let mut rows = kinks.iter_mut();
                 self.tops(&places, &mut SolverStats::default(), |top| {

@@ -427,7 +427,14 @@ impl WetContact {
         for (i, &delta) in interference.iter().enumerate() {
             let (ratio, last) = of(i);
             let bridge = self.parts.bridge.of_ratio(ratio);
-            if delta >= last.interference {
+            if bridge.stress == 0.0 {
+                // A liquid without tension bends nothing.
+                let radius = (bridge.radius * delta.max(0.0)).sqrt();
+                inner[i] = delta;
+                out.adhesion[i] = 0.0;
+                out.contact[i] = self.parts.stiffness * delta.max(0.0) * radius;
+                out.area[i] = PI * radius * radius;
+            } else if delta >= last.interference {
                 let state = bridge.contact(delta, &last, start(i));
                 let square = state.contact * state.contact;
                 inner[i] = square / bridge.radius;

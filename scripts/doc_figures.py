@@ -311,8 +311,8 @@ GAINS = "\n".join(f"| {name} | {{}} | {{}} | {{}} |" for name in (
     "pull-off force", "pull-off separation", "peak secant stiffness", "its separation"))
 
 FIGURES = [
-    Block("README.md", "  pull-off ", ("run", "pad.toml", "--above", "80 nN", "-o", "pad.h5")),
-    Block("docs/index.md", "  pull-off ", ("run", "template.toml", "--above", "80 nN", "-o", "template.h5")),
+    Block("README.md", "  pull-off ", ("run", "pad.toml", "--above", "100 nN", "-o", "pad.h5")),
+    Block("docs/index.md", "  pull-off ", ("run", "template.toml", "--above", "100 nN", "-o", "template.h5")),
     Block("docs/tutorial.md", "  pull-off ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
     Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
           ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),

@@ -20,7 +20,7 @@ if __name__ == "__main__":
         scene, output = Path(folder, "pad.toml"), Path(folder, "pad.h5")
         run("new", scene, "--template", "mems-pad")
         values = ", ".join(f'"{preload} uN"' for preload in PRELOADS)
-        run("run", scene, "--set", f"instability.preload=[{values}]", "--above", "80 nN", "--replicas", 400,
+        run("run", scene, "--set", f"instability.preload=[{values}]", "--above", "100 nN", "--replicas", 400,
             "--quiet", "-o", output)
         with open_run(output) as pad:
             save(page(pad, "95mm", what=["preloads", "stuck"]), arguments.output, arguments.dpi)

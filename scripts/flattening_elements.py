@@ -18,8 +18,6 @@ POISSON = 0.3
 YOUNG = 1 - POISSON**2
 SHEAR, BULK = YOUNG / (2 * (1 + POISSON)), YOUNG / (3 * (1 - 2 * POISSON))
 
-import os
-DBG=os.environ.get('DBG')
 # Five components of a gradient: dv_r/dr, dv_r/dz, dv_z/dr, dv_z/dz, v_r/r.
 UNIT = np.array([1.0, 0, 0, 1, 1])
 SYMMETRIC = np.eye(5)
@@ -33,9 +31,11 @@ SLOPES = np.stack([CORNERS[:, 0] * (1 + POINTS[:, None, 1] * CORNERS[:, 1]) / 4,
 
 
 def half_sphere(fine, across, growth):
-    """Nodes and elements: squares of the side `fine` to `across` of them from the apex both ways, then rings that
-    grow by `growth` to the equator. The mesh is that of a quarter of a disc, mapped conformally. Returns the
-    nodes of the surface too, from the apex outwards, and those of the equator."""
+    """Nodes, elements, the nodes of the surface from the apex outwards, and those of the equator.
+
+    From the apex there are `across` squares of the side `fine` both ways, then rings that widen by at most
+    `growth` to the equator. The mesh is made in a quarter of a disc and mapped conformally.
+    """
     ring = [(across, j) for j in range(across)] + [(j, across) for j in range(across, -1, -1)]
     square = np.array(ring) * fine
     angle = np.arange(2 * across + 1) * np.pi / (4 * across)
@@ -43,7 +43,7 @@ def half_sphere(fine, across, growth):
     # The width of rings grows from that of a square; the outermost are scaled to end at the equator.
     widths = [fine]
     while sum(widths) < 2 - across * fine:
-        widths.append(widths[-1] * min(growth, 1 + 0.02 * len(widths)))
+        widths.append(widths[-1] * min(growth, 1 + 0.04 * len(widths)))
     reach = np.cumsum(widths) / sum(widths)
     inner = [(i * fine, j * fine) for j in range(across + 1) for i in range(across + 1)]
     outer = [square + part * (circle - square) for part in reach]
@@ -73,7 +73,7 @@ class Body:
         self.nodes, self.elements, self.surface, equator = mesh
         self.strength, self.load = strength, load
         count = 2 * len(self.nodes)
-        self.dofs = np.stack([2 * self.elements, 2 * self.elements + 1], axis=2).reshape(len(self.elements), 8)
+        self.dofs = np.stack([2 * self.elements, 2 * self.elements + 1], axis=2).reshape(-1, 8)
         axis = np.flatnonzero(self.nodes[:, 0] == 0)
         self.held = np.zeros(count, bool)
         self.held[2 * axis] = True
@@ -85,6 +85,7 @@ class Body:
         self.plastic = np.broadcast_to(np.array([1.0, 0, 1, 1]), (*radius.shape, 4)).copy()
         self.displacement = np.zeros(count)
         self.touching = np.zeros(len(self.surface), bool)
+        self.omega = 0.0
         self.matrix_pattern(count)
 
     def at_points(self, nodes):
@@ -109,8 +110,8 @@ class Body:
         self.diagonal = self.row == self.column
 
     def deformation(self, displacement):
-        """The deformation gradient, with the mean change of volume of the element, and the operators that give
-        the gradient of a displacement from now, with and without that mean."""
+        """The deformation gradient with the mean change of volume of the element, and the operators that give
+        the gradient of a further displacement, without and with it."""
         moved = self.nodes + displacement.reshape(-1, 2)
         gradient, radius, area = self.at_points(moved)
         if area.min() <= 0:
@@ -134,8 +135,7 @@ class Body:
         return f * factor[..., None, None], stretch * factor, operator, smooth
 
     def stress(self, f, stretch):
-        """Kirchhoff stress, its derivative by the strain, and the plastic deformation, all at the end of a step
-        that began with the plastic deformation of now."""
+        """The Kirchhoff stress, its derivative by the strain, and the plastic deformation after a step."""
         c = self.plastic
         middle = np.empty((*stretch.shape, 2, 2))
         middle[..., 0, 0], middle[..., 1, 1] = c[..., 0], c[..., 2]
@@ -192,7 +192,8 @@ class Body:
         level = np.exp(mean)
         slope = level * np.where(spread > 1e-8, np.sinh(spread) / np.maximum(spread, 1e-300), 1.0)
         out = np.empty((*mean.shape, 2, 2))
-        out[..., 0, 0], out[..., 1, 1] = level * np.cosh(spread) + slope * half, level * np.cosh(spread) - slope * half
+        even = level * np.cosh(spread)
+        out[..., 0, 0], out[..., 1, 1] = even + slope * half, even - slope * half
         out[..., 0, 1] = out[..., 1, 0] = slope * tensor[..., 1]
         return out
 
@@ -207,8 +208,20 @@ class Body:
                   + operator.swapaxes(-1, -2) @ (turning(stress) * weight) @ operator).sum(axis=1)
         return force, np.bincount(self.entry, matrix.ravel(), len(self.row)), plastic
 
+    def press(self, omega):
+        """Moves the flat to the depth omega, in as many steps as it takes. Returns its load."""
+        try:
+            load = self.equilibrium(omega)
+        except ArithmeticError:
+            if abs(omega - self.omega) < 1e-3 * omega:
+                raise
+            self.press((self.omega + omega) / 2)
+            return self.press(omega)
+        self.omega = omega
+        return load
+
     def equilibrium(self, omega, tolerance=1e-6):
-        """Moves the flat to the depth omega, None: away. Returns its load."""
+        """Moves the flat to the depth omega in one step; None takes it away. Returns its load."""
         displacement, touching = self.displacement.copy(), self.touching.copy()
         if omega is None:
             omega, touching[:] = -1.0, False
@@ -218,8 +231,7 @@ class Body:
             gap = self.nodes[self.surface, 1] + displacement[downs] - omega
             fixed = self.held.copy()
             fixed[downs[touching]] = True
-            free = np.where(fixed, 0, force)
-            norm = np.linalg.norm(free) / self.load
+            norm = np.linalg.norm(force[~fixed]) / self.load
             if np.abs(gap[touching]).max(initial=0) < 1e-12 and norm < 1e-3:
                 pulled, met = touching & (force[downs] < -1e-7 * self.load), ~touching & (gap < -1e-9)
                 if pulled.any() or met.any():
@@ -230,23 +242,24 @@ class Body:
                     return force[downs[touching]].sum()
             given = np.zeros(len(force))
             given[downs[touching]] = -gap[touching]
-            right = -free - np.bincount(self.row, entries * given[self.column], len(force))
-            right[fixed] = given[fixed]
-            entries = np.where(fixed[self.row] | fixed[self.column], 0.0, entries)
-            entries[self.diagonal & fixed[self.row]] = 1.0
-            matrix = sparse.csc_matrix((entries, self.row, self.starts), shape=(len(force),) * 2)
-            solve = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
-                         options={"SymmetricMode": True})
-            change = solve.solve(right)
-            moves = np.abs(given).max() > 0
+            change = self.solve(entries, force, fixed, given)
             for _ in range(5):
                 force, entries, plastic = self.forces(displacement + change)
-                if DBG: print(touching.sum(), norm, np.linalg.norm(np.where(fixed, 0, force))/self.load, moves)
-                if moves or np.linalg.norm(np.where(fixed, 0, force)) < self.load * max(norm, tolerance):
+                if given.any() or np.linalg.norm(force[~fixed]) < self.load * max(norm, tolerance):
                     break
                 change /= 2
             displacement = displacement + change
         raise ArithmeticError("no equilibrium")
+
+    def solve(self, entries, force, fixed, given):
+        """The displacement that takes away the forces, to first order, with that of fixed nodes given."""
+        right = -force - np.bincount(self.row, entries * given[self.column], len(force))
+        right[fixed] = given[fixed]
+        entries = np.where(fixed[self.row] | fixed[self.column], 0.0, entries)
+        entries[self.diagonal & fixed[self.row]] = 1.0
+        matrix = sparse.csc_matrix((entries, self.row, self.starts), shape=(len(force),) * 2)
+        return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
+                    options={"SymmetricMode": True}).solve(right)
 
     def outline(self):
         """Radius and depth of the nodes of the surface."""
@@ -255,21 +268,23 @@ class Body:
 
 
 def turning(stress):
-    """The matrix T of the work T(l, l) of a stress s on the second order of a gradient l: half of s.(l l - l' l)
-    - ... of the Jaumann rate less s l'."""
+    """The part of the derivative of the forces that the stress has by turning with the body.
+
+    For the gradient l of a displacement, with transpose l', and the Kirchhoff stress t, it is the tensor
+    (l t - l' t - t l - t l')/2: the Jaumann rate less t l', as a matrix that acts on the components of l.
+    """
     full = np.zeros((*stress.shape[:-1], 5, 5))
     pairs = [(0, 0), (0, 1), (1, 0), (1, 1)]
     tau = stress[..., :4].reshape(*stress.shape[:-1], 2, 2)
     for row, (i, j) in enumerate(pairs):
-        # A_ij = (l t - l't - t l - t l')_ij / 2, of the gradient's component l_kl
-        for column, (k, l) in enumerate(pairs):
+        for column, (k, m) in enumerate(pairs):
             if i == k:
-                full[..., row, column] += tau[..., l, j] / 2
-            if i == l:
+                full[..., row, column] += tau[..., m, j] / 2
+            if i == m:
                 full[..., row, column] -= tau[..., k, j] / 2
-            if l == j:
+            if m == j:
                 full[..., row, column] -= tau[..., i, k] / 2
             if k == j:
-                full[..., row, column] -= tau[..., i, l] / 2
+                full[..., row, column] -= tau[..., i, m] / 2
     full[..., 4, 4] -= stress[..., 4]
     return full

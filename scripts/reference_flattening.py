@@ -19,7 +19,7 @@ same, with R, E*, work of adhesion and Z_0 of the cases I and II of Shi and Poly
 theirs, and Y that of the row.
 
     python scripts/reference_flattening.py            25 minutes on one core
-    python scripts/reference_flattening.py --check    Hertz's contact, and elements of half the width
+    python scripts/reference_flattening.py --check    Hertz's contact, and elements of twice the width
 """
 
 import sys
@@ -36,7 +36,8 @@ COLUMNS = ["young_over_yield", "interference", "load", "contact_radius", "residu
 RATIOS = (50, 100, 200, 500, 1000)  # E/Y
 INTERFERENCES = (2, 6, 10, 30, 100)  # omega/omega_c
 WIDEST = 0.4  # a0/R above which the paraboloid of the law is no sphere
-FINE, STEPS, UNLOADING = 24, 16, 8  # elements to a0, steps from omega_c to omega, and of the elastic recovery
+FINE, UNLOADING = 24, 8  # elements to a0, steps of the elastic recovery
+STEPS = {2: 16, 6: 16, 10: 24, 30: 32, 100: 48}  # from omega_c to omega, and twice as many
 INNER = 0.5  # part of a0 on which the apex radius is fitted
 # R, E*, work of adhesion, Z_0
 CASES = [(1.66e-6, 85.29e9, 0.01, 0.2e-9), (3.33e-6, 85.29e9, 0.09, 0.2e-9)]
@@ -85,9 +86,9 @@ def pressed(ratio, x, fine, steps):
     return load, radius, *body.outline()
 
 
-def flattened(ratio, x, fine=FINE, steps=STEPS):
+def flattened(ratio, x, fine=FINE):
     """The same, extrapolated to steps of no length."""
-    coarse, close = pressed(ratio, x, fine, steps), pressed(ratio, x, fine, 2 * steps)
+    coarse, close = (pressed(ratio, x, fine, steps) for steps in (STEPS[x], 2 * STEPS[x]))
     return tuple(2 * b - a for a, b in zip(coarse, close, strict=True))
 
 
@@ -179,8 +180,8 @@ def row(ratio, x):
 
 
 def check():
-    """Prints what the elements give where the answer is known, and with elements of half the width."""
-    for fine in (FINE, 2 * FINE):
+    """Prints what the elements give where the answer is known, and with elements of twice the width."""
+    for fine in (FINE // 2, FINE):
         fits = Fits(1000)
         body = Body(half_sphere(np.sqrt(fits.critical) / fine, fine * 5 // 4, 1.3), 1.0, fits.critical_load)
         load = body.press(fits.critical)
@@ -189,7 +190,7 @@ def check():
         slope, level = np.polyfit(r[outside], (z[outside] - fits.critical) ** (2 / 3), 1)
         print(f"Hertz, {fine} elements: load {load / fits.critical_load:.4f},",
               f"radius {-level / slope / np.sqrt(fits.critical):.4f}")
-    for fine in (FINE // 2, FINE, 2 * FINE):
+    for fine in (FINE // 2, FINE):
         load, radius, r, z = flattened(200, 6, fine)
         rho, depth = apex(r, z, INNER * radius)
         fits = Fits(200)

@@ -36,8 +36,7 @@ COLUMNS = ["young_over_yield", "interference", "load", "contact_radius", "residu
 RATIOS = (50, 100, 200, 500, 1000)  # E/Y
 INTERFERENCES = (2, 6, 10, 30, 100)  # omega/omega_c
 WIDEST = 0.4  # a0/R above which the paraboloid of the law is no sphere
-FINE, UNLOADING = 24, 8  # elements to a0, steps of the elastic recovery
-STEPS = {2: 16, 6: 16, 10: 24, 30: 32, 100: 48}  # from omega_c to omega, and twice as many
+FINE, STEPS, UNLOADING = 24, 16, 8  # elements to a0, steps from omega_c to omega, and of the elastic recovery
 INNER = 0.5  # part of a0 on which the apex radius is fitted
 # R, E*, work of adhesion, Z_0
 CASES = [(1.66e-6, 85.29e9, 0.01, 0.2e-9), (3.33e-6, 85.29e9, 0.09, 0.2e-9)]
@@ -88,7 +87,7 @@ def pressed(ratio, x, fine, steps):
 
 def flattened(ratio, x, fine=FINE):
     """The same, extrapolated to steps of no length."""
-    coarse, close = (pressed(ratio, x, fine, steps) for steps in (STEPS[x], 2 * STEPS[x]))
+    coarse, close = pressed(ratio, x, fine, STEPS), pressed(ratio, x, fine, 2 * STEPS)
     return tuple(2 * b - a for a, b in zip(coarse, close, strict=True))
 
 

@@ -18,7 +18,7 @@ is given for rho by finite elements over rho by the fit, and for the whole outli
 same, with R, E*, work of adhesion and Z_0 of the cases I and II of Shi and Polycarpou (2005): lambda is
 theirs, and Y that of the row.
 
-    python scripts/reference_flattening.py            25 minutes on one core
+    python scripts/reference_flattening.py            10 minutes on one core
     python scripts/reference_flattening.py --check    Hertz's contact, and elements of twice the width
 """
 

@@ -1,13 +1,13 @@
 """Finite elements of a sphere that a rigid flat presses without friction: axisymmetric, perfectly plastic.
 
 The deformations may be large. The elastic strain is logarithmic, its yield criterion that of von Mises on the
-Kirchhoff stress, and its flow associated: the return to the yield surface is then that of small strains
+Kirchhoff stress, and its flow rule associated: the return to the yield surface is that of small strains
 (E. A. de Souza Neto, D. Peric, D. R. J. Owen, Computational Methods for Plasticity, Wiley 2008, chapter 14).
 Quadrilaterals of four nodes take the mean of the change of volume over the element, against locking.
 
-The body is the lower half of a sphere of radius 1, whose reduced modulus E/(1 - nu^2) is 1. Its equator does
-not move down, its axis not sideways. The coordinates are r and the depth z below the apex before contact; the
-flat at the depth omega holds the nodes that it presses at z = omega and lets go those that it would pull.
+The solid is half of a sphere of radius 1, from the apex to the equator, and its reduced modulus E/(1 - nu^2)
+is 1. The equator does not move along the axis. The coordinates are r and the depth z below the apex before
+contact. The nodes that the flat presses are at its depth omega; those that it would pull are free.
 """
 
 import numpy as np
@@ -150,13 +150,14 @@ class Body:
         deviator = strain - volume[..., None] / 3 * UNIT
         size = np.sqrt(np.einsum("epi,epi->ep", deviator, deviator))
         limit = np.sqrt(2 / 3) * self.strength / (2 * SHEAR)
-        flows = size > limit
-        kept = np.where(flows, limit / np.maximum(size, limit), 1.0)
+        yields = size > limit
+        kept = np.where(yields, limit / np.maximum(size, limit), 1.0)
         elastic = deviator * kept[..., None]
         stress = 2 * SHEAR * elastic + BULK * volume[..., None] * UNIT
         direction = deviator / np.maximum(size, 1e-300)[..., None]
         tangent = 2 * SHEAR * kept[..., None, None] * DEVIATOR + BULK * np.outer(UNIT, UNIT)
-        tangent -= ((2 * SHEAR * kept * flows)[..., None] * direction)[..., :, None] * direction[..., None, :]
+        softening = (2 * SHEAR * kept * yields)[..., None] * direction
+        tangent -= softening[..., :, None] * direction[..., None, :]
         # The inverse of the plastic deformation's square, from the elastic strain.
         elastic += volume[..., None] / 3 * UNIT
         square = self.exponential(2 * elastic)
@@ -168,7 +169,7 @@ class Body:
         inverse = back @ square @ back.swapaxes(-1, -2)
         plastic = np.stack([inverse[..., 0, 0], inverse[..., 0, 1], inverse[..., 1, 1],
                             np.exp(2 * elastic[..., 4]) / stretch**2], axis=-1)
-        return stress, tangent, np.where(flows[..., None], plastic, c)
+        return stress, tangent, np.where(yields[..., None], plastic, c)
 
     @staticmethod
     def logarithm(matrix, out):

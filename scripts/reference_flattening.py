@@ -2,15 +2,15 @@
 
 Writes tests/data/flattening.csv. A rigid flat presses a sphere without friction to the interference omega = x
 omega_c and leaves it again (flattening_elements.py: large deformations, J2, perfectly plastic, nu = 0.3).
-What is left is the outline of the summit, its depth below the apex before contact, and its radius: that of
+The table has the depth of the apex below where it was before contact, and the radius of the summit: that of
 r^2/(2 rho) + b r^4 fitted to the outline for r <= a0/2, with a0 the largest contact radius. omega_c is that
 of R. L. Jackson and I. Green, J. Tribol. 127 (2005) 343, (pi C Y/(2 E*))^2 R with C = 1.295 exp(0.736 nu).
 The fit is that of I. Etsion, Y. Kligerman and Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716:
 
     rho = R [1 + 1.275 (E/Y)^(-0.216) (x - 1)], and at least K a0^3/P0.
 
-The integration of the flow is of first order in the step, so each row is extrapolated from two numbers of
-steps. The contact radius is where the gap to the power 2/3 of the next nodes outside extrapolates to 0.
+The integration of the plastic strain is of first order in the step, so each row is extrapolated from two
+numbers of steps. The contact radius is where the gap to the power 2/3 of the next nodes outside extrapolates to 0.
 
 Pull-off is that of an elastic Maugis-Dugdale contact: the least force over contact radii a <= a0, for the
 outline r^2/(2 rho) + b r^4 up to a0 and the paraboloid of R beyond, with b such that the load at a0 is P0. It
@@ -36,7 +36,9 @@ COLUMNS = ["young_over_yield", "interference", "load", "contact_radius", "residu
 RATIOS = (50, 100, 200, 500, 1000)  # E/Y
 INTERFERENCES = (2, 6, 10, 30, 100)  # omega/omega_c
 WIDEST = 0.4  # a0/R above which the paraboloid of the law is no sphere
-FINE, STEPS, UNLOADING = 24, 16, 8  # elements to a0, steps from omega_c to omega, and of the elastic recovery
+FINE = dict.fromkeys(INTERFERENCES, 24)  # elements to a0
+STEPS = dict.fromkeys(INTERFERENCES, 16)  # from omega_c to omega, and twice as many
+UNLOADING = 8  # steps of the elastic recovery
 INNER = 0.5  # part of a0 on which the apex radius is fitted
 # R, E*, work of adhesion, Z_0
 CASES = [(1.66e-6, 85.29e9, 0.01, 0.2e-9), (3.33e-6, 85.29e9, 0.09, 0.2e-9)]
@@ -85,9 +87,9 @@ def pressed(ratio, x, fine, steps):
     return load, radius, *body.outline()
 
 
-def flattened(ratio, x, fine=FINE):
+def flattened(ratio, x, fine):
     """The same, extrapolated to steps of no length."""
-    coarse, close = pressed(ratio, x, fine, STEPS), pressed(ratio, x, fine, 2 * STEPS)
+    coarse, close = (pressed(ratio, x, fine, steps) for steps in (STEPS[x], 2 * STEPS[x]))
     return tuple(2 * b - a for a, b in zip(coarse, close, strict=True))
 
 
@@ -166,7 +168,7 @@ def row(ratio, x):
     fits = Fits(ratio)
     if fits.contact(x)[1] > WIDEST:
         return None
-    load, radius, r, z = flattened(ratio, x)
+    load, radius, r, z = flattened(ratio, x, FINE[x])
     rho, depth = apex(r, z, INNER * radius)
     law = fits.apex_radius(x, load, radius)
     outlines = [Outline.of_law(load, radius, law), Outline.of_law(load, radius, rho),
@@ -180,7 +182,7 @@ def row(ratio, x):
 
 def check():
     """Prints what the elements give where the answer is known, and with elements of twice the width."""
-    for fine in (FINE // 2, FINE):
+    for fine in (FINE[6] // 2, FINE[6]):
         fits = Fits(1000)
         body = Body(half_sphere(np.sqrt(fits.critical) / fine, fine * 5 // 4, 1.3), 1.0, fits.critical_load)
         load = body.press(fits.critical)
@@ -189,7 +191,7 @@ def check():
         slope, level = np.polyfit(r[outside], (z[outside] - fits.critical) ** (2 / 3), 1)
         print(f"Hertz, {fine} elements: load {load / fits.critical_load:.4f},",
               f"radius {-level / slope / np.sqrt(fits.critical):.4f}")
-    for fine in (FINE // 2, FINE):
+    for fine in (FINE[6] // 2, FINE[6]):
         load, radius, r, z = flattened(200, 6, fine)
         rho, depth = apex(r, z, INNER * radius)
         fits = Fits(200)

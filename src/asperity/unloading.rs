@@ -298,8 +298,10 @@ impl Loop {
             let is_contact = regime == self.first_contact;
             let upper = if is_contact { top.recovery } else { self.leaves(regime, &lane) };
             let own = self.retraction.kinks_of_top(regime, &lane, &top.outlined).into_iter();
-            for kink in own.filter(|kink| lower < *kink && *kink < upper) {
-                kinks[count] = kink;
+            for kink in own {
+                if kink.is_finite() && lower < kink && kink < upper {
+                    kinks[count] = kink;
+                }
                 count = (count + 1).min(TOP_KINKS - 3);
             }
             lower = upper;

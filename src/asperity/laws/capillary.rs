@@ -486,8 +486,8 @@ impl Interaction for WetContact {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
         let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
-        let edge = of_solid.filter(|edge| edge.is_finite()).map(|edge| bridge.around(edge, 0.0).interference);
-        [Some(of_bridge), edge].into_iter().flatten().collect()
+        let edge = of_solid.filter(|edge| edge.is_finite());
+        vec![of_bridge, edge.map_or(f64::NAN, |edge| bridge.around(edge, 0.0).interference)]
     }
 
     fn method(&self) -> Method {

@@ -918,7 +918,7 @@ pub fn attractions<'a>(
 
 /// Tops that are solved together.
 const TOGETHER: usize = 32;
-const _: () = assert!(BLOCK % TOGETHER == 0);
+const _: () = assert!(BLOCK.is_multiple_of(TOGETHER));
 
 /// Tops of a part of a block, each quantity in a row.
 #[repr(align(64))]
@@ -992,7 +992,7 @@ impl Lanes {
         let mut good = [false; TOGETHER];
         for pass in 0..=STEPS {
             let mut are_good = true;
-            for i in 0..count {
+            for (i, is_good) in good[..count].iter_mut().enumerate() {
                 let (outline, outer) = (self.outline(i), self.outer[i]);
                 let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
                 let known = outline.at(place, outer);
@@ -1001,8 +1001,8 @@ impl Lanes {
                 let small = (edge.abs() <= LAST_STEP * (outline.edge + place.beyond))
                     & (angle.abs() <= LAST_TURN * room);
                 let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
-                good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
-                are_good &= good[i];
+                *is_good = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
+                are_good &= *is_good;
                 Response { adhesion: self.adhesion[i], radius: self.radius[i] } =
                     known.corrected([edge, angle]);
                 self.beyond[i] += edge;
@@ -1042,14 +1042,14 @@ impl Lanes {
         let mut good = [false; TOGETHER];
         for pass in 0..=STEPS_BEFORE {
             let mut are_good = true;
-            for i in 0..count {
+            for (i, is_good) in good[..count].iter_mut().enumerate() {
                 let (gap, y, low) = (self.beyond[i], self.angles[i], self.low[i]);
                 let Balance { step, slope, beyond } = self.outline(i).balance(gap, y, self.displacements[i]);
                 let small =
                     (step[0].abs() <= LAST_STEP * (gap - low).min(gap)) & (step[1].abs() <= LAST_STEP * y);
                 let is_on_side = beyond.abs() > 4.0 * LAST_STEP * self.edge[i];
-                good[i] = small & is_on_side & (slope < 0.0);
-                are_good &= good[i];
+                *is_good = small & is_on_side & (slope < 0.0);
+                are_good &= *is_good;
                 self.adhesion[i] = FRAC_PI_2 * y * (y + 2.0 * step[1]);
                 let next = gap + step[0];
                 let kept = next > low;

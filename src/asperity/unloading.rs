@@ -277,7 +277,7 @@ impl Loop {
         tops.push(top);
         let ends: Vec<f64> = (0..self.first_contact).map(|regime| kinks[self.end_kink(regime)]).collect();
         let (mut out, mut stats) = (Responses::default(), SolverStats::default());
-        let mut force = |own: &f64| {
+        let force = |own: &f64| {
             if *own > recovery {
                 return SolvedAsperity::new(self.approach(), largest + (own - recovery)).external_force();
             }
@@ -285,7 +285,7 @@ impl Loop {
             tops.respond_all(law, recovery - own, &mut out, &mut stats);
             out.contact[0] - out.adhesion[0]
         };
-        interferences.iter().map(|own| force(own)).collect()
+        interferences.iter().map(force).collect()
     }
 
     /// The interferences, m, from the lowered apex, of the kinks of a top.

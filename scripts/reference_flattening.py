@@ -10,7 +10,8 @@ The fit is that of I. Etsion, Y. Kligerman and Y. Kadin, Int. J. Solids Struct. 
     rho = R [1 + 1.275 (E/Y)^(-0.216) (x - 1)], and at least K a0^3/P0.
 
 The integration of the plastic strain is of first order in the step, so each row is extrapolated from two
-numbers of steps. The contact radius is where the gap to the power 2/3 of the next nodes outside extrapolates to 0.
+numbers of steps. The contact radius is where the gap to the power 2/3 of the next nodes outside extrapolates
+to 0.
 
 Pull-off is that of an elastic Maugis-Dugdale contact: the least force over contact radii a <= a0, for the
 outline r^2/(2 rho) + b r^4 up to a0 and the paraboloid of R beyond, with b such that the load at a0 is P0. It

@@ -227,8 +227,8 @@ pub trait Law: Send + Sync {
         (0..self.regimes().len()).flat_map(|regime| self.pieces_of(regime, lane)).collect()
     }
 
-    /// Interferences, m, at which a top of its own outline is not smooth within a regime, or jumps there; of a lane of its
-    /// apex.
+    /// Interferences, m, at which a top of its own outline is not smooth within a regime, or jumps there, of a lane of its
+    /// apex: as many of every top, and not finite where it has one not.
     #[doc(hidden)]
     fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
         Vec::new()

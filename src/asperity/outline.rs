@@ -39,6 +39,8 @@ const LAST_STEP: f64 = 2e-9;
 const LAST_TURN: f64 = 1e-8;
 /// Roundings of the sum of the magnitudes of terms below which a residual is noise.
 const NOISE: f64 = 4.0 * f64::EPSILON;
+/// Relative load beyond that of the apex which is rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Newton steps of a block, at most, before the one along which outputs are corrected.
 const STEPS: usize = 3;
 /// Newton steps of a block before contact, likewise.
@@ -95,7 +97,8 @@ impl Pressed {
     /// βa₀² in the outline, 0 where ρ alone has the load.
     fn quartic(&self) -> f64 {
         let Self { radius, load, apex, .. } = *self;
-        (0.3125 * (load / (radius * radius * radius) - 1.0 / apex)).max(0.0)
+        let beyond = load / (radius * radius * radius) - 1.0 / apex;
+        if beyond > ROUNDING / apex { 0.3125 * beyond } else { 0.0 }
     }
 
     /// a²/ρ + (8/3)βa⁴, the displacement without adhesion from the apex.
@@ -442,7 +445,8 @@ impl Outline {
         // y² + 2Gy + (2β/μ)y⁴ = W, or that of the paraboloid beyond.
         let excess = curved * square + 2.0 * g * y + fourth - work - stress * lower;
         let by_pull = 2.0 * curved * y + 2.0 * g + fourth_slope;
-        let by_gap = 2.0 * g_slope * y - fourth * stress_slope * per_stress - work_slope - stress_slope * lower;
+        let by_gap =
+            2.0 * g_slope * y - fourth * stress_slope * per_stress - work_slope - stress_slope * lower;
         let spacing = whole.spacing();
         let off = displacement + spacing * gap + 4.0 / 3.0 * root * y;
         let pull_by_gap = spacing + 2.0 / 3.0 * y * stress_slope * (root * per_stress);
@@ -541,7 +545,7 @@ impl OutlinedTop {
     pub(super) fn each(&mut self, mut visit: impl FnMut(&mut f64, Option<f64>)) {
         let Self { outline, ends, starts, end, last } = self;
         let unit = Some(1.0);
-        visit(&mut outline.quartic, Some(0.0));
+        visit(&mut outline.quartic, Some(1.0 / (outline.edge * outline.edge)));
         visit(&mut outline.edge, Some(0.0));
         visit(&mut ends.first_touch, unit);
         visit(&mut ends.contact, unit);
@@ -576,7 +580,6 @@ impl OutlinedTop {
             *is_led_to,
             self.end.beyond > 0.0,
             self.end.beyond < 0.0,
-            self.outline.quartic > 0.0,
             self.ends.contact < self.ends.deepest,
         ];
         has.iter().fold(0, |bits, has| 2 * bits + u64::from(*has))
@@ -915,7 +918,7 @@ pub fn attractions<'a>(
 
 /// Tops that are solved together.
 const TOGETHER: usize = 32;
-const _: () = assert!(BLOCK % TOGETHER == 0);
+const _: () = assert!(BLOCK.is_multiple_of(TOGETHER));
 
 /// Tops of a part of a block, each quantity in a row.
 #[repr(align(64))]
@@ -989,7 +992,7 @@ impl Lanes {
         let mut good = [false; TOGETHER];
         for pass in 0..=STEPS {
             let mut are_good = true;
-            for i in 0..count {
+            for (i, is_good) in good[..count].iter_mut().enumerate() {
                 let (outline, outer) = (self.outline(i), self.outer[i]);
                 let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
                 let known = outline.at(place, outer);
@@ -998,8 +1001,8 @@ impl Lanes {
                 let small = (edge.abs() <= LAST_STEP * (outline.edge + place.beyond))
                     & (angle.abs() <= LAST_TURN * room);
                 let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
-                good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
-                are_good &= good[i];
+                *is_good = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
+                are_good &= *is_good;
                 Response { adhesion: self.adhesion[i], radius: self.radius[i] } =
                     known.corrected([edge, angle]);
                 self.beyond[i] += edge;
@@ -1039,14 +1042,14 @@ impl Lanes {
         let mut good = [false; TOGETHER];
         for pass in 0..=STEPS_BEFORE {
             let mut are_good = true;
-            for i in 0..count {
+            for (i, is_good) in good[..count].iter_mut().enumerate() {
                 let (gap, y, low) = (self.beyond[i], self.angles[i], self.low[i]);
                 let Balance { step, slope, beyond } = self.outline(i).balance(gap, y, self.displacements[i]);
                 let small =
                     (step[0].abs() <= LAST_STEP * (gap - low).min(gap)) & (step[1].abs() <= LAST_STEP * y);
                 let is_on_side = beyond.abs() > 4.0 * LAST_STEP * self.edge[i];
-                good[i] = small & is_on_side & (slope < 0.0);
-                are_good &= good[i];
+                *is_good = small & is_on_side & (slope < 0.0);
+                are_good &= *is_good;
                 self.adhesion[i] = FRAC_PI_2 * y * (y + 2.0 * step[1]);
                 let next = gap + step[0];
                 let kept = next > low;

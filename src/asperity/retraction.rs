@@ -8,11 +8,15 @@ use super::top::Tops;
 use super::unloading::{Loop, TOP_KINKS, begin_of};
 use crate::math::roots::false_position;
 
+/// Share of a place by which the side of a jump is away from it.
+const BESIDE: f64 = 1e-12;
+
 impl Loop {
     /// The ω_max, m, between limits on one regime of flow, above which asperities are still in contact, or deeper than a regime
     /// before it, at a distance, m: the lower limit where all are, the upper where none is.
     fn let_go_from(&self, distance: f64, regime: usize, (begin, end): (f64, f64)) -> f64 {
-        let low = begin.next_up();
+        // Where the plastic contact jumps no state is next to the beginning.
+        let low = begin + BESIDE * begin.abs();
         let beyond = |largest: f64| distance - self.left_at(regime, largest);
         if !(low < end) {
             return begin;
@@ -70,16 +74,16 @@ impl Loop {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
             if self.flows() {
-                let above = largest.next_up();
-                let detachment = self.detachment(above).unwrap_or(f64::NAN);
-                meetings.extend((0..self.first_contact).map(|regime| self.left_at(regime, above)));
-                meetings.push(detachment + further[self.first_contact]);
-                meetings.push(self.recovery(above));
+                let above = self.top_of(largest + BESIDE * largest.abs());
+                let passes = above.passes();
+                meetings.push(passes[self.end_kink(self.first_contact - 1)] + further[self.first_contact]);
+                meetings.push(above.recovery);
+                meetings.extend(passes);
             }
         }
-        // Tops let go at other distances below a joint than above it.
+        // Tops pass their kinks at other distances below a joint than above it.
         for joint in boundaries.iter().skip(1).filter(|_| self.flows()) {
-            meetings.extend((0..self.first_contact).map(|regime| self.left_at(regime, joint.interference)));
+            meetings.extend(self.top_of(joint.interference).passes());
         }
         meetings
     }

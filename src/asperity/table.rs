@@ -48,7 +48,8 @@ pub trait Interaction: Send + Sync {
         (Vec::new(), vec![Smoothness::Smooth])
     }
 
-    /// Interferences, m, at which a top of its own outline is not smooth within the part, or jumps there.
+    /// Interferences, m, at which a top of its own outline is not smooth within the part, or jumps there, as many of every
+    /// top, and not finite where it has one not.
     #[doc(hidden)]
     fn kinks_of_top(&self, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
         Vec::new()

@@ -54,6 +54,8 @@ pub(super) struct Stretch {
     pub kinks: [[f64; TOP_KINKS]; PLACES],
 }
 
+/// Joints closer than this share are one.
+const SAME: f64 = 1e-12;
 /// Tops from which on a table of them is worth its making.
 const MANY: usize = 8;
 /// Places of a stretch, and the end of the last in multiples of its beginning where nothing is known of it.
@@ -255,7 +257,7 @@ impl Loop {
                 let (from, width) = (ends[0], ends[1] - ends[0]);
                 let place = |i: usize| from + width * share(i) * share(i);
                 let places: [f64; PLACES] =
-                    std::array::from_fn(|i| place(i).clamp(from.next_up(), ends[1].next_down()));
+                    std::array::from_fn(|i| place(i).max(from + SAME * from.abs()).min(ends[1].next_down()));
                 let mut kinks = [[f64::NAN; TOP_KINKS]; PLACES];
                 let mut rows = kinks.iter_mut();
                 self.tops(&places, &mut SolverStats::default(), |top| {
@@ -275,7 +277,7 @@ impl Loop {
         tops.push(top);
         let ends: Vec<f64> = (0..self.first_contact).map(|regime| kinks[self.end_kink(regime)]).collect();
         let (mut out, mut stats) = (Responses::default(), SolverStats::default());
-        let mut force = |own: &f64| {
+        let force = |own: &f64| {
             if *own > recovery {
                 return SolvedAsperity::new(self.approach(), largest + (own - recovery)).external_force();
             }
@@ -283,7 +285,7 @@ impl Loop {
             tops.respond_all(law, recovery - own, &mut out, &mut stats);
             out.contact[0] - out.adhesion[0]
         };
-        interferences.iter().map(|own| force(own)).collect()
+        interferences.iter().map(force).collect()
     }
 
     /// The interferences, m, from the lowered apex, of the kinks of a top.
@@ -296,8 +298,10 @@ impl Loop {
             let is_contact = regime == self.first_contact;
             let upper = if is_contact { top.recovery } else { self.leaves(regime, &lane) };
             let own = self.retraction.kinks_of_top(regime, &lane, &top.outlined).into_iter();
-            for kink in own.filter(|kink| lower < *kink && *kink < upper) {
-                kinks[count] = kink;
+            for kink in own {
+                if kink.is_finite() && lower < kink && kink < upper {
+                    kinks[count] = kink;
+                }
                 count = (count + 1).min(TOP_KINKS - 3);
             }
             lower = upper;
@@ -425,6 +429,8 @@ impl Loop {
         let last = joints.last().copied().unwrap_or(critical);
         joints.insert(0, critical);
         joints.push(self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length)));
+        // Joints of two kinds are one but for rounding.
+        joints.dedup_by(|next, own| *next - *own <= SAME * next.abs());
         joints
     }
 

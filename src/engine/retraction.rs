@@ -191,9 +191,9 @@ impl Curve for Retracted<'_> {
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
         for (history, kinks) in self.kinks.iter().enumerate() {
             if history == FLOWED {
-                for number in 0..OF_TOP {
+                for (number, kink) in kinks.iter().enumerate() {
                     let passing = |top: &&[f64; OF_TOP]| passes(top, number, low, high);
-                    visit(kinks[number].fall, self.tops.iter().filter(passing).count());
+                    visit(kink.fall, self.tops.iter().filter(passing).count());
                 }
                 continue;
             }

@@ -116,7 +116,8 @@ fn it_is_maugis_and_dugdale_up_to_the_onset_and_continuous_there() {
             let below = state(own.as_ref(), end);
             let above = state(own.as_ref(), end.next_up());
             for (below, above) in below.iter().zip(above) {
-                assert!((above / below - 1.0).abs() < 1e-14, "case {name}: {below:e} {above:e}");
+                // Both sides are solved, by different equations.
+                assert!((above / below - 1.0).abs() < 4e-14, "case {name}: {below:e} {above:e}");
             }
         }
         let cycle = loop_of(&asperity, PlasticContact::default());

@@ -64,7 +64,7 @@ fn laws_that_flow_miss_their_hardness() {
     assert!(error.contains("`material.poisson_ratio` is missing"), "{error}");
 }
 
-/// Without a hardness an elastic law has the numbers of a body that is as hard as can be, and no command trips over it.
+/// Without a hardness an elastic law has the numbers of a body in which nothing flows, and no command trips over it.
 #[test]
 fn elastic_laws_need_no_hardness() {
     let radii =
@@ -73,7 +73,7 @@ fn elastic_laws_need_no_hardness() {
     let [jkr, emd] = ["jkr", "emd"].map(|law| scene.replace("\"hybrid\"", &format!("\"{law}\"")));
     let jkr = jkr.replace("lubricant_thickness = \"0.5 nm\"", radii).replace("\"approach\"", "\"loop\"");
     for scene in [jkr, emd] {
-        let hard = Folder::new(&scene.replace("2.5 GPa", "1e9 GPa"));
+        let hard = Folder::new(&scene.replace("2.5 GPa", "300 GPa"));
         assert_exit(&hard.stiction(&["run", "scene.toml"]), 0);
         let folder = Folder::new(&bare(&scene));
         for arguments in [
@@ -86,10 +86,17 @@ fn elastic_laws_need_no_hardness() {
             let output = folder.stiction(arguments);
             assert_exit(&output, 0);
             let said = unbroken(&text(&output.stdout));
-            assert!(!said.contains("NaN") && !said.contains("psi of sigma_s"), "{arguments:?}: {said}");
+            // The file has a Poisson ratio of NaN, which `info` lists.
+            let has_none = arguments[0] == "info" || !said.contains("NaN");
+            assert!(has_none && !said.contains("psi of sigma_s"), "{arguments:?}: {said}");
         }
-        for (own, other) in bits(&folder.path("scene.h5")).iter().zip(&bits(&hard.path("scene.h5"))) {
-            assert!(own.0.starts_with("/: ") || own == other, "{}", own.0);
+        let files = [&folder, &hard].map(|folder| bits(&folder.path("scene.h5")));
+        for ((name, own), (_, other)) in files[0].iter().zip(&files[1]) {
+            let largest = other.iter().map(|bits| f64::from_bits(*bits).abs()).fold(0.0, f64::max);
+            let is_close = |(a, b): (&u64, &u64)| {
+                a == b || (f64::from_bits(*a) - f64::from_bits(*b)).abs() <= 1e-9 * largest
+            };
+            assert!(name.starts_with("/: ") || own.iter().zip(other).all(is_close), "{name}");
         }
     }
     let flows = Folder::new(&bare(&small())).stiction(&["compare", "scene.toml", "--laws", "dmt,hybrid"]);

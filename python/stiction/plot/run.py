@@ -65,7 +65,7 @@ def ways(run: Run) -> list[tuple[str, str, str, Any]]:
 
 def left_out(run: Run) -> list[Line2D]:
     """The line of a legend on asperities that the law leaves out, where it leaves out any."""
-    words = f"left out by the law: {run.left_out.split(' and ')[0]}"
+    words = f"left out by the law:\n{run.left_out.split(' and ')[0]}"
     return [Line2D([], [], linestyle="none", label=words)] if run.left_out else []
 
 

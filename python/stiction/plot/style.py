@@ -139,7 +139,7 @@ def legend(ax: Axes, handles: Sequence[Any] | None = None, columns: int = 2) -> 
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     figure: Any = ax.figure
     width = ax.get_position().width * figure.get_figwidth()
-    longest = max((len(str(handle.get_label())) for handle in handles), default=0)
+    longest = max((len(row) for handle in handles for row in str(handle.get_label()).splitlines()), default=0)
     # A letter is about half as wide as its font is high.
     columns = max(1, min(columns, int(width * 72.0 / (7.0 * 0.52 * longest + 26.0)))) if longest else 1
     kept: list[Artist] = list(handles)

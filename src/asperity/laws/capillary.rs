@@ -427,7 +427,14 @@ impl WetContact {
         for (i, &delta) in interference.iter().enumerate() {
             let (ratio, last) = of(i);
             let bridge = self.parts.bridge.of_ratio(ratio);
-            if delta >= last.interference {
+            if bridge.stress == 0.0 {
+                // A liquid without tension bends nothing.
+                let radius = (bridge.radius * delta.max(0.0)).sqrt();
+                inner[i] = delta;
+                out.adhesion[i] = 0.0;
+                out.contact[i] = self.parts.stiffness * delta.max(0.0) * radius;
+                out.area[i] = PI * radius * radius;
+            } else if delta >= last.interference {
                 let state = bridge.contact(delta, &last, start(i));
                 let square = state.contact * state.contact;
                 inner[i] = square / bridge.radius;
@@ -479,8 +486,8 @@ impl Interaction for WetContact {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
         let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
-        let edge = of_solid.filter(|edge| edge.is_finite()).map(|edge| bridge.around(edge, 0.0).interference);
-        [Some(of_bridge), edge].into_iter().flatten().collect()
+        let edge = of_solid.filter(|edge| edge.is_finite());
+        vec![of_bridge, edge.map_or(f64::NAN, |edge| bridge.around(edge, 0.0).interference)]
     }
 
     fn method(&self) -> Method {

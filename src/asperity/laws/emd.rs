@@ -127,8 +127,8 @@ impl Interaction for Attraction {
         let elastic = &lane.elastic;
         let held = top.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
         let jumps = [held, elastic.noncontact_fold(self.path), elastic.second_fold(self.path)];
-        let all = jumps.into_iter().chain(top.ends.edges_before).flatten();
-        all.map(|displacement| displacement * self.length(Some(lane)) - self.thickness).collect()
+        let place = |displacement: f64| displacement * self.length(Some(lane)) - self.thickness;
+        jumps.into_iter().chain(top.ends.edges_before).map(|kink| kink.map_or(f64::NAN, place)).collect()
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {

@@ -89,8 +89,7 @@ impl Interaction for MaugisContact {
     }
 
     fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        let edge = top.ends.edge * (self.scale.length * lane.cube_root);
-        [edge].into_iter().filter(|edge| edge.is_finite()).collect()
+        vec![top.ends.edge * (self.scale.length * lane.cube_root)]
     }
 
     fn method(&self) -> Method {

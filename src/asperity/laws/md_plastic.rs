@@ -53,7 +53,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Steps of the search for a state at most. Most take six.
-const MOST_STEPS: usize = 80;
+const MOST_STEPS: usize = 100;
 /// Relative accuracy of tables, a few roundings of what is tabulated.
 const TABLE_TOLERANCE: f64 = 2e-14;
 /// Halvings of an interval of ω.
@@ -66,6 +66,12 @@ const FLATTENING: (f64, f64) = (1.275, -0.216);
 /// are.
 const LOOKS: usize = 400;
 const LAST_JOINT: f64 = 1e4;
+/// Share of the load by which a plastic contact jumps, as Kogut and Etsion's does by a tenth.
+const SUDDEN: f64 = 0.02;
+/// Joints closer than this share are one.
+const SAME: f64 = 1e-12;
+/// Steps of a search after which an interval is halved: where the plastic contact jumps, secants do not come to an end.
+const SECANTS: u32 = 24;
 /// Asperities that are solved together.
 const TOGETHER: usize = 16;
 
@@ -210,6 +216,8 @@ pub(in crate::asperity) struct Flow {
     critical: f64,
     /// The rate at which ρ/R grows with ω/ω_c.
     flattening: f64,
+    /// Whether the load of the plastic contact jumps where that begins to flow: then tops flow from there on.
+    is_sudden: bool,
 }
 
 impl Flow {
@@ -225,7 +233,13 @@ impl Flow {
         let yielding = (1.0 - poisson * poisson) * jg::HARDNESS / hardness;
         let flattening = FLATTENING.0 * libm::pow(yielding, FLATTENING.1);
         let critical = jg::critical_interference(parameters) / around.scale.length;
-        Ok(Self { law, onset, around, begin: begin.clone(), critical, flattening })
+        let flow = Self { law, onset, around, begin: begin.clone(), critical, flattening, is_sudden: false };
+        let lane = flow.lane();
+        let joint = flow.joint(onset, &lane);
+        let [hertz, flowing] = [onset, onset + 1].map(|regime| {
+            flow.state(regime, &lane, if regime == onset { joint } else { joint.next_up() }).contact.load
+        });
+        Ok(Self { is_sudden: (flowing / hertz - 1.0).abs() > SUDDEN, ..flow })
     }
 
     /// The asperity of the law's own radius.
@@ -245,7 +259,8 @@ impl Flow {
 
     /// ω/s_δ at which an asperity begins to flow: at ω_c, or where the plastic contact does before it.
     fn onset(&self, lane: &Lane) -> f64 {
-        self.joint(self.onset, lane).min(self.critical * lane.ratio)
+        let joint = self.joint(self.onset, lane);
+        if self.is_sudden { joint } else { joint.min(self.critical * lane.ratio) }
     }
 
     /// ω/s_δ from which on an asperity is in a regime of the plastic contact.
@@ -362,6 +377,7 @@ impl Flow {
                 (low, below) = (high, formulas(high));
             }
         }
+        joints.dedup_by(|next, own| *next - *own <= SAME * *next);
         joints
     }
 
@@ -463,14 +479,27 @@ struct Search {
     wanted: f64,
     /// The last place above the state, and how far its displacement is off.
     last: Option<[f64; 2]>,
+    /// The nearest places below and above that were passed.
+    below: Option<f64>,
+    above: Option<f64>,
+    steps: u32,
     is_done: bool,
 }
 
 impl Search {
     /// Takes a step from a place ω/s_δ at which adhesion draws the surfaces nearer by `drawn`, and says whether the search is
-    /// done.
+    /// done. Where the displacement jumps over what is wanted, it ends above the jump.
     fn step(&mut self, place: &mut f64, drawn: f64) -> bool {
         let (here, off) = (*place, *place - drawn - self.wanted);
+        self.steps += 1;
+        let noise = 2.0 * f64::EPSILON * (here + drawn + self.wanted.abs());
+        if off.abs() <= noise {
+            self.is_done = true;
+        }
+        if self.is_done {
+            return true;
+        }
+        *(if off < 0.0 { &mut self.below } else { &mut self.above }) = Some(here);
         let next = match self.last {
             None if off < 0.0 => self.wanted + 2.0 * drawn,
             None => self.wanted + drawn,
@@ -479,8 +508,19 @@ impl Search {
         if off >= 0.0 || self.last.is_some() {
             self.last = Some([here, off]);
         }
-        let noise = 2.0 * f64::EPSILON * (here + drawn + self.wanted.abs());
-        self.is_done |= off.abs() <= noise || !(next > 0.0 && next.is_finite());
+        let next = match (self.below, self.above) {
+            (Some(below), Some(above)) if self.steps > SECANTS && below < above => {
+                let middle = 0.5 * (below + above);
+                if middle > below && middle < above {
+                    middle
+                } else {
+                    self.is_done = here == above;
+                    above
+                }
+            }
+            _ => next,
+        };
+        self.is_done |= !(next > 0.0 && next.is_finite());
         if !self.is_done {
             *place = next;
         }

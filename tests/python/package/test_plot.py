@@ -256,7 +256,7 @@ def test_figures_name_what_a_law_leaves_out(result):
     left = count - float(run["integral/pull_off_regime_count"].values.sum())
     assert warning.startswith("the law ends") and run.left_out.startswith(f"{left:.0f} of {count} asperities ({100 * left / count:.2f} %) at pull-off")
     for draw in (plot.force, plot.integral):
-        assert f"left out by the law: {run.left_out.split(' and ')[0]}" in told(draw(run))
+        assert f"left out by the law:\n{run.left_out.split(' and ')[0]}" in told(draw(run))
     assert not result("run").left_out and not [words for words in told(plot.force(result("run"))) if "left out" in words]
 
 

@@ -40,7 +40,9 @@ MADE = {
     "run": of_scene("quick", 100),
     "curves": of_scene("quick", 40, **{"output.curves": True}),
     "ending_law": of_scene("quick", 20, **{"model.law": "emd", "material.hardness": "1 GPa"}),
-    "retraction": of_scene("quick", 40, **{"model.law": "md_plastic", "model.history": "retraction"}),
+    "retraction": of_scene(
+        "quick", 40, **{"model.law": "md_plastic", "model.history": "retraction", "separation.h_star": {"from": 1.5, "to": 6.0, "count": 91}}
+    ),
     "loop": of_scene("loop", 20),
     "cycles": of_scene("loop", 4, **{"separation.cycles": 2}),
     "instability": of_scene("instability", 20),

@@ -226,7 +226,7 @@ def test_the_command_of_a_page_makes_the_same_numbers(result, name, tmp_path):
 
 
 def test_several_results_are_side_by_side_with_differences(result):
-    first, second = result("retraction"), result("run")
+    first, second = result("run"), result("retraction")
     page = stiction.report.page([first, second])
     words = text_of(page)
     assert words.startswith("2 results side by side")

@@ -45,6 +45,7 @@ mod parameters;
 pub mod quantity;
 #[doc(hidden)]
 pub mod radius;
+mod response_table;
 mod retraction;
 #[doc(hidden)]
 pub mod scale;

@@ -918,6 +918,8 @@ pub fn attractions<'a>(
 
 /// Tops that are solved together.
 const TOGETHER: usize = 32;
+/// Lanes of the widest vectors.
+const VECTOR: usize = 8;
 const _: () = assert!(BLOCK.is_multiple_of(TOGETHER));
 
 /// Tops of a part of a block, each quantity in a row.
@@ -963,6 +965,24 @@ impl Lanes {
         (self.lambda[i], self.quartic[i], self.edge[i], self.outside[i]) = (lambda, quartic, edge, outside);
     }
 
+    /// Repeats the last of `count` lanes up to whole vectors, and says how many lanes these have.
+    #[inline(always)]
+    fn pad(&mut self, count: usize) -> usize {
+        let (last, whole) = (count - 1, count.div_ceil(VECTOR) * VECTOR);
+        for i in count..whole {
+            self.lambda[i] = self.lambda[last];
+            self.quartic[i] = self.quartic[last];
+            self.edge[i] = self.edge[last];
+            self.outside[i] = self.outside[last];
+            self.displacements[i] = self.displacements[last];
+            self.outer[i] = self.outer[last];
+            self.beyond[i] = self.beyond[last];
+            self.angles[i] = self.angles[last];
+            self.low[i] = self.low[last];
+        }
+        whole
+    }
+
     /// The outline of a lane.
     #[inline(always)]
     fn outline(&self, i: usize) -> Outline {
@@ -988,7 +1008,7 @@ impl Lanes {
             self.outer[i] = if self.displacements[i] > top.ends.edge { 1.0 } else { 0.0 };
             Place { beyond: self.beyond[i], angle: self.angles[i] } = top.start(self.displacements[i]);
         }
-        let count = whole_vectors(displacements.len());
+        let count = self.pad(displacements.len());
         let mut good = [false; TOGETHER];
         for pass in 0..=STEPS {
             let mut are_good = true;
@@ -1035,7 +1055,7 @@ impl Lanes {
             can_be[i] = (high == f64::INFINITY)
                 & !(holds & top.ends.inner.is_some_and(|inner| *displacement >= inner.displacement));
         }
-        let count = whole_vectors(displacements.len());
+        let count = self.pad(displacements.len());
         for i in 0..count {
             (self.beyond[i], self.angles[i]) = self.outline(i).first_balance(self.beyond[i], self.low[i]);
         }
@@ -1064,12 +1084,6 @@ impl Lanes {
         good.iter_mut().zip(can_be).for_each(|(good, can_be)| *good &= can_be);
         good
     }
-}
-
-/// Rounds a number of lanes up to whole vectors.
-#[inline(always)]
-fn whole_vectors(count: usize) -> usize {
-    count.div_ceil(8) * 8
 }
 
 /// The Newton step of both equations.

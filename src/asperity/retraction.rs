@@ -3,13 +3,18 @@
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
+use super::response_table::ResponseTable;
 use super::stats::SolverStats;
 use super::top::Tops;
 use super::unloading::{Loop, TOP_KINKS, begin_of};
 use crate::math::roots::false_position;
+use std::sync::{Arc, PoisonError};
 
 /// Share of a place by which the side of a jump is away from it.
 const BESIDE: f64 = 1e-12;
+/// Relative accuracy of tables of the responses of tops, some roundings of these, and halvings of a piece at most.
+const TOLERANCE: f64 = 1e-13;
+const HALVINGS: u32 = 9;
 
 impl Loop {
     /// The ω_max, m, between limits on one regime of flow, above which asperities are still in contact, or deeper than a regime
@@ -57,6 +62,17 @@ impl Loop {
     #[doc(hidden)]
     pub fn at(&self, distance: f64) -> Retraction<'_> {
         Retraction::with(self, distance, |regime, limits| self.let_go_from(distance, regime, limits))
+    }
+
+    /// The law at a distance, m, as [`Loop::at`] has it, with tables of the responses of tops. It is kept, as all surfaces of a run
+    /// are at some distances.
+    #[doc(hidden)]
+    pub fn tabulated_at(&self, distance: f64) -> Retraction<'_> {
+        let lock = || self.at_distances.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().get(&distance.to_bits()).cloned();
+        let at = known.unwrap_or_else(|| self.at(distance).tabulated().at);
+        lock().entry(distance.to_bits()).or_insert_with(|| Arc::clone(&at));
+        Retraction { cycle: self, at }
     }
 
     /// Distances, m, at which two ends of the law at a distance meet, as many of every radius and in the same order; NaN where
@@ -122,32 +138,63 @@ impl Condition {
 /// regimes of the law, some more than once: [`Retraction::base`].
 pub struct Retraction<'a> {
     cycle: &'a Loop,
+    at: Arc<AtDistance>,
+}
+
+/// What is known of the law at one distance.
+#[derive(Default)]
+pub(super) struct AtDistance {
+    /// m.
     distance: f64,
     conditions: Vec<Condition>,
     regimes: Vec<Regime>,
     base: Vec<usize>,
     boundaries: Vec<Boundary>,
+    /// The responses of tops, by condition, of a law that is tabulated.
+    tables: Vec<ResponseTable>,
+}
+
+impl AtDistance {
+    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
+    /// regime to the next, tops can let go sooner above the jump than below it.
+    fn push_flowed(&mut self, cycle: &Loop, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
+        let boundaries = cycle.approach.boundaries();
+        let mut begin = onset;
+        for regime in cycle.first_plastic..cycle.approach.regimes().len() {
+            let top = boundaries.get(regime).map(|top| higher(*top, begin));
+            let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
+            let mut end = begin;
+            for before in 0..cycle.first_contact {
+                let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
+                end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
+                end = top.map_or(end, |top| lower(end, top));
+                self.push(cycle, Condition::Lowered(before), Some(end));
+            }
+            self.push(cycle, Condition::Unloading(regime), boundaries.get(regime).map(|upper| higher(*upper, end)));
+            begin = top.unwrap_or(end);
+        }
+    }
+
+    fn push(&mut self, cycle: &Loop, condition: Condition, end: Option<Boundary>) {
+        self.conditions.push(condition);
+        self.base.push(condition.regime());
+        self.regimes.push(cycle.approach.regimes()[condition.regime()]);
+        self.boundaries.extend(end);
+    }
 }
 
 impl<'a> Retraction<'a> {
     /// The law at a distance, m. `let_go` says up to which ω_max, m, between limits, tops of radii of their own are in a regime
     /// before contact or below it.
     fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize, (f64, f64)) -> f64) -> Self {
-        let mut law = Self {
-            cycle,
-            distance,
-            conditions: Vec::with_capacity(16),
-            regimes: Vec::with_capacity(16),
-            base: Vec::with_capacity(16),
-            boundaries: Vec::with_capacity(16),
-        };
+        let mut law = AtDistance { distance, ..AtDistance::default() };
         let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
             let end = lower(shifted(approach.boundaries()[regime]), captured);
-            law.push(Condition::Untouched(regime), Some(end));
+            law.push(cycle, Condition::Untouched(regime), Some(end));
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on retraction it is known again.
@@ -160,45 +207,34 @@ impl<'a> Retraction<'a> {
                 (Some(end), Some(top)) => Some(lower(end, top)),
                 (end, top) => end.or(top),
             };
-            law.push(Condition::Elastic(regime), end);
+            law.push(cycle, Condition::Elastic(regime), end);
         }
         if let Some(top) = top.filter(|_| flows) {
-            law.push_flowed(top, let_go);
+            law.push_flowed(cycle, top, let_go);
         }
-        law
+        Self { cycle, at: Arc::new(law) }
     }
 
-    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
-    /// regime to the next, tops can let go sooner above the jump than below it.
-    fn push_flowed(&mut self, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
-        let Self { cycle, .. } = *self;
-        let boundaries = cycle.approach.boundaries();
-        let mut begin = onset;
-        for regime in cycle.first_plastic..cycle.approach.regimes().len() {
-            let top = boundaries.get(regime).map(|top| higher(*top, begin));
-            let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
-            let mut end = begin;
-            for before in 0..cycle.first_contact {
-                let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
-                end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
-                end = top.map_or(end, |top| lower(end, top));
-                self.push(Condition::Lowered(before), Some(end));
-            }
-            self.push(Condition::Unloading(regime), boundaries.get(regime).map(|upper| higher(*upper, end)));
-            begin = top.unwrap_or(end);
+    /// The law with tables of the responses of tops.
+    fn tabulated(mut self) -> Self {
+        let table = |index: usize| {
+            let is_of_tops = matches!(self.at.conditions[index], Condition::Lowered(_) | Condition::Unloading(_));
+            let pieces = if is_of_tops { self.pieces_of(index, None) } else { Vec::new() };
+            let respond = |largest: &[f64], out: &mut Responses| {
+                self.evaluate(index, Lanes::Own, largest, out, &mut SolverStats::default());
+            };
+            ResponseTable::new(&pieces, self.cycle.deepest(), (TOLERANCE, HALVINGS), respond)
+        };
+        let tables = (0..self.at.conditions.len()).map(table).collect();
+        if let Some(at) = Arc::get_mut(&mut self.at) {
+            at.tables = tables;
         }
-    }
-
-    fn push(&mut self, condition: Condition, end: Option<Boundary>) {
-        self.conditions.push(condition);
-        self.base.push(condition.regime());
-        self.regimes.push(self.cycle.approach.regimes()[condition.regime()]);
-        self.boundaries.extend(end);
+        self
     }
 
     /// Index of each of its regimes in the law on approach.
     pub fn base(&self) -> &[usize] {
-        &self.base
+        &self.at.base
     }
 
     /// The law that acts under a condition.
@@ -216,7 +252,7 @@ impl<'a> Retraction<'a> {
         limits: (f64, f64),
         place: impl Fn(f64) -> f64,
     ) -> impl Iterator<Item = Piece> {
-        let condition = self.conditions[index];
+        let condition = self.at.conditions[index];
         let pieces = self.law(condition).pieces_of(condition.regime(), None);
         let moved = pieces.into_iter().map(move |piece| Piece {
             regime: index,
@@ -277,7 +313,7 @@ impl<'a> Retraction<'a> {
     /// The ω_max, m, rising, within limits at which tops pass kinks of theirs.
     fn passed(&self, (lower, upper): (f64, f64)) -> Vec<f64> {
         let cycle = self.cycle;
-        let beyond = |largest: f64, kink: usize| self.distance - cycle.top_of(largest).passes()[kink];
+        let beyond = |largest: f64, kink: usize| self.at.distance - cycle.top_of(largest).passes()[kink];
         let mut passed = Vec::new();
         for stretch in cycle.stretches() {
             for (i, ends) in stretch.places.windows(2).enumerate() {
@@ -286,10 +322,10 @@ impl<'a> Retraction<'a> {
                 }
                 // The last two are ends of regimes.
                 for kink in 0..TOP_KINKS - 2 {
-                    let [low, high] = [i, i + 1].map(|i| self.distance - stretch.kinks[i][kink]);
+                    let [low, high] = [i, i + 1].map(|i| self.at.distance - stretch.kinks[i][kink]);
                     let is_between = low.is_finite() && high.is_finite() && (low > 0.0) != (high > 0.0);
                     if is_between {
-                        let close = |_: f64, value: f64| value.abs() <= 2.0 * f64::EPSILON * self.distance;
+                        let close = |_: f64, value: f64| value.abs() <= 2.0 * f64::EPSILON * self.at.distance;
                         let at = |largest: f64| beyond(largest, kink);
                         passed.push(false_position(at, (ends[0], low), (ends[1], high), close));
                     }
@@ -314,19 +350,19 @@ fn higher(a: Boundary, b: Boundary) -> Boundary {
 
 impl Law for Retraction<'_> {
     fn regimes(&self) -> &[Regime] {
-        &self.regimes
+        &self.at.regimes
     }
 
     fn boundaries(&self) -> &[Boundary] {
-        &self.boundaries
+        &self.at.boundaries
     }
 
     fn pieces_of(&self, index: usize, _: Option<&Lane>) -> Vec<Piece> {
-        let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
+        let upper = self.at.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
         let limits = (begin_of(self, index), upper);
-        match self.conditions[index] {
+        match self.at.conditions[index] {
             Condition::Untouched(_) | Condition::Elastic(_) => {
-                self.moved(index, limits, |place| place + self.distance).collect()
+                self.moved(index, limits, |place| place + self.at.distance).collect()
             }
             Condition::Lowered(_) => self.of_tops(index, limits),
             Condition::Unloading(_) => self.unloading(index, limits),
@@ -334,7 +370,7 @@ impl Law for Retraction<'_> {
     }
 
     fn method(&self, regime: usize) -> Method {
-        let condition = self.conditions[regime];
+        let condition = self.at.conditions[regime];
         let varies = matches!(condition, Condition::Unloading(_) | Condition::Lowered(_));
         match self.law(condition).method(condition.regime()) {
             Method::Constant(_) if varies => Method::ClosedForm,
@@ -344,13 +380,13 @@ impl Law for Retraction<'_> {
 
     fn evaluate(
         &self,
-        regime: usize,
+        index: usize,
         lanes: Lanes<'_>,
         interference: &[f64],
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let condition = self.conditions[regime];
+        let condition = self.at.conditions[index];
         let (law, base) = (self.law(condition), condition.regime());
         let of_tops = match condition {
             Condition::Unloading(_) => Some(self.cycle.first_contact),
@@ -358,14 +394,20 @@ impl Law for Retraction<'_> {
             Condition::Untouched(_) | Condition::Elastic(_) => None,
         };
         if let Some(regime) = of_tops {
-            let mut tops = Tops::default();
-            self.cycle.tops(interference, stats, |top| tops.push(top));
-            return tops.respond_all((self.cycle.retraction(), regime), self.distance, out, stats);
+            let mut solve = |largest: &[f64], out: &mut Responses| {
+                let mut tops = Tops::default();
+                self.cycle.tops(largest, stats, |top| tops.push(top));
+                tops.respond_all((self.cycle.retraction(), regime), self.at.distance, out, stats);
+            };
+            return match self.at.tables.get(index) {
+                Some(table) => table.respond(interference, out, solve),
+                None => solve(interference, out),
+            };
         }
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
         own.copy_from_slice(interference);
-        own.iter_mut().for_each(|delta| *delta -= self.distance);
+        own.iter_mut().for_each(|delta| *delta -= self.at.distance);
         // Rounding must not lead out of the regime.
         let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
         let lower = begin_of(law, base).min(upper);

@@ -35,12 +35,14 @@ use super::laws::md_plastic::Flow;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
+use super::retraction::AtDistance;
 use super::scale::Scale;
 use super::solved::SolvedAsperity;
 use super::stats::SolverStats;
 use super::top::{Top, Tops, first_contact};
 use super::top_table::TopTable;
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
 /// and, the last two, where the film or bridge breaks, and where contact ends.
@@ -94,6 +96,8 @@ pub struct Loop {
     /// The table of tops, of a loop that has one, when it has been asked for.
     table: OnceLock<TopTable>,
     is_tabulated: bool,
+    /// The law at distances that many surfaces are at, by the bits of these.
+    pub(super) at_distances: Mutex<HashMap<u64, Arc<AtDistance>>>,
     /// The asperity of the own radius.
     lane: [Lane; 1],
     /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
@@ -144,6 +148,7 @@ impl Loop {
             deepest: parameters.table_range.map_or(f64::NEG_INFINITY, |(_, deepest)| deepest),
             known: OnceLock::new(),
             table: OnceLock::new(),
+            at_distances: Mutex::default(),
             is_tabulated: parameters.table_range.is_some(),
             lane: [Lane::new(1.0, lambda)],
             ratio: 1.0,
@@ -171,6 +176,7 @@ impl Loop {
             deepest: self.deepest,
             known: OnceLock::new(),
             table: OnceLock::new(),
+            at_distances: Mutex::default(),
             is_tabulated: false,
             lane: [lane],
             ratio: lane.ratio,
@@ -426,12 +432,20 @@ impl Loop {
         let critical = self.critical();
         let mut joints: Vec<f64> = self.approach.pieces(None).iter().map(|piece| piece.upper).collect();
         joints.retain(|end| critical < *end && end.is_finite());
-        let last = joints.last().copied().unwrap_or(critical);
         joints.insert(0, critical);
-        joints.push(self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length)));
+        joints.push(self.deepest());
         // Joints of two kinds are one but for rounding.
         joints.dedup_by(|next, own| *next - *own <= SAME * next.abs());
         joints
+    }
+
+    /// The interference, m, up to which tops are looked at beforehand.
+    pub(super) fn deepest(&self) -> f64 {
+        let critical = self.critical();
+        let joints = self.approach.pieces(None);
+        let last = joints.iter().map(|piece| piece.upper).filter(|end| critical < *end && end.is_finite());
+        let last = last.fold(critical, f64::max);
+        self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length))
     }
 
     /// The interference, m, from which asperities flow and unload by their outlines; infinite where none does.

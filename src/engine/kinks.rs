@@ -38,7 +38,7 @@ const NO_JUMP: f64 = 1e-11;
 pub(super) struct Kink {
     /// δ, m.
     pub interference: f64,
-    /// Force above less force below, N.
+    /// Force above less force below, N; of tops the largest.
     pub jump: f64,
     /// Fall of the force below the line between the ends of an interval with the kink in it, N, about.
     pub fall: f64,
@@ -108,7 +108,7 @@ impl Kink {
         places.iter().zip(&jumps).map(kink).collect()
     }
 
-    /// The larger falls and strays of two.
+    /// The larger jumps, falls and strays of two.
     fn most(&self, other: &Self) -> Self {
         let most = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
         let stray = Stray {
@@ -116,7 +116,8 @@ impl Kink {
             points: most(self.stray.points, other.stray.points),
             ..self.stray
         };
-        Self { fall: self.fall.max(other.fall), stray, ..*self }
+        let jump = if other.jump.abs() > self.jump.abs() { other.jump } else { self.jump };
+        Self { jump, fall: self.fall.max(other.fall), stray, ..*self }
     }
 
     /// Places where the force of a law is not smooth, δ in m, rising.
@@ -201,7 +202,10 @@ impl Kinks {
         let share = |top: usize| (top as f64 + 0.5) / TOPS as f64;
         let tops = (0..TOPS).map(|top| Kink::of_top(cycle, from + reach * share(top) * share(top), width));
         let most = |a: Vec<Kink>, b: Vec<Kink>| a.iter().zip(&b).map(|(a, b)| a.most(b)).collect();
-        tops.reduce(most).unwrap_or_default()
+        let mut kinks: Vec<Kink> = tops.reduce(most).unwrap_or_default();
+        let largest = kinks.iter().fold(0.0, |most: f64, kink| most.max(kink.jump.abs()));
+        kinks.iter_mut().filter(|kink| kink.jump.abs() <= NO_JUMP * largest).for_each(|kink| kink.jump = 0.0);
+        kinks
     }
 }
 

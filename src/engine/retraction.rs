@@ -111,7 +111,7 @@ impl<'a> Retracted<'a> {
                 _ => heights.push(asperity.height),
             }
         }
-        self.sums.few((self.job, self.cycle), (heights, tops), (self.closest, d))
+        self.sums.few(self.cycle, (heights, tops), (self.closest, d))
     }
 }
 
@@ -161,7 +161,8 @@ impl Curve for Retracted<'_> {
                         continue;
                     }
                     let mut step = -self.kinks[history][number].jump;
-                    if history == FLOWED {
+                    // Of tops it is the largest that any has.
+                    if history == FLOWED && step != 0.0 {
                         let beside = self.rounding();
                         let [below, above] = [place - beside, place + beside]
                             .map(|h| self.sum(std::slice::from_ref(asperity), h));

@@ -152,7 +152,7 @@ impl Sums {
         let d = |h: f64| job.surface.asperity_separation(h);
         match state.turned(job) {
             Some((cycle, from, to)) if cycle.flows() => {
-                self.flattened((job, cycle), heights, (from, d(from)), d(to));
+                self.flattened((job, cycle), heights, (from, d(from)), (to, d(to)));
             }
             Some((cycle, from, to)) => {
                 let law = cycle.at(d(to) - d(from));
@@ -162,15 +162,19 @@ impl Sums {
         }
     }
 
-    /// Sums a surface that is pulled back from h and d, m, to d, m, where tops that have flowed have outlines of their own: what
-    /// is left of each is found once.
+    /// Sums a surface that is pulled back from h and d, m, to h and d, m, where tops that have flowed have outlines of their own.
+    /// Distances at which all surfaces of the job are have tables; else what is left of each is found once.
     fn flattened(
         &mut self,
         (job, cycle): (&Job<'_>, &Loop),
         heights: &[f64],
         (from, closest): (f64, f64),
-        d: f64,
+        (to, d): (f64, f64),
     ) {
+        if from == job.separations[0] && job.separations.binary_search_by(|own| own.total_cmp(&to)).is_ok() {
+            let law = cycle.tabulated_at(d - closest);
+            return self.over(&law, Some(law.base()), heights, closest);
+        }
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         self.elastic(cycle, &heights[..first], (closest, d));
         if self.turn((job, cycle), &heights[first..], from).is_some() {
@@ -213,16 +217,17 @@ impl Sums {
     /// heights, m, rising, the others by their numbers among what was turned last.
     pub fn few(
         &mut self,
-        (job, cycle): (&Job<'_>, &Loop),
+        cycle: &Loop,
         (heights, tops): (&[f64], &[u32]),
         (closest, d): (f64, f64),
     ) -> f64 {
-        match job.protocol.cycle.filter(|own| own.flows()) {
-            Some(_) => self.elastic(cycle, heights, (closest, d)),
-            None => {
-                let law = cycle.at(d - closest);
-                self.over(&law, Some(law.base()), heights, closest);
-            }
+        if heights.is_empty() {
+            self.regimes.fill(RegimeSums::default());
+        } else if cycle.flows() {
+            self.elastic(cycle, heights, (closest, d));
+        } else {
+            let law = cycle.at(d - closest);
+            self.over(&law, Some(law.base()), heights, closest);
         }
         if !tops.is_empty() {
             self.add_flowed(cycle, Some(tops), d);

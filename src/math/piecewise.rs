@@ -67,6 +67,51 @@ impl Piecewise {
         table
     }
 
+    /// Tabulates functions together, all of which `f` gives at places, on (`begin`, `end`] so that each is met to `tolerance` of
+    /// its largest value in the cell. Cells are halved until they meet it; one of 2^−`halvings` of the whole that does not holds
+    /// NaN. The functions are never evaluated at `begin`.
+    pub fn together<const N: usize>(
+        mut f: impl FnMut(&[f64]) -> Vec<[f64; N]>,
+        tolerance: f64,
+        (begin, end): (f64, f64),
+        halvings: u32,
+    ) -> [Self; N] {
+        let mut tables = [(); N].map(|()| Self::default());
+        if !(end > begin && end.is_finite()) {
+            return tables;
+        }
+        let mut open = vec![(begin, end)];
+        let narrowest = (end - begin) * (0.5_f64).powi(halvings as i32);
+        while let Some((low, high)) = open.pop() {
+            let places = Cell::places(low, high);
+            let samples = f(&places);
+            let (at_nodes, checks) = samples.split_at(NODES);
+            let mut cells: [Cell; N] = std::array::from_fn(|i| {
+                Cell::through(std::array::from_fn(|j| at_nodes[j][i]), (low, high))
+            });
+            let is_good = |i: usize| {
+                let largest = at_nodes.iter().fold(0.0, |largest, values| maximum(values[i].abs(), largest));
+                let off = |(place, values): (&f64, &[f64; N])| (cells[i].value(*place) - values[i]).abs();
+                places[NODES..].iter().zip(checks).all(|check| off(check) <= tolerance * largest)
+            };
+            let are_good = (0..N).all(is_good);
+            if !are_good && high - low > 1.5 * narrowest {
+                let middle = 0.5 * (low + high);
+                open.push((middle, high));
+                open.push((low, middle));
+                continue;
+            }
+            if !are_good {
+                cells.iter_mut().for_each(|cell| cell.coefficients = [f64::NAN; NODES]);
+            }
+            for (table, cell) in tables.iter_mut().zip(cells) {
+                table.ends.push(high);
+                table.cells.push(cell);
+            }
+        }
+        tables
+    }
+
     /// The number of cells.
     pub fn len(&self) -> usize {
         self.cells.len()
@@ -142,12 +187,25 @@ impl Cell {
         estrin(&self.slopes, (s - self.middle) * self.inverse_half_width)
     }
 
-    /// The interpolant at Chebyshev nodes, corrected once by that of its own rounding errors.
+    /// The interpolant at Chebyshev nodes.
     pub fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
+        let places = Self::places(low, high);
+        Self::through(std::array::from_fn(|j| f(places[j])), (low, high))
+    }
+
+    /// The Chebyshev nodes of an interval, and after them the places where a cell is compared.
+    fn places(low: f64, high: f64) -> [f64; NODES + CHECKS.len()] {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let places: [f64; NODES] =
-            std::array::from_fn(|j| middle + half * libm::cos(chebyshev::angle(j, NODES)));
-        let samples = places.map(f);
+        std::array::from_fn(|j| match j.checked_sub(NODES) {
+            None => middle + half * libm::cos(chebyshev::angle(j, NODES)),
+            Some(check) => middle + half * CHECKS[check],
+        })
+    }
+
+    /// The interpolant of samples at the nodes of an interval, corrected once by that of its own rounding errors.
+    fn through(samples: [f64; NODES], (low, high): (f64, f64)) -> Self {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let places = Self::places(low, high);
         let powers = |samples: [f64; NODES]| chebyshev::powers::<NODES>(&chebyshev::coefficients(&samples));
         let mut cell = Self {
             low,

@@ -36,18 +36,16 @@ use crate::asperity::block::Responses;
 use crate::asperity::error::LawError;
 use crate::asperity::flattened::{Around, State};
 use crate::asperity::lane::{Lane, Lanes, Numbered};
-use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Method, Piece, Regime, Smoothness};
 use crate::asperity::outline::Pressed;
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
+use crate::asperity::response_table::ResponseTable;
 use crate::asperity::scale::poisson_ratio;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};
 use crate::asperity::top::Top;
-use crate::math::instruction_set::InstructionSet;
-use crate::math::piecewise::{Piecewise, leading};
 use std::cell::RefCell;
-use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -56,6 +54,8 @@ use std::sync::Arc;
 const MOST_STEPS: usize = 100;
 /// Relative accuracy of tables, a few roundings of what is tabulated.
 const TABLE_TOLERANCE: f64 = 2e-14;
+/// Halvings of a stretch in the tables, at most.
+const TABLE_HALVINGS: u32 = 23;
 /// Halvings of an interval of ω.
 const HALVINGS: usize = 60;
 /// Relative step of ω over which slopes are looked at.
@@ -404,21 +404,21 @@ impl Flow {
         Some(at(0.5 * (low + high)))
     }
 
-    /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact from `begin` on: of several
+    /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact: of several
     /// states the outermost. Secants go there from above, from where δ is a convex function of ω.
     fn solve(
         &self,
         regime: usize,
         lanes: Numbered<'_>,
         interference: &[f64],
-        (begin, out): (usize, &mut Responses),
+        out: &mut Responses,
         stats: &mut SolverStats,
     ) {
         for (chunk, interference) in interference.chunks(TOGETHER).enumerate() {
             let first = chunk * TOGETHER;
             let states = self.solve_few(regime, lanes.from(first), interference, stats);
             for (i, state) in states[..interference.len()].iter().enumerate() {
-                let i = begin + first + i;
+                let i = first + i;
                 [out.adhesion[i], out.contact[i], out.area[i]] = self.around.forces(state);
             }
         }
@@ -545,42 +545,6 @@ fn at_most(load: f64, [first, second]: [f64; 2]) -> (f64, u8) {
     }
 }
 
-/// F_s, P and the area by δ, m, of asperities of the law's own radius.
-#[derive(Clone, Default)]
-struct Tables([Piecewise; 3]);
-
-impl Tables {
-    fn new(flow: &Flow, regime: usize, from: f64, to: f64) -> Self {
-        let lane = [flow.lane()];
-        let known: RefCell<HashMap<u64, [f64; 3]>> = RefCell::default();
-        let forces = |delta: f64| {
-            let solve = || {
-                let stats = &mut SolverStats::default();
-                flow.around.forces(&flow.solve_few(regime, Numbered::alike(&lane), &[delta], stats)[0])
-            };
-            *known.borrow_mut().entry(delta.to_bits()).or_insert_with(solve)
-        };
-        let table = |which: usize| {
-            Piecewise::new(|delta| forces(delta)[which], |_, value| TABLE_TOLERANCE * value, from, to)
-        };
-        Self([0, 1, 2].map(table))
-    }
-
-    /// Reads the responses of a run of asperities from `begin` on, and says whether the tables have all of them.
-    #[inline(always)]
-    fn read(&self, interference: &[f64], begin: usize, out: &mut Responses) -> bool {
-        let own = begin..begin + interference.len();
-        let Responses { adhesion, contact, area } = out;
-        let columns = [&mut adhesion[own.clone()], &mut contact[own.clone()], &mut area[own]];
-        let mut has_all = true;
-        for (table, column) in self.0.iter().zip(columns) {
-            table.values(interference, column);
-            has_all &= !column.iter().fold(false, |any, value| any | value.is_nan());
-        }
-        has_all
-    }
-}
-
 /// The contact that flows, in one regime.
 struct Flowing {
     exact: Arc<Flow>,
@@ -588,8 +552,8 @@ struct Flowing {
     regime: usize,
     /// ω/s_δ at which one formula takes the place of another, of the law's own radius, and δ there, m.
     joints: Vec<[f64; 2]>,
-    /// Tables between these.
-    tables: Vec<Tables>,
+    /// The responses of asperities of the law's own radius, between these.
+    table: ResponseTable,
 }
 
 impl Flowing {
@@ -601,12 +565,19 @@ impl Flowing {
         let deepest = deepest.map_or(lower, |deepest| deepest.min(upper));
         let mut joints: Vec<[f64; 2]> = exact.joints(regime).into_iter().map(at).collect();
         joints.retain(|[_, joint]| lower < *joint && *joint < upper);
-        let ends =
-            std::iter::once(lower).chain(joints.iter().map(|[_, joint]| *joint)).chain([f64::INFINITY]);
-        let ends: Vec<f64> = ends.collect();
-        let table = |ends: &[f64]| Tables::new(exact, regime, ends[0], ends[1].min(deepest));
-        let tables = ends.windows(2).map(table).collect();
-        Self { exact: Arc::clone(exact), fast: Arc::clone(fast), regime, joints, tables }
+        let ends: Vec<f64> = joints.iter().map(|[_, joint]| *joint).chain([f64::INFINITY]).collect();
+        let piece = |(i, upper): (usize, &f64)| {
+            let lower = i.checked_sub(1).map_or(lower, |before| ends[before]);
+            Piece { regime, lower, upper: *upper, smoothness: Smoothness::Smooth }
+        };
+        let pieces: Vec<Piece> = ends.iter().enumerate().map(piece).collect();
+        let lane = [lane];
+        let solve = |interference: &[f64], out: &mut Responses| {
+            let stats = &mut SolverStats::default();
+            exact.solve(regime, Numbered::alike(&lane), interference, out, stats);
+        };
+        let table = ResponseTable::new(&pieces, deepest, (TABLE_TOLERANCE, TABLE_HALVINGS), solve);
+        Self { exact: Arc::clone(exact), fast: Arc::clone(fast), regime, joints, table }
     }
 }
 
@@ -639,25 +610,11 @@ impl Interaction for Flowing {
 
     fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         if let Lanes::Each(lanes) = lanes {
-            return self.fast.solve(self.regime, lanes, interference, (0, out), stats);
+            return self.fast.solve(self.regime, lanes, interference, out, stats);
         }
-        let end = |part: Option<usize>| part.and_then(|part| self.joints.get(part)).map(|[_, joint]| *joint);
-        let mut begin = 0;
-        while begin < interference.len() {
-            let part = self.joints.partition_point(|[_, joint]| interference[begin] > *joint);
-            let low = end(part.checked_sub(1)).unwrap_or(f64::NEG_INFINITY);
-            let high = end(Some(part)).unwrap_or(f64::INFINITY);
-            let run = &interference[begin..];
-            let run = &run[..leading(run, low, high).max(1)];
-            let has_all = InstructionSet::current().run(
-                #[inline(always)]
-                || self.tables[part].read(run, begin, out),
-            );
-            if !has_all {
-                let lane = [self.exact.lane()];
-                self.exact.solve(self.regime, Numbered::alike(&lane), run, (begin, out), stats);
-            }
-            begin += run.len();
-        }
+        self.table.respond(interference, out, |missing, out| {
+            let lane = [self.exact.lane()];
+            self.exact.solve(self.regime, Numbered::alike(&lane), missing, out, stats);
+        });
     }
 }

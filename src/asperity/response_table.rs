@@ -74,7 +74,8 @@ impl ResponseTable {
             let mut interference = Vec::new();
             let samples = |places: &[f64]| {
                 interference.clear();
-                interference.extend(places.iter().map(|place| variable.interference(*place).clamp(lower, upper)));
+                interference
+                    .extend(places.iter().map(|place| variable.interference(*place).clamp(lower, upper)));
                 respond(&interference, &mut responses);
                 let Responses { adhesion, contact, area } = &responses;
                 (0..places.len()).map(|i| [adhesion[i], contact[i], area[i]]).collect()
@@ -127,9 +128,8 @@ impl ResponseTable {
         while begin < interference.len() {
             let from = interference[begin];
             let part = self.parts.iter().find(|part| part.lower < from && from <= part.upper);
-            let length = part.map_or(1, |part| {
-                leading(&interference[begin..], part.lower, part.upper).max(1)
-            });
+            let length =
+                part.map_or(1, |part| leading(&interference[begin..], part.lower, part.upper).max(1));
             let own = begin..begin + length;
             begin += length;
             let Some(part) = part else {
@@ -138,7 +138,10 @@ impl ResponseTable {
                 continue;
             };
             let variable = &mut variable[..length];
-            variable.iter_mut().zip(&interference[own.clone()]).for_each(|(v, own)| *v = part.variable.at(*own));
+            variable
+                .iter_mut()
+                .zip(&interference[own.clone()])
+                .for_each(|(v, own)| *v = part.variable.at(*own));
             let Responses { adhesion, contact, area } = out;
             let columns = [&mut adhesion[own.clone()], &mut contact[own.clone()], &mut area[own.clone()]];
             for (table, column) in part.columns.iter().zip(columns) {

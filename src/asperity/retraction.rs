@@ -170,7 +170,11 @@ impl AtDistance {
                 end = top.map_or(end, |top| lower(end, top));
                 self.push(cycle, Condition::Lowered(before), Some(end));
             }
-            self.push(cycle, Condition::Unloading(regime), boundaries.get(regime).map(|upper| higher(*upper, end)));
+            self.push(
+                cycle,
+                Condition::Unloading(regime),
+                boundaries.get(regime).map(|upper| higher(*upper, end)),
+            );
             begin = top.unwrap_or(end);
         }
     }
@@ -218,7 +222,8 @@ impl<'a> Retraction<'a> {
     /// The law with tables of the responses of tops.
     fn tabulated(mut self) -> Self {
         let table = |index: usize| {
-            let is_of_tops = matches!(self.at.conditions[index], Condition::Lowered(_) | Condition::Unloading(_));
+            let is_of_tops =
+                matches!(self.at.conditions[index], Condition::Lowered(_) | Condition::Unloading(_));
             let pieces = if is_of_tops { self.pieces_of(index, None) } else { Vec::new() };
             let respond = |largest: &[f64], out: &mut Responses| {
                 self.evaluate(index, Lanes::Own, largest, out, &mut SolverStats::default());

@@ -187,6 +187,12 @@ impl Loop {
         }
     }
 
+    /// The loop with a table of its tops, which pays where many are asked for.
+    #[doc(hidden)]
+    pub fn tabulated(self) -> Self {
+        Self { is_tabulated: true, ..self }
+    }
+
     /// The law along a path.
     pub(super) fn law(&self, path: Path) -> &dyn Law {
         match path {

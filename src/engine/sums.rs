@@ -215,12 +215,7 @@ impl Sums {
 
     /// The external force, N, of a few asperities that are pulled back from d to d, m: these that have not flowed by their
     /// heights, m, rising, the others by their numbers among what was turned last.
-    pub fn few(
-        &mut self,
-        cycle: &Loop,
-        (heights, tops): (&[f64], &[u32]),
-        (closest, d): (f64, f64),
-    ) -> f64 {
+    pub fn few(&mut self, cycle: &Loop, (heights, tops): (&[f64], &[u32]), (closest, d): (f64, f64)) -> f64 {
         if heights.is_empty() {
             self.regimes.fill(RegimeSums::default());
         } else if cycle.flows() {

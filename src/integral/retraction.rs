@@ -64,14 +64,14 @@ enum Radii {
     /// Given radii, or one.
     Parts(Vec<Part>),
     /// Radii by a density. At places of its variable, rising, the distances, m, at which ends of the law
-    /// meet.
-    Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)> },
+    /// meet. The loops of radii of panels in which none meet, by the bits of the radii.
+    Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)>, known: HashMap<u64, Arc<Loop>> },
 }
 
 /// Asperities of a radius, and their loop where each radius has its own.
 struct Part {
     of: RadiusClass,
-    cycle: Option<Loop>,
+    cycle: Option<Arc<Loop>>,
 }
 
 impl<'a> RetractionModel<'a> {
@@ -82,7 +82,7 @@ impl<'a> RetractionModel<'a> {
         let (external_force, forces) = (Surface::external_force_back as fn(&_, _, _) -> _, Forces::default());
         let mut model = Self { cycle, surface, closest, radii, external_force, forces };
         model.radii = match surface.radius_panels() {
-            None => Radii::Parts(model.parts(surface.parts())),
+            None => Radii::Parts(model.parts(surface.parts(), &HashMap::new())),
             Some(panels) => {
                 let within = |ends: &[f64]| {
                     let (low, width) = (ends[0], (ends[1] - ends[0]) / LOOKED_AT as f64);
@@ -92,7 +92,11 @@ impl<'a> RetractionModel<'a> {
                 let places: Vec<f64> = places.collect();
                 let at = |place: f64| (place, model.of_radius(panels.radius(place)).meetings());
                 let meetings = places.into_par_iter().map(at).collect();
-                Radii::Density { panels, meetings }
+                let known = |class: RadiusClass| {
+                    (class.radius.to_bits(), Arc::new(model.of_radius(class.radius).tabulated()))
+                };
+                let known = panels.parts(&[]).into_iter().map(known).collect();
+                Radii::Density { panels, meetings, known }
             }
         };
         model
@@ -119,10 +123,13 @@ impl<'a> RetractionModel<'a> {
         self.cycle.of(self.cycle.lane(radius / self.surface.asperity_radius))
     }
 
-    fn parts(&self, classes: Vec<RadiusClass>) -> Vec<Part> {
+    /// The loops of asperities, of which some are known.
+    fn parts(&self, classes: Vec<RadiusClass>, known: &HashMap<u64, Arc<Loop>>) -> Vec<Part> {
+        let new = |radius: f64| Arc::new(self.of_radius(radius));
+        let own = |radius: f64| known.get(&radius.to_bits()).cloned().unwrap_or_else(|| new(radius));
         let part = |of: RadiusClass| {
-            let own = self.surface.is_polydisperse().then(|| self.of_radius(of.radius));
-            Part { of, cycle: own }
+            let cycle = self.surface.is_polydisperse().then(|| own(of.radius));
+            Part { of, cycle }
         };
         classes.into_par_iter().map(part).collect()
     }
@@ -207,17 +214,17 @@ impl<'a> RetractionModel<'a> {
         let own;
         let parts = match &self.radii {
             Radii::Parts(parts) => parts,
-            Radii::Density { panels, meetings } => {
+            Radii::Density { panels, meetings, known } => {
                 let mut classes = panels.parts(&self.kinks(panels, meetings, distance));
                 classes.retain(|class| class.weight > NEGLIGIBLE);
-                own = self.parts(classes);
+                own = self.parts(classes, known);
                 &own
             }
         };
         let law = self.cycle.at(distance);
         let tolerance = if parts.len() > 1 { RETRACTION_TOLERANCE } else { TOLERANCE };
         let of = |part: &Part, typical| {
-            let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
+            let (law, heights) = (part.cycle.as_deref().unwrap_or(self.cycle).at(distance), &part.of.heights);
             AtSeparation::of(&law, heights, self.closest, typical, accuracy(tolerance, heights, parts.len()))
         };
         Mixture::new(&law, self.surface.heights.mean - self.closest, parts, |part| &part.of, of)

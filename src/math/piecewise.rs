@@ -86,9 +86,8 @@ impl Piecewise {
             let places = Cell::places(low, high);
             let samples = f(&places);
             let (at_nodes, checks) = samples.split_at(NODES);
-            let mut cells: [Cell; N] = std::array::from_fn(|i| {
-                Cell::through(std::array::from_fn(|j| at_nodes[j][i]), (low, high))
-            });
+            let mut cells: [Cell; N] =
+                std::array::from_fn(|i| Cell::through(std::array::from_fn(|j| at_nodes[j][i]), (low, high)));
             let is_good = |i: usize| {
                 let largest = at_nodes.iter().fold(0.0, |largest, values| maximum(values[i].abs(), largest));
                 let off = |(place, values): (&f64, &[f64; N])| (cells[i].value(*place) - values[i]).abs();

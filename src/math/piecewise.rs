@@ -68,8 +68,8 @@ impl Piecewise {
     }
 
     /// Tabulates functions together, all of which `f` gives at places, on (`begin`, `end`] so that each is met to `tolerance` of
-    /// its largest value in the cell. Cells are halved until they meet it; one of 2^−`halvings` of the whole that does not holds
-    /// NaN. The functions are never evaluated at `begin`.
+    /// its largest value in the cell. Cells are halved until they meet it; one of 2^−`halvings` of the whole, or that comes after
+    /// 4096 others, and does not meet it holds NaN. The functions are never evaluated at `begin`.
     pub fn together<const N: usize>(
         mut f: impl FnMut(&[f64]) -> Vec<[f64; N]>,
         tolerance: f64,
@@ -94,7 +94,7 @@ impl Piecewise {
                 places[NODES..].iter().zip(checks).all(|check| off(check) <= tolerance * largest)
             };
             let are_good = (0..N).all(is_good);
-            if !are_good && high - low > 1.5 * narrowest {
+            if !are_good && high - low > 1.5 * narrowest && tables[0].cells.len() < MOST_CELLS {
                 let middle = 0.5 * (low + high);
                 open.push((middle, high));
                 open.push((low, middle));

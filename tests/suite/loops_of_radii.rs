@@ -129,9 +129,10 @@ fn alike_radii_have_the_loops_of_one_radius() {
 /// the retraction is looked at.
 #[test]
 fn the_retraction_is_the_sum_over_loops_of_each_radius() {
+    const SEPARATIONS: usize = 16;
     for (number, (setting, plain)) in settings().into_iter().enumerate() {
-        let surface = Surface { radii: Radii::LogNormal(0.5), asperity_count: 120, ..plain };
-        let separations = separations(&surface, 0.0, 6.0, 31);
+        let surface = Surface { radii: Radii::LogNormal(0.5), asperity_count: 60, ..plain };
+        let separations = separations(&surface, 0.0, 6.0, SEPARATIONS);
         let job = setting.job(&surface, &separations, 1);
         let (replica, curves) = one(&job);
         let (mut heights, mut radii) = (Vec::new(), Vec::new());
@@ -151,7 +152,7 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
         let what = setting.what();
         for (k, &h) in separations.iter().enumerate() {
             let sums = sums_at(h);
-            let total = |quantity: Quantity| curves.total[quantity.index()][31 + k];
+            let total = |quantity: Quantity| curves.total[quantity.index()][SEPARATIONS + k];
             let scale = sums[0] + sums[1];
             for (quantity, sum) in [(Quantity::AdhesionForce, sums[0]), (Quantity::ContactForce, sums[1])] {
                 let off = (total(quantity) - sum).abs();

@@ -55,7 +55,7 @@ const MOST_STEPS: usize = 100;
 /// Relative accuracy of tables, a few roundings of what is tabulated.
 const TABLE_TOLERANCE: f64 = 2e-14;
 /// Halvings of a stretch in the tables, at most.
-const TABLE_HALVINGS: u32 = 23;
+const TABLE_HALVINGS: u32 = 10;
 /// Halvings of an interval of ω.
 const HALVINGS: usize = 60;
 /// Relative step of ω over which slopes are looked at.
@@ -404,6 +404,14 @@ impl Flow {
         Some(at(0.5 * (low + high)))
     }
 
+    /// The smoothness of a regime from where it begins, m, on.
+    fn first_smoothness(&self, regime: usize, lane: &Lane, begin: f64) -> Smoothness {
+        self.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
+            let place = begin.min(fold * self.around.scale.length);
+            Smoothness::Root { end: End::Lower, place, order: 2 }
+        })
+    }
+
     /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact: of several
     /// states the outermost. Secants go there from above, from where δ is a convex function of ω.
     fn solve(
@@ -566,9 +574,12 @@ impl Flowing {
         let mut joints: Vec<[f64; 2]> = exact.joints(regime).into_iter().map(at).collect();
         joints.retain(|[_, joint]| lower < *joint && *joint < upper);
         let ends: Vec<f64> = joints.iter().map(|[_, joint]| *joint).chain([f64::INFINITY]).collect();
-        let piece = |(i, upper): (usize, &f64)| {
-            let lower = i.checked_sub(1).map_or(lower, |before| ends[before]);
-            Piece { regime, lower, upper: *upper, smoothness: Smoothness::Smooth }
+        let first = exact.first_smoothness(regime, &lane, lower);
+        let piece = |(i, upper): (usize, &f64)| match i.checked_sub(1) {
+            None => Piece { regime, lower, upper: *upper, smoothness: first },
+            Some(before) => {
+                Piece { regime, lower: ends[before], upper: *upper, smoothness: Smoothness::Smooth }
+            }
         };
         let pieces: Vec<Piece> = ends.iter().enumerate().map(piece).collect();
         let lane = [lane];
@@ -596,10 +607,7 @@ impl Interaction for Flowing {
         let mut joints: Vec<f64> = self.joints.iter().map(place).collect();
         joints.retain(|joint| within.start < *joint && *joint < within.end);
         joints.sort_by(f64::total_cmp);
-        let first = flow.fold(regime, lane.unwrap_or(&own)).map_or(Smoothness::Smooth, |fold| {
-            let place = within.start.min(fold * flow.around.scale.length);
-            Smoothness::Root { end: End::Lower, place, order: 2 }
-        });
+        let first = flow.first_smoothness(regime, lane.unwrap_or(&own), within.start);
         let smoothness = std::iter::once(first).chain(joints.iter().map(|_| Smoothness::Smooth)).collect();
         (joints, smoothness)
     }

@@ -26,9 +26,10 @@ _NUMBERS = {
     "hardness": ("Pa", "hardness of the softer body"),
     "poisson_ratio": ("1", "Poisson ratio of the softer body"),
     "lubricant_thickness": ("m", "thickness of the lubricant"),
+    "deepest_interference": ("m", "interference at which the asperity turned"),
 }
 _USUAL = {"m": "nm", "Pa": "GPa", "J/m^2": "mJ/m^2"}
-_OPTIONAL = ("hardness", "poisson_ratio", "lubricant_thickness")
+_OPTIONAL = ("hardness", "poisson_ratio", "lubricant_thickness", "deepest_interference")
 _RESULTS = {
     "adhesion_force": ("N", "adhesion force, attractive positive"),
     "contact_force": ("N", "contact force, compressive positive"),
@@ -50,6 +51,7 @@ def asperity(
     hardness: Any = None,
     poisson_ratio: Any = None,
     lubricant_thickness: Any = None,
+    deepest_interference: Any = None,
     path: str = "approach",
     **others: Any,
 ) -> xarray.Dataset:
@@ -73,6 +75,8 @@ def asperity(
     poisson_ratio : float, optional
         Of the softer body; needed with `hardness`.
     lubricant_thickness : m, optional
+    deepest_interference : m, optional
+        To which the asperity was pressed before: then it is on its way back. Of laws of loading alone it may not have flowed.
     path : {"approach", "retraction"}
         Which solution where there are two.
     **others

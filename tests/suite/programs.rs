@@ -316,6 +316,56 @@ fn asperities_in_si_are_those_of_closed_forms() {
     }
 }
 
+/// States of unloading, of `tests/data/md_top.csv`, by a table with the interference at the turn; three that no path leads to are
+/// left out.
+#[test]
+fn asperities_on_their_way_back_are_those_of_the_reference() {
+    let folder = Folder::new("");
+    let mut lines = include_str!("../data/md_top.csv").lines();
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut table = format!("{},hardness,poisson_ratio,deepest_interference\n", TIP.trim());
+    let (mut turn, mut expected): (String, Vec<[f64; 3]>) = Default::default();
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        let field = |name: &str| fields[columns.iter().position(|column| *column == name).unwrap()];
+        let tip =
+            ["radius_m", "reduced_modulus_Pa", "work_of_adhesion_J_m2", "equilibrium_spacing_m"].map(field);
+        let delta = field("interference_m");
+        let is_load = field("branch") == "load";
+        turn = if is_load { delta.to_owned() } else { turn };
+        let deepest = if is_load { "" } else { &turn };
+        let flow = ["hardness_Pa", "poisson_ratio"].map(field);
+        table += &format!("{},{delta},{},{deepest}\n", tip.join(","), flow.join(","));
+        expected.push(
+            ["adhesion_force_N", "contact_force_N", "contact_radius_m"]
+                .map(|name| field(name).parse().unwrap()),
+        );
+    }
+    let output = given(&folder, &["asperity", "--law", "md_plastic", "--table", "-"], &table);
+    assert_exit(&output, 0);
+    let csv = text(&output.stdout);
+    let found = ["adhesion_force", "contact_force", "contact_radius"].map(|name| numbers(&csv, name));
+    let mut unstable = 0;
+    for (i, expected) in expected.iter().enumerate() {
+        let off = (0..3).map(|k| (found[k][i] / expected[k] - 1.0).abs()).fold(0.0, f64::max);
+        let is_other = found[2][i] > 1.01 * expected[2];
+        unstable += usize::from(is_other);
+        assert!(off < 1e-12 || is_other, "row {i}: off by {off:e}");
+    }
+    assert_eq!((expected.len(), unstable), (160, 3));
+
+    let row = "1e-6,8e10,0.01,2e-10,3e-9,2e9,0.3,";
+    let refused = |law: &str, deepest: &str, message: &str| {
+        let table = format!("{},hardness,poisson_ratio,deepest_interference\n{row}{deepest}\n", TIP.trim());
+        let output = given(&folder, &["asperity", "--law", law, "--table", "-"], &table);
+        assert_exit(&output, 2);
+        assert!(text(&output.stderr).contains(message), "{}", text(&output.stderr));
+    };
+    let deeper = "line 2: deepest_interference = `2e-9` m is less than the interference, `3e-9` m";
+    refused("md_plastic", "2e-9", deeper);
+    refused("hybrid", "5e-9", "hybrid is a law of loading; take --law md_plastic");
+}
+
 /// A table in SI is the one in scaled variables in other units, with plastic contact and a lubricant too; all
 /// columns of the table are there again, and rows of one asperity and of several may alternate.
 #[test]

@@ -3,14 +3,16 @@
 use super::{at, field_number, wrong};
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{InnerState, Law, LawError, LawParameters, Path, Regime, SolvedAsperity, SolverStats};
+use crate::asperity::{
+    InnerState, Law, LawError, LawParameters, Loop, Path, Regime, SolvedAsperity, SolverStats,
+};
 use crate::input::table::{Row, Table};
 use crate::scene::echo::shortened;
 use crate::scene::nearest;
 use crate::scene::units::{Dimension, parse};
 
 /// The dimensions of the columns that have units.
-const DIMENSIONS: [(&str, Dimension); 7] = [
+const DIMENSIONS: [(&str, Dimension); 8] = [
     ("radius", Dimension::Length),
     ("reduced_modulus", Dimension::Pressure),
     ("work_of_adhesion", Dimension::SurfaceEnergy),
@@ -18,12 +20,13 @@ const DIMENSIONS: [(&str, Dimension); 7] = [
     ("interference", Dimension::Length),
     ("hardness", Dimension::Pressure),
     ("lubricant_thickness", Dimension::Length),
+    ("deepest_interference", Dimension::Length),
 ];
 /// The columns that have to be there.
 pub(super) const NEEDED: [&str; 5] =
     ["radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "interference"];
 /// The columns that may be there, and may be empty.
-const OPTIONAL: [&str; 3] = ["hardness", "poisson_ratio", "lubricant_thickness"];
+const OPTIONAL: [&str; 4] = ["hardness", "poisson_ratio", "lubricant_thickness", "deepest_interference"];
 /// The columns that are put behind them.
 const FOUND: &str = "adhesion_parameter,regime,adhesion_force,contact_force,external_force,contact_radius";
 /// Largest interference, as a multiple of the unit of the approach.
@@ -41,7 +44,66 @@ struct Column {
 #[derive(Clone, Copy, PartialEq)]
 struct Tip {
     needed: [f64; NEEDED.len() - 1],
-    optional: [Option<f64>; OPTIONAL.len()],
+    optional: [Option<f64>; OPTIONAL.len() - 1],
+    /// Whether it is on its way back.
+    is_back: bool,
+}
+
+/// The state of an asperity that is asked for.
+struct Asked {
+    tip: Tip,
+    /// δ, and the deepest before where the asperity is on its way back, m.
+    interference: f64,
+    deepest: Option<f64>,
+}
+
+/// The law of a tip.
+enum Known {
+    /// On its way along a path.
+    Way(Box<dyn Law>),
+    /// Back from where it turned.
+    Back(Box<Loop>),
+}
+
+impl Known {
+    fn new(tip: &Tip, model: &Model, parameters: &LawParameters) -> Result<Self, LawError> {
+        Ok(if tip.is_back {
+            Self::Back(Box::new(Loop::new(model, parameters)?))
+        } else {
+            Self::Way(model.law(parameters)?)
+        })
+    }
+
+    /// The state that is asked for.
+    fn solved(&self, asked: &Asked) -> SolvedAsperity {
+        match (self, asked.deepest) {
+            (Self::Back(cycle), Some(deepest)) => {
+                SolvedAsperity::new(&cycle.at(deepest - asked.interference), deepest)
+            }
+            (Self::Back(cycle), None) => SolvedAsperity::new(cycle.approach(), asked.interference),
+            (Self::Way(law), _) => SolvedAsperity::new(law.as_ref(), asked.interference),
+        }
+    }
+
+    /// The problem of a state on the way back.
+    fn problem(&self, asked: &Asked, law: &str) -> Option<String> {
+        let Asked { interference, deepest, .. } = *asked;
+        let (Self::Back(cycle), Some(deepest)) = (self, deepest) else { return None };
+        if deepest < interference {
+            return Some(format!(
+                "deepest_interference = `{deepest:e}` m is less than the interference, `{interference:e}` m; give the \
+                 interference at which the asperity turned"
+            ));
+        }
+        let onset = cycle.approach().regimes().iter().position(|regime| regime.is_plastic())?;
+        let onset = cycle.approach().boundaries()[onset.checked_sub(1)?].interference;
+        (!cycle.flows() && deepest > onset).then(|| {
+            format!(
+                "deepest_interference = `{deepest:e}` m is above {onset:.3e} m, from where on the asperity flows, and {law} \
+                 is a law of loading; take --law md_plastic"
+            )
+        })
+    }
 }
 
 /// The table with the forces of every row behind what is given, all of it SI.
@@ -58,15 +120,16 @@ pub(super) fn solved(
     let cost = if diagnostics { ",iterations,safeguarded" } else { "" };
     let header = line(table.heads.iter().map(|head| head.text.as_str()));
     let mut text = format!("{header},{FOUND}{cost}\n");
-    let mut known: Option<(Tip, Scale, Box<dyn Law>)> = None;
+    let mut known: Option<(Tip, Scale, Known)> = None;
     for row in table.rows() {
         let row = row?;
-        let (tip, interference) = read(&row, &columns)?;
+        let asked = read(&row, &columns)?;
+        let (tip, interference) = (asked.tip, asked.interference);
         let (_, scale, law) = match known.take() {
             Some(same) if same.0 == tip => known.insert(same),
             _ => {
-                let parameters = tip.parameters(path).map_err(|error| told(&row, &error))?;
-                let law = model.law(&parameters).map_err(|error| told(&row, &error))?;
+                let parameters = tip.parameters(path).map_err(|error| refused(&row, &error))?;
+                let law = Known::new(&tip, model, &parameters).map_err(|error| refused(&row, &error))?;
                 known.insert((tip, parameters.scale, law))
             }
         };
@@ -74,7 +137,10 @@ pub(super) fn solved(
             let problem = "is too large beside the unit of the approach";
             return Err(at(&row, &format!("interference = `{interference}` {problem}")));
         }
-        let solved = SolvedAsperity::new(law.as_ref(), interference);
+        if let Some(problem) = law.problem(&asked, model.name) {
+            return Err(at(&row, &problem));
+        }
+        let solved = law.solved(&asked);
         let numbers =
             [solved.adhesion_force, solved.contact_force, solved.external_force(), solved.contact_radius()];
         let numbers = numbers.map(|number| format!("{number:.16e}")).join(",");
@@ -136,8 +202,8 @@ fn column(table: &Table<'_>, place: usize, name: &str) -> Result<Column, String>
     Ok(Column { place, unit })
 }
 
-/// The asperity and the interference of a row.
-fn read(row: &Row, columns: &[Option<Column>]) -> Result<(Tip, f64), String> {
+/// The state that a row asks for.
+fn read(row: &Row, columns: &[Option<Column>]) -> Result<Asked, String> {
     let number = |name: &str, column: Column, does: fn(f64) -> bool, needed: &str| {
         let value = field_number(row, column.place, name)?;
         match value.is_finite() && does(value) {
@@ -163,11 +229,13 @@ fn read(row: &Row, columns: &[Option<Column>]) -> Result<(Tip, f64), String> {
         given(1, |value| value > -1.0 && value <= 0.5, "a number greater than -1 and at most 0.5")?,
         given(2, |value| value >= 0.0, "0 or a positive number")?,
     ];
+    let deepest = given(3, |_| true, "a finite number")?;
     if optional[0].is_some() && optional[1].is_none() {
         return Err(at(row, "poisson_ratio is missing, which the hardness needs"));
     }
     let [radius, modulus, work, spacing, interference] = needed;
-    Ok((Tip { needed: [radius, modulus, work, spacing], optional }, interference))
+    let tip = Tip { needed: [radius, modulus, work, spacing], optional, is_back: deepest.is_some() };
+    Ok(Asked { tip, interference, deepest })
 }
 
 impl Tip {
@@ -199,7 +267,7 @@ impl Tip {
     }
 }
 
-fn told(row: &Row, error: &LawError) -> String {
+fn refused(row: &Row, error: &LawError) -> String {
     match error {
         LawError::Elastic(law) => {
             at(row, &format!("hardness and poisson_ratio are missing, which the law {law} needs"))

@@ -352,12 +352,14 @@ def solve_contact(
 
     The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others'
     forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). By their gradient g a contact
-    moves to s = -R g from its place, where it is deeper by R g^2 / 2 and displaces others by -f s grad(1 /
-    pi E* r) more. Also returns the radii of the contacts in m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
+    moves to s = -R g from its place, at most an eighth of the distance of the nearest. There it is deeper by
+    R g^2 / 2, and displaces others by -f s grad(1 / pi E* r) more. Also returns the radii of the contacts in
+    m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
     M / (4 pi E* r^3), M the second moment of the pressure.
     """
     green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
     scale, cubes, slopes = PI * Long(asperity.modulus), distances.cubes(), distances.slopes()
+    furthest = np.min(distances.near, axis=(0, 2)) / 8  # circles overlap
     heights, bent, sunk, delta = np.asarray(heights, Long), asperity, Long(0), np.array(start, Long)
     for _ in range(ROUNDS):
         state = solve(law, bent, heights - sunk, green, separation, delta)
@@ -370,8 +372,10 @@ def solve_contact(
         else:
             sunk = cubes @ (radius**2 * (2 * load / 5 + 2 * (state.force - load) / 3)) / (4 * scale)
         tilt = slopes @ state.force / scale
-        sunk = sunk - asperity.radius * np.sum(tilt**2, axis=0) / 2
-        sunk = sunk + np.einsum("kij,kj->i", slopes, asperity.radius * state.force * tilt) / scale
+        steep = np.maximum(np.hypot(*tilt), np.finfo(Long).tiny)
+        arm = np.minimum(asperity.radius, furthest / steep)
+        sunk = sunk - arm * (1 - arm / (2 * asperity.radius)) * steep**2
+        sunk = sunk + np.einsum("kij,kj->i", slopes, arm * state.force * tilt) / scale
         curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)
         bent = replace(asperity, radius=1 / curvature)
         if np.max(np.abs(sunk - before)) <= 1e-16 * np.max(np.abs(sunk) + np.abs(delta)):

@@ -168,7 +168,7 @@ fn finite_contacts_are_closer_to_boundary_elements() {
     }
 }
 
-/// Loads of finite contacts are those of boundary elements extrapolated in their grid, of the largest to 1e-4 up to
+/// Finite contacts carry the loads of boundary elements extrapolated in their grid, of the largest to 1e-4 up to
 /// (a_i + a_j)/r_ij = 0.6 and to 1.1e-3 up to 0.8: under rough spheres, where neighbours are on one side, and in a
 /// repeated square.
 #[test]

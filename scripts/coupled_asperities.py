@@ -302,19 +302,26 @@ class Distances:
 
     def __init__(self, places, cell):
         x, y = np.asarray(places, Long).T
-        x, y, self.rest = x[:, None] - x[None, :], y[:, None] - y[None, :], {}
-        near = np.hypot(x, y)[None]
+        apart, self.rest, self.slope = np.array([x[:, None] - x[None, :], y[:, None] - y[None, :]]), {}, 0
+        ways = apart[None]
         if cell is not None:
-            side = Long(cell)
-            x, y = np.abs(x / side - np.rint(x / side)), np.abs(y / side - np.rint(y / side))
-            near = side * np.array([np.hypot(x - i, y - j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+            side, chebyshev = Long(cell), np.polynomial.chebyshev
+            apart = apart / side - np.rint(apart / side)
+            images = [np.array([[[i]], [[j]]]) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+            ways = side * np.array([apart - image for image in images])
             # The Laplacian of 1/r is 1/r^3, that of 1/r^3 is 9/r^5, and so on.
-            coefficients = smooth_part()
+            at, coefficients = 4 * np.abs(apart) - 1, smooth_part()
+            slopes = [chebyshev.chebval2d(*at, chebyshev.chebder(coefficients, 1, 4, k)) for k in (0, 1)]
+            self.slope = np.sign(apart) * np.array(slopes) / side**2
             for power in (3, 5, 7):
                 coefficients = laplacian(coefficients) / (power - 2) ** 2
-                values = np.polynomial.chebyshev.chebval2d(4 * x - 1, 4 * y - 1, coefficients)
-                self.rest[power] = values / side**power
-        self.near = np.where(near == 0, np.inf, near)
+                self.rest[power] = chebyshev.chebval2d(*at, coefficients) / side**power
+        near = np.hypot(ways[:, 0], ways[:, 1])
+        self.ways, self.near = ways, np.where(near == 0, np.inf, near)
+
+    def slopes(self):
+        """The sum of the gradient of 1/r over all images, along x and along y."""
+        return self.slope - np.sum(self.ways / self.near[:, None] ** 3, axis=0)
 
     def cubes(self):
         """The sum of 1/r^3 over all images."""
@@ -340,16 +347,19 @@ def contact_radius(law, asperity, delta):
 def solve_contact(
     law, asperity, heights, places, cell, separation, start, is_whole = True
 ):
-    """Solves as `solve`, with the next orders: contacts of finite size and the curvature of the substrate
-    under each.
+    """Solves as `solve`, with the next orders: contacts of finite size, the curvature and the tilt of the
+    substrate under each.
 
     The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others'
-    forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the
-    contacts in m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
+    forces bend the substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). By their gradient g a contact
+    moves to s = -R g from its place, at most an eighth of the distance of the nearest. There it is deeper by
+    R g^2 / 2, and displaces others by -f s grad(1 / pi E* r) more. Also returns the radii of the contacts in
+    m. Of what contacts displace only the order after point forces is taken unless it `is_whole`:
     M / (4 pi E* r^3), M the second moment of the pressure.
     """
     green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
-    scale, cubes = PI * Long(asperity.modulus), distances.cubes()
+    scale, cubes, slopes = PI * Long(asperity.modulus), distances.cubes(), distances.slopes()
+    furthest = np.min(distances.near, axis=(0, 2)) / 8  # circles overlap
     heights, bent, sunk, delta = np.asarray(heights, Long), asperity, Long(0), np.array(start, Long)
     for _ in range(ROUNDS):
         state = solve(law, bent, heights - sunk, green, separation, delta)
@@ -361,6 +371,11 @@ def solve_contact(
                     + distances.beyond(radius, "punch") @ (state.force - load)) / scale
         else:
             sunk = cubes @ (radius**2 * (2 * load / 5 + 2 * (state.force - load) / 3)) / (4 * scale)
+        tilt = slopes @ state.force / scale
+        steep = np.maximum(np.hypot(*tilt), np.finfo(Long).tiny)
+        arm = np.minimum(asperity.radius, furthest / steep)
+        sunk = sunk - arm * (1 - arm / (2 * asperity.radius)) * steep**2
+        sunk = sunk + np.einsum("kij,kj->i", slopes, arm * state.force * tilt) / scale
         curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)
         bent = replace(asperity, radius=1 / curvature)
         if np.max(np.abs(sunk - before)) <= 1e-16 * np.max(np.abs(sunk) + np.abs(delta)):

@@ -4,7 +4,8 @@ tests/data/coupling_limits.json.
 * `jkr_pairs`: two equal spheres of JKR under load. Under point forces the pull-off force of each is that of
   one sphere, F_c, and the separation at it is larger by F_c/(pi E* r). With the next orders the neighbour's
   pull flattens the sphere, 1/R_eff = 1/R + f/(2 pi E* r^3), so that f R_eff^-1 = -(3/2) pi work: a quadratic,
-  f = -F_c [1 + (2/(3 pi)) (a_c/r)^3 + ...].
+  f = -F_c [1 + (2/(3 pi)) (a_c/r)^3 + ...]. They tilt each other by g = f/(pi E* r^2), which lowers the feet
+  by -(3/2) R g^2.
 * `folds`: two equal spheres of IDMT. The pair jumps where 1 + f'/(pi E* r) = 0, which has two roots before
   contact: the jump-in on the way down, the jump-off on the way back; what each loses is the change of sum
   phi(delta_i) + sum f_i G_ij f_j / 2.
@@ -61,6 +62,7 @@ def jkr_pair(distance):
     wide = mp.cbrt(9 * mp.pi * W / (8 * E * curvature**2))
     load = K * wide**3 * curvature
     sunk = load * load_shape(wide, r) + (force - load) * punch_shape(wide, r)
+    sunk -= 3 * R / 2 * (force / (mp.pi * E * r**2)) ** 2
     return {
         "distance": r, "single_pull_off": pull_off, "single_radius": radius,
         "single_separation": -approach(radius, 1 / R),

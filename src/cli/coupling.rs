@@ -88,7 +88,7 @@ pub(super) fn troubles(results: &Results) -> String {
     let mut text = String::new();
     if largest > limit {
         let better = match kernel {
-            Kernel::Point => "; kernel = \"contact\" has the next order",
+            Kernel::Point => "; kernel = \"contact\" has the next orders",
             Kernel::Contact => "",
         };
         let crowded = (0..results.scene.states()).filter(|k| coupled.crowding.mean()[*k] > limit);

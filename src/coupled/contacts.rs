@@ -4,24 +4,25 @@
 //! Outside its circle an axisymmetric pressure p of the force f displaces the surface by
 //! u = (f/r + M/4r³ + …)/πE* with M = ∫ p s² d²s, the mean of 1/|r − s| over the angles. Of the load P of Hertz
 //! M = (2/5) a² P, of a flat punch, the adhesive part F_s of JKR, M = −(2/3) a² F_s; a is the radius of the circle of
-//! the area. Forces bend the substrate under others: 1/R_eff = 1/R + Σ_j f_j/(2πE* r_ij³), half the Laplacian of u.
-//! Next are terms of (a/r)⁵ (Johnson, Contact Mechanics, 1985, sections 3.4 and 4.2).
+//! the area. Forces bend the substrate under others: 1/R_eff = 1/R + Σ_j f_j/(2πE* r_ij³), half the Laplacian of u. They
+//! tilt it, too ([`super::tilt`]). Next are terms of (a/r)⁵ (Johnson, Contact Mechanics, 1985, sections 3.4 and 4.2).
 //!
 //! With s = R_eff/R a law is s F(δ s^(−1/3)), and its area s^(4/3) A(δ s^(−1/3)): exact for Hertz, DMT and JKR; what else
 //! s changes, the parameter of Maugis, gaps before contact against Z₀ and the onset of flow, is left out.
 
 use super::asperities::Forces;
 use super::half_space::{Known, Sums};
+use super::tilt::Tilt;
 use crate::substrate::{Coupling, Influence};
 use std::f64::consts::PI;
 
 /// Least and largest 1 + R Σ f/(2πE*r³) that is taken: beyond it circles overlap.
 const BENT: (f64, f64) = (0.125, 1e3);
 
-/// Contacts that act by their force and its second moment.
+/// Contacts that act by their force, its second moment, and where the tilt takes it.
 pub struct Contacts {
     /// Sums of 1/r³, over πE*, 1/(N m).
-    pub(super) sums: Sums,
+    sums: Sums,
     forces: Known,
     moments: Known,
     /// R of each, m.
@@ -29,14 +30,16 @@ pub struct Contacts {
     /// M of each, N m².
     of_each: Vec<f64>,
     out: Vec<f64>,
+    tilt: Tilt,
 }
 
 impl Contacts {
-    /// The contacts of asperities of `radii`, m, at `places`, in sides of the square, of which one is `side`, m;
-    /// `compliance` is 1/(πE*L), m/N.
+    /// The contacts of asperities of `radii`, m, at `places`, in sides of the square, `nearest` from each other; a side is
+    /// `side`, m, and `compliance` 1/(πE*L), m/N.
     pub fn new(
         (coupling, places): (Coupling, &[[f64; 2]]),
         (side, radii): (f64, Vec<f64>),
+        nearest: &[f64],
         compliance: f64,
         tolerance: f64,
     ) -> Self {
@@ -46,19 +49,27 @@ impl Contacts {
             sums: Sums::new((coupling, Influence::Curvature), places, scale, tolerance),
             forces: Known::new(count),
             moments: Known::new(count),
+            tilt: Tilt::new((coupling, places), (side, &radii), nearest, compliance, tolerance),
             radii,
             of_each: vec![0.0; count],
             out: vec![0.0; count],
         }
     }
 
+    /// Lets another thread of the pool take a part of the sums, or not.
+    pub fn share(&mut self, is_shared: bool) {
+        self.sums.share(is_shared);
+        self.tilt.share(is_shared);
+    }
+
     /// Takes the effects of `loads`, N, and of the moments of the last forces to full accuracy.
     pub fn know(&mut self, loads: &[f64]) {
         self.forces.know(&mut self.sums, loads);
         self.moments.know(&mut self.sums, &self.of_each);
+        self.tilt.know(loads);
     }
 
-    /// Adds the effects of the moments to displacements, m, fills `stretches` with ∛(R_eff/R), and bounds the
+    /// Adds the effects of the moments and of the tilt to displacements, m, fills `stretches` with ∛(R_eff/R), and bounds the
     /// errors of displacements, m, and of shares of R_eff.
     pub fn act(
         &mut self,
@@ -66,7 +77,7 @@ impl Contacts {
         displacements: &mut [f64],
         stretches: &mut [f64],
     ) -> [f64; 2] {
-        let Self { sums, radii, of_each, out, .. } = self;
+        let Self { sums, radii, of_each, out, tilt, .. } = self;
         for (i, moment) in of_each.iter_mut().enumerate() {
             *moment = forces.area[i] / PI * (0.4 * forces.contact[i] - 2.0 / 3.0 * forces.adhesion[i]);
         }
@@ -78,6 +89,6 @@ impl Contacts {
             *stretch = 1.0 / libm::cbrt((1.0 + 0.5 * radius * sum).clamp(BENT.0, BENT.1));
             largest = largest.max(*radius);
         }
-        [0.25 * unsure, 0.5 * largest * uncertain]
+        [0.25 * unsure + tilt.act(loads, displacements), 0.5 * largest * uncertain]
     }
 }

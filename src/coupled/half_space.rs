@@ -31,7 +31,11 @@ impl Sums {
         tolerance: f64,
     ) -> Self {
         let count = places.len() as f64;
-        let nearby = if influence == Influence::Displacement { count.sqrt() } else { count * count.sqrt() };
+        let nearby = match influence {
+            Influence::Displacement => count.sqrt(),
+            Influence::SlopeX | Influence::SlopeY => count,
+            Influence::Curvature => count * count.sqrt(),
+        };
         Self {
             fine: DisplacementSums::new(coupling, influence, places, tolerance),
             rough: DisplacementSums::new(coupling, influence, places, ROUGH),
@@ -123,8 +127,9 @@ impl HalfSpace {
 
     /// The half-space under contacts of finite size, of asperities of `radii`, m, in a square of `side`, m.
     pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
-        let Self { coupling, places, compliance, tolerance, .. } = &self;
-        self.contacts = Some(Contacts::new((*coupling, places), (side, radii), *compliance, *tolerance));
+        let Self { coupling, places, nearest, compliance, tolerance, .. } = &self;
+        let contacts = Contacts::new((*coupling, places), (side, radii), nearest, *compliance, *tolerance);
+        self.contacts = Some(contacts);
         self
     }
 
@@ -132,7 +137,7 @@ impl HalfSpace {
     pub fn shared(mut self, is_shared: bool) -> Self {
         self.sums.share(is_shared);
         if let Some(contacts) = &mut self.contacts {
-            contacts.sums.share(is_shared);
+            contacts.share(is_shared);
         }
         self
     }

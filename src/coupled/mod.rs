@@ -11,6 +11,7 @@ mod solver;
 mod systems;
 #[cfg(test)]
 mod tests;
+mod tilt;
 
 pub use asperities::{Asperities, Forces, RadiusLaws, States, distinct};
 pub use avalanches::{Avalanches, CLASSES};

@@ -70,6 +70,20 @@ impl Given {
         Self { kernel: Kernel::Point, side, places, heights, radii }
     }
 
+    /// The contacts of a plane under the middle of a sphere: a tip meets it between their axes, deeper the further out.
+    fn under_sphere(surface: &Value) -> Self {
+        let mut given = Self::new(surface);
+        let body = surface["body_radius"].as_f64().unwrap();
+        for ((place, height), radius) in given.places.iter_mut().zip(&mut given.heights).zip(&mut given.radii)
+        {
+            let square = (place[0] * place[0] + place[1] * place[1]) * given.side * given.side;
+            *height -= square / (2.0 * (body + *radius));
+            *place = place.map(|x| 0.5 + x * body / (body + *radius));
+            *radius = 1.0 / (1.0 / *radius + 1.0 / body);
+        }
+        given
+    }
+
     /// The forces, N, in a stable state at the separation d, m, under a law, all in contact first if it is a loop.
     fn forces(&self, name: &str, coupling: Coupling, d: f64, of: &Asperity) -> Vec<f64> {
         let model = model(name).unwrap();
@@ -150,6 +164,37 @@ fn finite_contacts_are_closer_to_boundary_elements() {
                 (given.forces("hertz", Coupling::Periodic, d, &of).iter().sum::<f64>() / force - 1.0).abs()
             });
             assert!(point > 6e-3 && contact < gain * point, "{name} {d:e}: {point:e} {contact:e}");
+        }
+    }
+}
+
+/// Finite contacts carry the loads of boundary elements extrapolated in their grid, of the largest to 1e-4 up to
+/// (a_i + a_j)/r_ij = 0.6 and to 1.1e-3 up to 0.8: under rough spheres, where neighbours are on one side, and in a
+/// repeated square.
+#[test]
+fn finite_contacts_have_the_loads_of_boundary_elements() {
+    let all = json(REFEREE);
+    let cases = [
+        ("probes", "coarse", vec![1e-4, 1e-4]),
+        ("probes", "fine", vec![1e-4, 1e-4, 2e-4]),
+        ("paraboloids", "twelve", vec![1e-4, 1e-4, 1e-4]),
+        ("paraboloids", "thirty", vec![1e-4, 1e-4, 2e-4, 1.1e-3]),
+        ("paraboloids", "two hundred", vec![1e-4, 1e-4, 3e-4]),
+    ];
+    for (part, name, bounds) in cases {
+        let surface = &all[part][name];
+        let (given, coupling) = match part {
+            "probes" => (Given::under_sphere(surface), Coupling::Patch),
+            _ => (Given::new(surface), Coupling::Periodic),
+        };
+        let given = Given { kernel: Kernel::Contact, ..given };
+        let of = asperity(given.radii[0], surface["reduced_modulus"].as_f64().unwrap(), 0.05);
+        for (state, bound) in surface["states"].as_array().unwrap().iter().zip(bounds) {
+            let (d, loads) = (state["separation"].as_f64().unwrap(), numbers(&state["loads"]));
+            let largest = loads.iter().copied().fold(0.0, f64::max);
+            let found = given.forces("hertz", coupling, d, &of);
+            let off = found.iter().zip(&loads).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+            assert!(off < bound, "{name} {d:e}: {off:e}");
         }
     }
 }

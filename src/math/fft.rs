@@ -260,7 +260,7 @@ fn five<T: Real>([a, b, c, d, e]: [Number<T>; 5]) -> [Number<T>; 5] {
     ]
 }
 
-/// Circular convolutions of square real grids with one even kernel; what is convolved fills the first `inner`
+/// Circular convolutions of square real grids with one kernel, even or odd; what is convolved fills the first `inner`
 /// rows and columns of a grid of side `side`, and no more is read of the result.
 #[derive(Clone, Debug)]
 pub struct Convolution<T = f64> {
@@ -268,8 +268,9 @@ pub struct Convolution<T = f64> {
     side: usize,
     transform: Transform<T>,
     /// Transform of the kernel over side², by wave numbers along the columns 0..=side/2, and along the rows, in blocks as
-    /// transforms of rows are.
+    /// transforms of rows are; of an odd kernel over i.
     spectrum: Vec<T>,
+    is_odd: bool,
 }
 
 /// Memory of convolutions.
@@ -281,15 +282,15 @@ pub struct ConvolutionScratch<T = f64> {
 }
 
 impl<T: Real> Convolution<T> {
-    /// Convolutions with the kernel whose transform at the wave numbers (along the rows, along the columns),
-    /// both of 0..side, is given.
-    pub fn new(inner: usize, side: usize, spectrum: impl Fn(usize, usize) -> f64) -> Self {
+    /// Convolutions with the kernel whose transform, or that over i if it is odd, is given at the wave numbers (along the
+    /// rows, along the columns), both of 0..side.
+    pub fn new(inner: usize, side: usize, is_odd: bool, spectrum: impl Fn(usize, usize) -> f64) -> Self {
         let norm = 1.0 / (side as f64 * side as f64);
         let at = |x, y| T::of(norm * spectrum(x, y));
         let blocks = Blocks { rows: side, columns: side / 2 + 1 };
         let of_rows = blocks.of_blocks().flat_map(|block| (0..side).map(move |x| (x, block.clone())));
         let spectrum = of_rows.flat_map(|(x, block)| block.map(move |y| (x, y))).map(|(x, y)| at(x, y));
-        Self { inner, side, transform: Transform::new(side), spectrum: spectrum.collect() }
+        Self { inner, side, transform: Transform::new(side), spectrum: spectrum.collect(), is_odd }
     }
 
     /// Convolves a grid of `inner` rows and columns, `inner` even, in its place. Other threads of the pool may take parts.
@@ -335,8 +336,15 @@ impl<T: Real> Convolution<T> {
         });
         self.transform.forward(WIDTH, rows, scratch, is_shared);
         in_chunks(size, [&mut rows.re, &mut rows.im], &|block, parts| {
+            let factors = &self.spectrum[block * WIDTH * side..];
+            if self.is_odd {
+                let [re, im] = parts;
+                for ((re, im), factor) in re.iter_mut().zip(im).zip(factors) {
+                    (*re, *im) = (-(*im * *factor), *re * *factor);
+                }
+                return;
+            }
             for part in parts {
-                let factors = &self.spectrum[block * WIDTH * side..];
                 part.iter_mut().zip(factors).for_each(|(value, factor)| *value *= *factor);
             }
         });
@@ -408,14 +416,14 @@ mod tests {
         }
     }
 
-    /// A kernel that shifts both ways at once, by the sum that defines a convolution.
+    /// A kernel that shifts both ways at once, and an odd one, by the sum that defines a convolution.
     #[test]
     fn convolutions_are_their_sums() {
         for (inner, side) in [(8, 8), (6, 12), (10, 20), (12, 30), (150, 160)] {
             // k(x, y) = (δ₀ + 0.5 δ₁ + 0.5 δ₋₁)(x) (δ₀ + 0.25 δ₂ + 0.25 δ₋₂)(y).
             let cosine = |k: usize, by: usize| (2.0 * PI * (k * by) as f64 / side as f64).cos();
             let spectrum = |x, y| (1.0 + cosine(x, 1)) * (1.0 + 0.5 * cosine(y, 2));
-            let convolution = Convolution::new(inner, side, spectrum);
+            let convolution = Convolution::new(inner, side, false, spectrum);
             let given: Vec<f64> = (0..inner * inner).map(number).collect();
             let mut grid = given.clone();
             convolution.apply(&mut grid, &mut ConvolutionScratch::default(), false);
@@ -427,15 +435,21 @@ mod tests {
                 let (x, y) = (wrap(x), wrap(y));
                 if x < inner && y < inner { given[y * inner + x] } else { 0.0 }
             };
-            for y in 0..inner {
-                for x in 0..inner {
+            // The slopes 0.5 (δ₁ − δ₋₁)(x) (δ₀ + 0.25 δ₂ + 0.25 δ₋₂)(y), of which −i sin k is the transform.
+            let sine = |k: usize| (2.0 * PI * k as f64 / side as f64).sin();
+            let odd = Convolution::new(inner, side, true, |x, y| -sine(x) * (1.0 + 0.5 * cosine(y, 2)));
+            let mut slopes = given.clone();
+            odd.apply(&mut slopes, &mut ConvolutionScratch::default(), false);
+            let rows = [(grid, [(0, 1.0), (1, 0.5), (-1, 0.5)]), (slopes, [(0, 0.0), (1, 0.5), (-1, -0.5)])];
+            for (x, y) in (0..inner).flat_map(|y| (0..inner).map(move |x| (x, y))) {
+                for (found, row) in &rows {
                     let mut sum = 0.0;
-                    for (dx, wx) in [(0, 1.0), (1, 0.5), (-1, 0.5)] {
+                    for (dx, wx) in row {
                         for (dy, wy) in [(0, 1.0), (2, 0.25), (-2, 0.25)] {
                             sum += wx * wy * at(x as isize - dx, y as isize - dy);
                         }
                     }
-                    assert!((grid[y * inner + x] - sum).abs() < 1e-14);
+                    assert!((found[y * inner + x] - sum).abs() < 1e-14);
                 }
             }
         }

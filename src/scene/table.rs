@@ -594,7 +594,7 @@ static FIRST: &[Key] = &[
         .what("how contacts act on each other")
         .about(
             "`point`: each as its force at a point. `contact`: each with the second moment of its pressure too, on a substrate that \
-             the others have bent: the next order in contact radius over distance. It takes some three times as long.",
+             the others have bent and tilted: the next orders in contact radius over distance. It takes some four times as long.",
         )
         .defaults_to("\"point\"")
         .swept(),

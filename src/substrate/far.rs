@@ -100,8 +100,8 @@ impl<T: Real> Far<T> {
             Coupling::Patch => (per_side + window.width + window.width % 2, 0),
         };
         let convolution = match coupling {
-            Coupling::Periodic => periodic(window, per_side, |k| influence.transform(alpha, k), shortest),
-            Coupling::Patch => alone(window, (per_side, inner), |r| influence.smooth(alpha, r), shortest),
+            Coupling::Periodic => periodic(window, per_side, (influence, alpha), shortest),
+            Coupling::Patch => alone(window, (per_side, inner), (influence, alpha), shortest),
         };
         let (mut places, mut weights) = (Vec::with_capacity(points.len()), Vec::new());
         let columns = window.width.next_multiple_of(LANES);
@@ -264,26 +264,33 @@ fn groups<T, const GROUPS: usize>(weights: &[T]) -> (&[[T; LANES]; GROUPS], &[T]
 fn periodic<T: Real>(
     window: Window,
     side: usize,
-    kernel: impl Fn(f64) -> f64,
+    (influence, alpha): (Influence, f64),
     shortest: f64,
 ) -> Convolution<T> {
     let transforms = window.transforms(side / 2, side);
-    let signed = |m: usize| m.min(side - m);
-    Convolution::new(side, side, |x, y| {
-        let (x, y) = (signed(x), signed(y));
+    let magnitude = |m: usize| m.min(side - m);
+    Convolution::new(side, side, influence.is_odd(), |x, y| {
+        let along = influence.along([x, y].map(|m| 2.0 * PI * signed(m, side)));
+        let (x, y) = (magnitude(x), magnitude(y));
         let k = 2.0 * PI * ((x * x + y * y) as f64).sqrt();
         if k > shortest {
             return 0.0;
         }
-        kernel(k) / (transforms[x] * transforms[y]).powi(2) * (side as f64).powi(2)
+        let transform = influence.transform(alpha, k) * along;
+        transform / (transforms[x] * transforms[y]).powi(2) * (side as f64).powi(2)
     })
+}
+
+/// The wave number, or the coordinate, in a row of `side` that begins at 0 and ends before it again.
+fn signed(i: usize, side: usize) -> f64 {
+    if 2 * i > side { -((side - i) as f64) } else { i as f64 }
 }
 
 /// The convolution of a square alone, of `per_side` grid points and in all `inner`.
 fn alone<T: Real>(
     window: Window,
     (per_side, inner): (usize, usize),
-    smooth: impl Fn(f64) -> f64,
+    (influence, alpha): (Influence, f64),
     shortest: f64,
 ) -> Convolution<T> {
     let kept = inner + MARGIN.0;
@@ -300,33 +307,39 @@ fn alone<T: Real>(
         for x in 0..large {
             let (x_of, y_of) = (distance(x), distance(y));
             let r = spacing * ((x_of * x_of + y_of * y_of) as f64).sqrt();
-            kernel.re[y * large + x] = smooth(r) * fades[x_of] * fades[y_of];
+            let along = influence.along([x, y].map(|i| spacing * signed(i, large)));
+            kernel.re[y * large + x] = influence.smooth(alpha, r) * along * fades[x_of] * fades[y_of];
         }
     }
     let transforms = window.transforms(large / 2, large);
     let last = (shortest * large as f64 * spacing / (2.0 * PI)) as usize;
     in_both_ways(large, &mut kernel, Transform::forward);
+    // The transform of an odd kernel is imaginary.
+    let Complex { re, im } = &mut kernel;
+    let (values, zeros) = if influence.is_odd() { (im, re) } else { (re, im) };
     for y in 0..large {
         for x in 0..large {
             let (m, n) = (distance(x), distance(y));
             let within = m * m + n * n <= last * last;
             let factor = (transforms[m] * transforms[n]).powi(2) * (large as f64).powi(2);
-            kernel.re[y * large + x] = if within { kernel.re[y * large + x] / factor } else { 0.0 };
+            values[y * large + x] = if within { values[y * large + x] / factor } else { 0.0 };
         }
     }
-    kernel.im.fill(0.0);
+    zeros.fill(0.0);
     in_both_ways(large, &mut kernel, Transform::backward);
     let side = good_length(2 * inner);
     let mut own: Complex = Complex::zeros(side * side);
     for y in 0..side {
         for x in 0..side {
             let distance = |i: usize| i.min(side - i);
-            own.re[y * side + x] = kernel.re[distance(y) * large + distance(x)];
+            let sign = influence.along([x, y].map(|i| signed(i, side).signum()));
+            own.re[y * side + x] = sign * kernel.re[distance(y) * large + distance(x)];
         }
     }
     drop(kernel);
     in_both_ways(side, &mut own, Transform::forward);
-    Convolution::new(inner, side, |x, y| own.re[y * side + x])
+    let spectrum = if influence.is_odd() { own.im } else { own.re };
+    Convolution::new(inner, side, influence.is_odd(), |x, y| spectrum[y * side + x])
 }
 
 /// Transforms a square along both its sides.

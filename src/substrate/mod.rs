@@ -2,7 +2,7 @@
 //!
 //! A force f on a half-space displaces its surface by f/(πE* r) at the distance r (Boussinesq; Johnson,
 //! Contact Mechanics, 1985, section 3.2). Here are the sums of that over all asperities of a square, alone or
-//! repeated, and of its curvature, which falls with 1/r³. What a force does to its own foot is part of the law of the asperity.
+//! repeated, of its slopes, and of its curvature, which falls with 1/r³. What a force does to its own foot is part of the law of the asperity.
 
 mod far;
 mod influence;
@@ -27,8 +27,8 @@ pub enum Kernel {
     /// Points: the force of a contact alone, and the displacement of its foot.
     #[default]
     Point,
-    /// Contacts of finite size: the second moment of the pressure too, and the curvature of the substrate
-    /// below.
+    /// Contacts of finite size: the second moment of the pressure too, and the curvature and the tilt of the
+    /// substrate below.
     Contact,
 }
 
@@ -69,15 +69,19 @@ impl Coupling {
 
     /// The square of the distance of two points, in sides; of a repeated square that of their nearest copies.
     pub fn square(self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let apart = |k: usize| {
+        let [x, y] = self.apart(a, b);
+        x * x + y * y
+    }
+
+    /// The way to one point from another, in sides; in a repeated square that of their nearest copies.
+    pub(crate) fn apart(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|k| {
             let apart: f64 = a[k] - b[k];
             match self {
                 Self::Periodic if apart.abs() > 0.5 => apart - apart.signum(),
                 _ => apart,
             }
-        };
-        let [x, y] = std::array::from_fn(apart);
-        x * x + y * y
+        })
     }
 
     /// The name in scenes and files.

@@ -1,6 +1,6 @@
 //! The part of the sums that near neighbours contribute, from a table of all their pairs.
 
-use super::Coupling;
+use super::{Coupling, Influence};
 use crate::math::counting_sort::counting_sort;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::real::Real;
@@ -101,12 +101,20 @@ pub struct Near<T> {
     starts: Vec<u32>,
     /// The influence of each pair, with zeros to a multiple of [`LANES`] in each range.
     values: Vec<T>,
+    /// The influence the other way, over that of the pair: 1, or −1 of an odd one.
+    back: T,
 }
 
 impl<T: Real> Near<T> {
-    /// The influence, by `kernel` of the square of the distance, of points of the unit square in the order of
-    /// their cells.
-    pub fn new(coupling: Coupling, cells: &Cells, points: &[[f64; 2]], kernel: impl Fn(f64) -> f64) -> Self {
+    /// The near part of an influence, split at α, of points of the unit square in the order of their cells.
+    pub fn new(
+        coupling: Coupling,
+        (influence, alpha): (Influence, f64),
+        cells: &Cells,
+        points: &[[f64; 2]],
+    ) -> Self {
+        let kernel =
+            |[x, y]: [f64; 2]| T::of(influence.near(alpha, (x * x + y * y).sqrt()) * influence.along([x, y]));
         let (mut ranges, mut starts, mut values) = (Vec::<Range<u32>>::new(), vec![0], Vec::new());
         for row in 0..cells.count {
             for column in 0..cells.count {
@@ -126,15 +134,15 @@ impl<T: Real> Near<T> {
                     }
                     for range in &ranges[first..] {
                         let near = &points[range.start as usize..range.end as usize];
-                        let influence = |point: &[f64; 2]| T::of(kernel(coupling.square(points[i], *point)));
-                        values.extend(near.iter().map(influence));
+                        values.extend(near.iter().map(|point| kernel(coupling.apart(points[i], *point))));
                         values.resize(values.len().next_multiple_of(LANES), T::zero());
                     }
                     starts.push(ranges.len() as u32);
                 }
             }
         }
-        Self { ranges, starts, values }
+        let back = T::of(if influence.is_odd() { -1.0 } else { 1.0 });
+        Self { ranges, starts, values, back }
     }
 
     /// Adds to the displacements what near neighbours contribute; both have room for [`LANES`] more numbers.
@@ -149,7 +157,7 @@ impl<T: Real> Near<T> {
     fn add_in_lanes(&self, loads: &[T], displacements: &mut [T]) {
         let (mut values, _) = self.values.as_chunks::<LANES>();
         for (i, limits) in self.starts.windows(2).enumerate() {
-            let (load, mut lanes) = (loads[i], [T::zero(); LANES]);
+            let (load, mut lanes) = (self.back * loads[i], [T::zero(); LANES]);
             for range in &self.ranges[limits[0] as usize..limits[1] as usize] {
                 let (begin, count) = (range.start as usize, range.len().div_ceil(LANES));
                 let (own, further) = values.split_at(count);

@@ -11,11 +11,11 @@ const PER_CELL: [f64; 2] = [0.75, 1.3];
 /// Fewest points of sums that two threads take faster than one.
 const WORTH_SHARING: usize = 4000;
 
-/// The sums u_i = Σ_j g_ij f_j over points of a square, as a split of 1/r, or of 1/r³, into a part of near
+/// The sums u_i = Σ_j g_ij f_j over points of a square, as a split of 1/r, its slopes, or 1/r³, into a part of near
 /// neighbours and a part on a grid (Ewald 1921).
 ///
 /// Places are in sides of the square, forces in any unit, and displacements in that unit over πE* times the
-/// side; curvatures in that over the square of the side.
+/// side; slopes in that over the side, curvatures in that over its square.
 #[derive(Clone, Debug)]
 pub struct DisplacementSums<T = f64> {
     coupling: Coupling,
@@ -43,10 +43,9 @@ impl<T: Real> DisplacementSums<T> {
         let cells = Cells::new(count, points);
         let sorted: Vec<[f64; 2]> = cells.order.iter().map(|&i| points[i as usize]).collect();
         let alpha = reach * count as f64 / RINGS as f64;
-        let kernel = |square: f64| influence.near(alpha, square.sqrt());
         Self {
             coupling,
-            near: Near::new(coupling, &cells, &sorted, kernel),
+            near: Near::new(coupling, (influence, alpha), &cells, &sorted),
             far: Far::new(coupling, (influence, alpha), &sorted, 2.0 * alpha * reach, tolerance),
             own: T::of(influence.own(alpha)),
             cells,
@@ -112,23 +111,32 @@ mod tests {
         let a = 2.0_f64;
         let mut sum = match influence {
             Influence::Displacement => -2.0 * PI.sqrt() / a,
-            Influence::Curvature => 0.0,
+            _ => 0.0,
         };
         for n in -4..=4_i32 {
             for m in -4..=4_i32 {
-                let r = (x - f64::from(n)).hypot(y - f64::from(m));
+                let way = [x - f64::from(n), y - f64::from(m)];
+                let r = way[0].hypot(way[1]);
                 let (erfc, gaussian) = (libm::erfc(a * r), 2.0 * a / PI.sqrt() * (-a * a * r * r).exp());
                 sum += match influence {
                     Influence::Displacement if r == 0.0 => -2.0 * a / PI.sqrt(),
                     Influence::Displacement => erfc / r,
+                    Influence::SlopeX | Influence::SlopeY if r == 0.0 => 0.0,
+                    Influence::SlopeX => -way[0] * (erfc / r.powi(3) + gaussian / (r * r)),
+                    Influence::SlopeY => -way[1] * (erfc / r.powi(3) + gaussian / (r * r)),
                     Influence::Curvature if r == 0.0 => 8.0 * a.powi(3) / (3.0 * PI.sqrt()),
                     Influence::Curvature => erfc / r.powi(3) + gaussian * (r.powi(-2) + 2.0 * a * a),
                 };
                 let k = 2.0 * PI * f64::from(n).hypot(f64::from(m));
                 if k > 0.0 {
                     let phase = 2.0 * PI * (f64::from(n) * x + f64::from(m) * y);
-                    let order = if influence == Influence::Displacement { 1.0 } else { -k * k };
-                    sum += order * 2.0 * PI / k * libm::erfc(0.5 * k / a) * phase.cos();
+                    let wave = match influence {
+                        Influence::Displacement => phase.cos(),
+                        Influence::SlopeX => -2.0 * PI * f64::from(n) * phase.sin(),
+                        Influence::SlopeY => -2.0 * PI * f64::from(m) * phase.sin(),
+                        Influence::Curvature => -k * k * phase.cos(),
+                    };
+                    sum += wave * 2.0 * PI / k * libm::erfc(0.5 * k / a);
                 }
             }
         }
@@ -138,6 +146,7 @@ mod tests {
     fn direct(coupling: Coupling, influence: Influence, points: &[[f64; 2]], loads: &[f64]) -> Vec<f64> {
         let n = points.len();
         let power = if influence == Influence::Displacement { -1 } else { -3 };
+        let sign = if influence.is_odd() { -1.0 } else { 1.0 };
         let pair = |i: usize, j: usize| {
             let [x, y] = [points[i][0] - points[j][0], points[i][1] - points[j][1]];
             match coupling {
@@ -146,7 +155,7 @@ mod tests {
                     if i == j {
                         0.0
                     } else {
-                        x.hypot(y).powi(power)
+                        sign * influence.along([x, y]) * x.hypot(y).powi(power)
                     }
                 }
             }
@@ -155,7 +164,7 @@ mod tests {
         for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let influence = pair(i, j);
             sums[i] += influence * loads[j];
-            sums[j] += if i == j { 0.0 } else { influence * loads[i] };
+            sums[j] += if i == j { 0.0 } else { sign * influence * loads[i] };
         }
         sums
     }
@@ -163,14 +172,15 @@ mod tests {
     #[test]
     fn fast_sums_are_the_direct_ones() {
         let couplings = [Coupling::Periodic, Coupling::Patch];
-        let influences = [Influence::Displacement, Influence::Curvature];
+        use Influence::{Curvature, Displacement, SlopeX, SlopeY};
+        let influences = [Displacement, SlopeX, SlopeY, Curvature];
         for (coupling, influence) in couplings.into_iter().flat_map(|own| influences.map(|one| (own, one))) {
             for count in [1, 2, 3, 10, 200] {
                 let points = points(count);
                 let loads: Vec<f64> = (0..count).map(|i| (i as f64).sin() + 0.3).collect();
                 let expected = direct(coupling, influence, &points, &loads);
                 // Of one to three points the sum of 1/r³ is some 10, its parts are 5000: rounding, 1e-14, is that of the parts.
-                let least = if influence == Influence::Displacement { 1.0 } else { 100.0 };
+                let least = if influence == Influence::Curvature { 100.0 } else { 1.0 };
                 let largest = expected.iter().fold(least, |most: f64, u| most.max(u.abs()));
                 for (tolerance, is_single) in [(1e-3, true), (1e-4, false), (1e-8, false), (1e-13, false)] {
                     let mut found = vec![0.0; count];

@@ -144,7 +144,7 @@ def test_the_program_has_the_loads_of_the_referee(name):
         assert np.max(np.abs(found["loads"] - dense.force.astype(float))) < 1e-9 * largest
 
 
-@pytest.mark.parametrize("kernel, error", [("point", 1.2e-3), ("contact", 4.2e-3)])
+@pytest.mark.parametrize("kernel, error", [("point", 1.2e-3), ("contact", 2e-4)])
 @pytest.mark.parametrize("name", ["coarse", "fine"])
 def test_the_program_has_the_probes_of_the_referee(name, kernel, error):
     """Rough spheres: each load, and their sum relative to it, to what contacts leave out; loads of point forces to 1e-9."""

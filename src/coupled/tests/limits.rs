@@ -371,7 +371,8 @@ fn finite_contacts_change_the_pull_off() {
         let load = 4.0 / 3.0 * of.reduced_modulus * radius.powi(3) * bend;
         let moment = radius.powi(2) * (0.4 * load - 2.0 / 3.0 * (load + force));
         let raised = -force / distance + moment / (4.0 * distance.powi(3));
-        let place = alone * stretch - raised / (PI * of.reduced_modulus);
+        let tilt = force / (PI * of.reduced_modulus * distance.powi(2));
+        let place = alone * stretch - raised / (PI * of.reduced_modulus) + 1.5 * of.radius * tilt * tilt;
         let surface = Surface { kernel: Kernel::Contact, ..Surface::pair("jkr", distance) };
         let path = [steps(-2e-9, place, 20), vec![place + 1e-12, place + 2e-12]].concat();
         let way = surface.travel(&of, &path);

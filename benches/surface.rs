@@ -7,7 +7,7 @@ use common::{job, scene};
 use divan::{Bencher, counter::ItemsCount};
 use stiction::asperity::models::{MODELS, model};
 use stiction::engine::moments::{LANES, MomentMatrix};
-use stiction::engine::{Job, Workspace};
+use stiction::engine::{Job, Protocol, Workspace};
 use stiction::integral::Expectations;
 
 const CASES: [&str; 3] = ["case_i", "case_ii", "case_iii"];
@@ -27,11 +27,19 @@ fn replica_of_radii(bencher: Bencher, name: &str) {
     one_replica(bencher, name);
 }
 
+/// One replica that is pressed together and pulled apart, of which half of the asperities flow.
+#[divan::bench(args = ["loop"], sample_count = 20)]
+fn replica_of_a_loop(bencher: Bencher, name: &str) {
+    one_replica(bencher, name);
+}
+
 /// Replicas of a scene, one after the other.
 fn one_replica(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
+    let cycle = scene.loop_law().expect("a law of the scene");
     let job = job(&scene, law.view(), 1);
+    let job = Job { protocol: Protocol { cycle: cycle.as_ref(), ..job.protocol }, ..job };
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;

@@ -53,7 +53,7 @@ impl Lane {
 }
 
 impl Lane {
-    /// The asperity of ρ = `ratio` at its apex, whose states are those of a top of its own outline if it is solved.
+    /// The asperity of a top whose apex has the radius ρ = `ratio`, with the states of its outline if these are solved.
     pub(super) fn of_top(ratio: f64, top: Option<&OutlinedTop>) -> Self {
         let elastic = top.map(|top| Elastic::of_ends(top.outline.lambda, &top.ends)).unwrap_or_default();
         Self { elastic, ..Self::new(ratio, None) }

@@ -84,6 +84,7 @@ impl Noncontact {
     }
 
     /// ζ = Z₀/s_δ.
+    #[inline(always)]
     pub fn spacing(&self) -> f64 {
         self.spacing
     }

@@ -485,9 +485,9 @@ pub struct Fold {
 /// Where the states of a top end, and where they are not smooth, by Δ.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ends {
-    /// Where the zone of first touch ends, and Δ there.
+    /// Δ at first touch, the end of the branch before contact.
     pub first_touch: f64,
-    /// Δ at the end of the stable contact branch, and whether it folds there.
+    /// Δ at the end of the stable contact branch.
     pub contact: f64,
     /// Whether contact leads to the innermost state before it without a jump.
     is_led_to: bool,
@@ -495,7 +495,7 @@ pub struct Ends {
     pub edge: f64,
     /// Δ at the deepest.
     pub deepest: f64,
-    /// The folds to which the outermost state before contact lasts, as Δ rises; none are NaN.
+    /// The folds to which the outermost state before contact lasts, as Δ rises: at most two.
     pub outer: [Option<Fold>; 2],
     /// The fold to which an asperity that comes out of contact stays on the innermost state.
     pub inner: Option<Fold>,
@@ -802,12 +802,7 @@ impl OutlinedTop {
             }
             beyond += edge;
         }
-        self.contact_at(beyond, outer, angle)
-    }
-
-    /// The response of the state at a place.
-    fn contact_at(&self, beyond: f64, outer: f64, angle: f64) -> Response {
-        self.outline.state(beyond, outer, angle).1.corrected([0.0; 2])
+        outline.state(beyond, outer, angle).1.corrected([0.0; 2])
     }
 
     /// Where a solve for Δ starts.
@@ -936,6 +931,7 @@ struct Lanes {
     low: [f64; TOGETHER],
     adhesion: [f64; TOGETHER],
     radius: [f64; TOGETHER],
+    good: [bool; TOGETHER],
 }
 
 impl Default for Lanes {
@@ -953,6 +949,7 @@ impl Default for Lanes {
             low: zeros,
             adhesion: zeros,
             radius: zeros,
+            good: [false; TOGETHER],
         }
     }
 }
@@ -968,7 +965,8 @@ impl Lanes {
     /// Repeats the last of `count` lanes up to whole vectors, and says how many lanes these have.
     #[inline(always)]
     fn pad(&mut self, count: usize) -> usize {
-        let (last, whole) = (count - 1, count.div_ceil(VECTOR) * VECTOR);
+        // Loops over lanes that are known not to be more than there are have no checks, and take whole vectors.
+        let (last, whole) = (count - 1, (count.div_ceil(VECTOR) * VECTOR).min(TOGETHER));
         for i in count..whole {
             self.lambda[i] = self.lambda[last];
             self.quartic[i] = self.quartic[last];
@@ -1009,10 +1007,9 @@ impl Lanes {
             Place { beyond: self.beyond[i], angle: self.angles[i] } = top.start(self.displacements[i]);
         }
         let count = self.pad(displacements.len());
-        let mut good = [false; TOGETHER];
         for pass in 0..=STEPS {
             let mut are_good = true;
-            for (i, is_good) in good[..count].iter_mut().enumerate() {
+            for i in 0..count {
                 let (outline, outer) = (self.outline(i), self.outer[i]);
                 let place = Place { beyond: self.beyond[i], angle: self.angles[i] };
                 let known = outline.at(place, outer);
@@ -1021,8 +1018,8 @@ impl Lanes {
                 let small = (edge.abs() <= LAST_STEP * (outline.edge + place.beyond))
                     & (angle.abs() <= LAST_TURN * room);
                 let is_on_side = (place.beyond > 0.0) == (outer > 0.0);
-                *is_good = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
-                are_good &= *is_good;
+                self.good[i] = small & is_on_side & (known.slope > 0.0) & (room > 0.0);
+                are_good &= self.good[i];
                 Response { adhesion: self.adhesion[i], radius: self.radius[i] } =
                     known.corrected([edge, angle]);
                 self.beyond[i] += edge;
@@ -1033,7 +1030,7 @@ impl Lanes {
                 break;
             }
         }
-        good
+        self.good
     }
 
     /// Newton steps before contact, and one to correct the outputs along; says which are good.
@@ -1059,17 +1056,16 @@ impl Lanes {
         for i in 0..count {
             (self.beyond[i], self.angles[i]) = self.outline(i).first_balance(self.beyond[i], self.low[i]);
         }
-        let mut good = [false; TOGETHER];
         for pass in 0..=STEPS_BEFORE {
             let mut are_good = true;
-            for (i, is_good) in good[..count].iter_mut().enumerate() {
+            for i in 0..count {
                 let (gap, y, low) = (self.beyond[i], self.angles[i], self.low[i]);
                 let Balance { step, slope, beyond } = self.outline(i).balance(gap, y, self.displacements[i]);
                 let small =
                     (step[0].abs() <= LAST_STEP * (gap - low).min(gap)) & (step[1].abs() <= LAST_STEP * y);
                 let is_on_side = beyond.abs() > 4.0 * LAST_STEP * self.edge[i];
-                *is_good = small & is_on_side & (slope < 0.0);
-                are_good &= *is_good;
+                self.good[i] = small & is_on_side & (slope < 0.0);
+                are_good &= self.good[i];
                 self.adhesion[i] = FRAC_PI_2 * y * (y + 2.0 * step[1]);
                 let next = gap + step[0];
                 let kept = next > low;
@@ -1081,8 +1077,8 @@ impl Lanes {
                 break;
             }
         }
-        good.iter_mut().zip(can_be).for_each(|(good, can_be)| *good &= can_be);
-        good
+        self.good.iter_mut().zip(can_be).for_each(|(good, can_be)| *good &= can_be);
+        self.good
     }
 }
 

@@ -9,6 +9,9 @@ use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 use crate::surface::Surface;
 
+/// Tops of a surface from which on a table of their responses at a distance is worth its making, even for one surface.
+const MANY_TOPS: usize = 1000;
+
 /// A state that a surface is summed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum State {
@@ -163,7 +166,7 @@ impl Sums {
     }
 
     /// Sums a surface that is pulled back from h and d, m, to h and d, m, where tops that have flowed have outlines of their own.
-    /// Distances at which all surfaces of the job are have tables; else what is left of each is found once.
+    /// Of many tops there are tables at distances at which all surfaces of the job are; else what is left of each is found once.
     fn flattened(
         &mut self,
         (job, cycle): (&Job<'_>, &Loop),
@@ -171,11 +174,13 @@ impl Sums {
         (from, closest): (f64, f64),
         (to, d): (f64, f64),
     ) {
-        if from == job.separations[0] && job.separations.binary_search_by(|own| own.total_cmp(&to)).is_ok() {
+        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
+        let is_common =
+            from == job.separations[0] && job.separations.binary_search_by(|own| own.total_cmp(&to)).is_ok();
+        if is_common && heights.len() - first >= MANY_TOPS {
             let law = cycle.tabulated_at(d - closest);
             return self.over(&law, Some(law.base()), heights, closest);
         }
-        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         self.elastic(cycle, &heights[..first], (closest, d));
         if self.turn((job, cycle), &heights[first..], from).is_some() {
             self.add_flowed(cycle, None, d);

@@ -8,7 +8,7 @@ use crate::engine::moments::{LANES, MANY, MOST_PERIODS, periods};
 use crate::engine::{BATCH, FIRST_CURVES, PILOTS, batches_of};
 use crate::output::curves::HELD;
 use crate::output::writer::CURVE_CHUNK;
-use crate::scene::Scene;
+use crate::scene::{Scene, share_of_tops};
 use crate::substrate::{Coupling, Kernel};
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
@@ -25,8 +25,9 @@ const BINNED: f64 = 20.0;
 const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Bytes of the moments of a period, of a dozen segments.
 const PERIOD: f64 = 16e3;
-/// Bytes of an asperity in the search for the pull-off, on approach and on the retraction of a loop.
-const SEARCHED: (f64, f64) = (14.0, 190.0);
+/// Bytes of an asperity in the search for the pull-off, and of the top of one that has flowed.
+const SEARCHED: f64 = 14.0;
+const TOP: f64 = 1330.0;
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
 const COUPLED: (f64, f64) = (4e3, 9e3);
@@ -42,8 +43,8 @@ pub struct Estimate {
     pub asperities: f64,
     /// States that a surface is summed in: separations, of a loop twice.
     pub separations: f64,
-    /// Whether surfaces are pulled back.
-    pub is_turned: bool,
+    /// Share of the asperities that have flowed when surfaces are pulled back.
+    pub flowed: f64,
     /// Bytes of an asperity that is coupled; 0 where they are independent.
     pub coupled: f64,
     /// States in which the asperities of the first replica are recorded one by one.
@@ -83,7 +84,7 @@ impl Estimate {
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
-            is_turned: scene.turns(),
+            flowed: share_of_tops(scene, law.typical),
             coupled: coupled(scene),
             told: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
             regimes: law.regimes().len() as f64,
@@ -159,14 +160,14 @@ impl Estimate {
     /// Bytes of the surfaces that are summed at the same time.
     fn surfaces(&self) -> f64 {
         let n = self.asperities;
-        let searched = n * if self.is_turned { SEARCHED.1 } else { SEARCHED.0 };
+        let searched = n * (SEARCHED + TOP * self.flowed);
         let Some(periods) = self.periods else { return self.workers() * (NUMBER * n + searched) };
         let of_moments = |n: f64, lanes: f64| {
             let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
             lanes * BINNED * n + queued + PERIOD * periods
         };
         let tried = n.min(MANY as f64);
-        let pilots = self.pilots() * (of_moments(tried, 1.0) + tried * (NUMBER + SEARCHED.0));
+        let pilots = self.pilots() * (of_moments(tried, 1.0) + tried * (NUMBER + SEARCHED));
         let lanes = if n > MANY as f64 { 1.0 } else { self.replicas.min(LANES as f64) };
         (self.workers() * (of_moments(n, lanes) + searched)).max(pilots)
     }
@@ -268,7 +269,7 @@ mod tests {
     use super::*;
 
     const RUN: Estimate = Estimate {
-        is_turned: false,
+        flowed: 0.0,
         coupled: 0.0,
         told: 0.0,
         asperities: 1e6,

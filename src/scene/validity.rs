@@ -263,6 +263,12 @@ fn flow_onset(law: &dyn Law) -> Option<f64> {
     Some(law.boundaries()[first - 1].interference)
 }
 
+/// The share of asperities that flow under a law before they are pulled back, and then are tops of outlines of their own.
+pub(crate) fn share_of_tops(scene: &Scene, law: &dyn Law) -> f64 {
+    let onset = flow_onset(law).filter(|_| scene.turns() && scene.model.unloads_flow());
+    onset.map_or(0.0, |onset| share_beyond(scene, onset, scene.separations[0]))
+}
+
 /// The share of asperities beyond an interference, m, at a separation h, m.
 fn share_beyond(scene: &Scene, interference: f64, h: f64) -> f64 {
     scene.surface.heights.probability(interference + scene.surface.asperity_separation(h), f64::INFINITY)

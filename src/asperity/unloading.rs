@@ -58,6 +58,8 @@ pub(super) struct Stretch {
 
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
+/// Tops from which on a table of them is worth its making.
+const MANY: usize = 8;
 /// Places of a stretch, and the end of the last in multiples of its beginning where nothing is known of it.
 pub(super) const PLACES: usize = 33;
 const LAST_STRETCH: f64 = 100.0;
@@ -385,23 +387,11 @@ impl Loop {
 
     /// The top of an asperity of the interference ω_max, m, above ω_c.
     pub(super) fn top_of(&self, largest: f64) -> Top {
-        let known = self.table().and_then(|table| table.top(largest));
-        known.unwrap_or_else(|| self.solved_top(largest))
-    }
-
-    /// That top, solved.
-    fn solved_top(&self, largest: f64) -> Top {
         let mut top = Top::default();
         self.press(self.flowing(largest), self.own(), &[largest], &mut SolverStats::default(), |own| {
             top = own
         });
         top
-    }
-
-    /// The table of tops, of a loop that has one.
-    fn table(&self) -> Option<&TopTable> {
-        let new = || TopTable::new(&self.joints(), |own| self.solved_top(own));
-        self.is_tabulated.then(|| self.table.get_or_init(new))
     }
 
     /// Asperities of the own radius.
@@ -415,12 +405,13 @@ impl Loop {
         boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic)
     }
 
-    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c.
+    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c: of more than a few by the table.
     pub(super) fn tops(&self, largest: &[f64], stats: &mut SolverStats, mut visit: impl FnMut(Top)) {
-        if let Some(table) = self.table() {
+        if self.is_tabulated && largest.len() >= MANY {
+            let table = self.table.get_or_init(|| TopTable::new(&self.joints(), |own| self.top_of(own)));
             return largest
                 .iter()
-                .for_each(|own| visit(table.top(*own).unwrap_or_else(|| self.solved_top(*own))));
+                .for_each(|own| visit(table.top(*own).unwrap_or_else(|| self.top_of(*own))));
         }
         for same in largest.chunk_by(|a, b| self.flowing(*a) == self.flowing(*b)) {
             self.press(self.flowing(same[0]), self.own(), same, stats, &mut visit);

@@ -70,8 +70,11 @@ impl Loop {
     pub fn tabulated_at(&self, distance: f64) -> Retraction<'_> {
         let lock = || self.at_distances.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().get(&distance.to_bits()).cloned();
-        let at = known.unwrap_or_else(|| self.at(distance).tabulated().at);
-        lock().entry(distance.to_bits()).or_insert_with(|| Arc::clone(&at));
+        // Not while the others wait.
+        let at = known.unwrap_or_else(|| {
+            let at = self.at(distance).tabulated().at;
+            Arc::clone(lock().entry(distance.to_bits()).or_insert(at))
+        });
         Retraction { cycle: self, at }
     }
 
@@ -221,6 +224,7 @@ impl<'a> Retraction<'a> {
 
     /// The law with tables of the responses of tops.
     fn tabulated(mut self) -> Self {
+        let deepest = self.cycle.deepest();
         let table = |index: usize| {
             let is_of_tops =
                 matches!(self.at.conditions[index], Condition::Lowered(_) | Condition::Unloading(_));
@@ -228,7 +232,7 @@ impl<'a> Retraction<'a> {
             let respond = |largest: &[f64], out: &mut Responses| {
                 self.evaluate(index, Lanes::Own, largest, out, &mut SolverStats::default());
             };
-            ResponseTable::new(&pieces, self.cycle.deepest(), (TOLERANCE, HALVINGS), respond)
+            ResponseTable::new(&pieces, deepest, (TOLERANCE, HALVINGS), respond)
         };
         let tables = (0..self.at.conditions.len()).map(table).collect();
         if let Some(at) = Arc::get_mut(&mut self.at) {

@@ -44,26 +44,10 @@ impl Piecewise {
     /// are halved until they meet it; one that is narrower than `end`·1e-7, or comes after 4096 others, and
     /// does not meet it holds NaN. The function is never evaluated at `begin`.
     pub fn new(f: impl Fn(f64) -> f64, tolerance: impl Fn(f64, f64) -> f64, begin: f64, end: f64) -> Self {
-        let mut table = Self::default();
-        if !(end > begin && end.is_finite()) {
-            return table;
-        }
-        let mut open = vec![(begin, end)];
-        while let Some((low, high)) = open.pop() {
-            let mut cell = Cell::interpolate(&f, low, high);
-            let good = cell.meets(&f, &tolerance);
-            if !good && high - low > NARROWEST * end && table.cells.len() < MOST_CELLS {
-                let middle = 0.5 * (low + high);
-                open.push((middle, high));
-                open.push((low, middle));
-            } else {
-                if !good {
-                    cell.coefficients = [f64::NAN; NODES];
-                }
-                table.ends.push(high);
-                table.cells.push(cell);
-            }
-        }
+        let [table] = Self::halved((begin, end), NARROWEST * end, |low, high| {
+            let cell = Cell::interpolate(&f, low, high);
+            ([cell], cell.meets(&f, &tolerance))
+        });
         table
     }
 
@@ -76,17 +60,12 @@ impl Piecewise {
         (begin, end): (f64, f64),
         halvings: u32,
     ) -> [Self; N] {
-        let mut tables = [(); N].map(|()| Self::default());
-        if !(end > begin && end.is_finite()) {
-            return tables;
-        }
-        let mut open = vec![(begin, end)];
-        let narrowest = (end - begin) * (0.5_f64).powi(halvings as i32);
-        while let Some((low, high)) = open.pop() {
+        let narrowest = 1.5 * (end - begin) * (0.5_f64).powi(halvings as i32);
+        Self::halved((begin, end), narrowest, |low, high| {
             let places = Cell::places(low, high);
             let samples = f(&places);
             let (at_nodes, checks) = samples.split_at(NODES);
-            let mut cells: [Cell; N] =
+            let cells: [Cell; N] =
                 std::array::from_fn(|i| Cell::through(std::array::from_fn(|j| at_nodes[j][i]), (low, high)));
             let is_good = |i: usize| {
                 let largest = at_nodes.iter().fold(0.0, |largest, values| maximum(values[i].abs(), largest));
@@ -94,13 +73,31 @@ impl Piecewise {
                 places[NODES..].iter().zip(checks).all(|check| off(check) <= tolerance * largest)
             };
             let are_good = (0..N).all(is_good);
-            if !are_good && high - low > 1.5 * narrowest && tables[0].cells.len() < MOST_CELLS {
+            (cells, are_good)
+        })
+    }
+
+    /// Tables of cells that `fit` makes between two ends, and says of whether they are good: these that are not are halved unless
+    /// they are no wider than `narrowest`.
+    fn halved<const N: usize>(
+        (begin, end): (f64, f64),
+        narrowest: f64,
+        mut fit: impl FnMut(f64, f64) -> ([Cell; N], bool),
+    ) -> [Self; N] {
+        let mut tables = [(); N].map(|()| Self::default());
+        if !(end > begin && end.is_finite()) {
+            return tables;
+        }
+        let mut open = vec![(begin, end)];
+        while let Some((low, high)) = open.pop() {
+            let (mut cells, good) = fit(low, high);
+            if !good && high - low > narrowest && tables[0].cells.len() < MOST_CELLS {
                 let middle = 0.5 * (low + high);
                 open.push((middle, high));
                 open.push((low, middle));
                 continue;
             }
-            if !are_good {
+            if !good {
                 cells.iter_mut().for_each(|cell| cell.coefficients = [f64::NAN; NODES]);
             }
             for (table, cell) in tables.iter_mut().zip(cells) {

@@ -77,6 +77,15 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
+/// Shares in per cent, to a tenth where that shows all of them.
+pub(crate) fn percents(shares: &[f64], joint: &str) -> String {
+    if shares.iter().any(|share| *share != 0.0 && share.abs() < 5e-4) {
+        return shares.iter().map(|share| percent(*share)).collect::<Vec<String>>().join(joint);
+    }
+    let shown: Vec<String> = shares.iter().map(|share| format!("{:.1}", 100.0 * share)).collect();
+    format!("{} %", shown.join(joint))
+}
+
 /// A pure number with four decimals, or in powers of ten where they would hide it.
 pub(crate) fn pure(value: f64) -> String {
     if (1e-2..1e5).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.3e}") }

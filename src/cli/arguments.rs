@@ -8,6 +8,7 @@ use crate::engine::Shard;
 use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
 use crate::scene::Document;
+use crate::scene::settings::Setting;
 use crate::scene::units::whole;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -92,6 +93,9 @@ pub(super) struct RunArguments {
     /// The probability that the pull-off force is above this, such as "1 uN": sets device.restoring_force
     #[arg(long, value_name = "FORCE")]
     above: Option<String>,
+    /// Leave out the range of the results over plastic contacts: sets ensemble.model_range
+    #[arg(long)]
+    no_model_range: bool,
     /// After the summary print also what `stiction info` prints
     #[arg(long, conflicts_with = "shard")]
     verbose: bool,
@@ -100,13 +104,16 @@ pub(super) struct RunArguments {
 }
 
 impl RunArguments {
-    /// The scene or the sweep, with the force that is asked for.
+    /// The scene or the sweep, with what is asked for.
     ///
     /// # Errors
     /// [`Failure`] where it is none.
     pub fn document(&self) -> Result<Document, Failure> {
-        let above = self.above.as_ref().map(|force| format!("device.restoring_force={force:?}").parse());
-        self.scene.document_with(above.transpose().map_err(Failure::Usage)?)
+        let above = self.above.as_ref().map(|force| format!("device.restoring_force={force:?}"));
+        let range = self.no_model_range.then(|| "ensemble.model_range=false".to_owned());
+        let settings: Result<Vec<Setting>, String> =
+            above.into_iter().chain(range).map(|setting| setting.parse()).collect();
+        self.scene.document_with(settings.map_err(Failure::Usage)?)
     }
 
     /// The output that is named, or the scene's name with another extension.

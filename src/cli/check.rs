@@ -12,11 +12,12 @@ use super::terminal::print;
 use crate::asperity::{Laws, Loop};
 use crate::estimate::{Estimate, Plan};
 use crate::experiment::integral::Integral;
+use crate::experiment::model_range::others;
 use crate::experiment::prepared::{SceneLaws, thread_pool};
 use crate::experiment::{Error, Observer};
 use crate::format::bytes;
 use crate::integral::{Independence, IndependenceVerdict};
-use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
+use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings, yields};
 use std::path::Path;
 
 pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
@@ -39,9 +40,10 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
-    let (verdict, warnings) = expected(&scene, law.view(), cycle.as_ref());
-    text += &independence(&verdict, &scene);
-    for warning in warnings {
+    let expected = Expectation::new(&scene, law.view(), cycle.as_ref());
+    text += &independence(&expected.independence, &scene);
+    text += &model_range(&scene, &expected);
+    for warning in expected.warnings {
         text += &labelled("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
@@ -81,7 +83,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
         })?;
         let estimate = Estimate::new(&scene, law.view(), threads());
         largest = if largest.memory() < estimate.memory() { estimate } else { largest };
-        let (independence, warnings) = expected(&scene, law.view(), cycle.as_ref());
+        let Expectation { independence, warnings, .. } = Expectation::new(&scene, law.view(), cycle.as_ref());
         judged.push(independence.verdict());
         for warning in warnings {
             // Findings say the numbers of their point; their explanations are equal.
@@ -109,13 +111,36 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     Ok(text)
 }
 
-/// Whether asperities may be taken as independent, and warnings of a scene: outside of what the models are
-/// valid for, or likely a wrong unit.
-fn expected(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> (Independence, Vec<Warning>) {
-    let integral = Integral::new(scene, law, cycle);
-    let expected = integral.expected(scene, law);
-    let warnings = warnings(scene, &scene.model, law.typical, &expected);
-    (integral.pulled().independence, warnings)
+/// What the integral of a scene lets expect.
+struct Expectation {
+    /// Whether asperities may be taken as independent.
+    independence: Independence,
+    /// Warnings: outside of what the models are valid for, or likely a wrong unit.
+    warnings: Vec<Warning>,
+    /// Whether contacts yield before what is quoted is read off.
+    yields: bool,
+}
+
+impl Expectation {
+    fn new(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Self {
+        let integral = Integral::new(scene, law, cycle);
+        let expected = integral.expected(scene, law);
+        let warnings = warnings(scene, &scene.model, law.typical, &expected);
+        let yields = yields(scene, law.typical, &expected.readings);
+        Self { independence: integral.pulled().independence, warnings, yields }
+    }
+}
+
+/// The plastic contacts that the scene is computed by in addition to its own.
+fn model_range(scene: &Scene, expected: &Expectation) -> String {
+    let Some((others, replicas)) = others(scene, scene.replicas).filter(|_| expected.yields) else {
+        return String::new();
+    };
+    let names: Vec<&str> = others.iter().map(|contact| contact.name()).collect();
+    labelled(
+        "model range",
+        &format!("contacts yield: {replicas} replicas by each of {}, too", names.join(", ")),
+    )
 }
 
 /// The number of points at which asperities may be taken as independent.

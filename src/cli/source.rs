@@ -32,13 +32,12 @@ impl SceneArguments {
 
     /// The scene or the sweep.
     pub fn document(&self) -> Result<Document, Failure> {
-        self.document_with(None)
+        self.document_with(Vec::new())
     }
 
-    /// The scene or the sweep with another setting.
-    pub fn document_with(&self, setting: Option<Setting>) -> Result<Document, Failure> {
-        let settings: Vec<Setting> = self.settings.iter().cloned().chain(setting).collect();
-        self.document_of(&self.text()?, &settings)
+    /// The scene or the sweep with further settings.
+    pub fn document_with(&self, further: Vec<Setting>) -> Result<Document, Failure> {
+        self.document_of(&self.text()?, &[&self.settings[..], &further].concat())
     }
 
     /// The sweep over laws, or over that of the scene alone where none is named.

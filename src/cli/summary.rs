@@ -9,9 +9,10 @@ use crate::asperity::{Path, Quantity};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
 use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
+use crate::experiment::model_range::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
-use crate::format::{duration, percent, si, si_all, si_with_error};
+use crate::format::{duration, percent, percents, si, si_all, si_with_error};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
@@ -105,8 +106,8 @@ fn pull_off(results: &Results) -> String {
         return preloads(results);
     }
     let own = &results.scalars[0];
-    let is_controlled = !results.controls.is_empty() && own.variance_reduction().is_finite();
-    let mut text = labelled("pull-off", &quoted(own, is_controlled, "N"));
+    let mut text = labelled("pull-off", &quoted(own, results.is_controlled(), "N"));
+    text += &by_contact(results, |own| own.whole.force, newtons);
     let is_invalid = results.independence.verdict() == IndependenceVerdict::Invalid;
     if is_invalid && results.scene.substrate.is_none() {
         text += &labelled("", "not to be quoted: see independence");
@@ -133,6 +134,34 @@ fn pull_off(results: &Results) -> String {
     text
 }
 
+/// The range of a number over the plastic contacts, from the smallest on, where contacts yield.
+fn by_contact(results: &Results, of: impl Fn(&OfContact) -> f64, shown: Shown) -> String {
+    let Some(range) = &results.model_range else { return String::new() };
+    let known = range.contacts.iter().map(|own| (of(own), own.contact.name()));
+    let mut known: Vec<(f64, &str)> = known.filter(|(value, _)| !value.is_nan()).collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (values, names): (Vec<f64>, Vec<&str>) = known.into_iter().unzip();
+    let [low, .., high] = values[..] else { return String::new() };
+    if low == high {
+        return labelled("", &format!("model range: {} by every plastic contact", shown(&[low], "")));
+    }
+    let each = shown(&values, "\n");
+    let each: Vec<String> =
+        names.iter().zip(each.lines()).map(|(name, value)| format!("{name} {value}")).collect();
+    labelled("", &format!("model range {}: {}", shown(&[low, high], " to "), each.join(", ")))
+}
+
+/// Numbers as they are shown, with a text between them.
+type Shown = fn(&[f64], &str) -> String;
+
+fn newtons(forces: &[f64], joint: &str) -> String {
+    si_all(forces, joint, "N")
+}
+
+fn joules(energies: &[f64], joint: &str) -> String {
+    si_all(energies, joint, "J")
+}
+
 /// Quantiles of pull-off forces, N, that their number allows.
 fn quantiles(pull_offs: Vec<f64>) -> Option<String> {
     let known =
@@ -150,7 +179,7 @@ fn preloads(results: &Results) -> String {
     let snaps = Snaps::of(results);
     let mut text = labelled("pull-off", "after a preload, on average of the patches that reach it");
     let (mut is_reached, mut has_quantiles) = (false, false);
-    for (preload, turn) in snaps.loading.preload.iter().zip(snaps.places_of_turns()) {
+    for (i, (preload, turn)) in snaps.loading.preload.iter().zip(snaps.places_of_turns()).enumerate() {
         let PulledOff { count, mean, standard_error, interval, .. } = snaps.pull_off(turn);
         let of = results.scene.replicas;
         if count == 0 {
@@ -166,6 +195,7 @@ fn preloads(results: &Results) -> String {
         let quantiles = quantiles(snaps.pull_offs(turn)).map_or(String::new(), |below| format!("; {below}"));
         (is_reached, has_quantiles) = (true, has_quantiles || !quantiles.is_empty());
         text += &labelled(&si(*preload, "N"), &format!("{value}{quantiles}{part}"));
+        text += &by_contact(results, |own| own.after_preload[i].force, newtons);
     }
     if is_reached && !has_quantiles {
         text += &labelled("", FEW_FOR_QUANTILES);
@@ -180,7 +210,8 @@ fn stuck_patches(results: &Results) -> String {
     let label = format!("above {}", si(force, "N"));
     let preloads = &results.scene.instability.preload;
     if let Some(counts) = stuck(results) {
-        return labelled(&label, &probability(counts)) + &rare(counts);
+        let range = by_contact(results, |own| own.whole.stuck, percents);
+        return labelled(&label, &probability(counts)) + &range + &rare(counts);
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
         let counts = snaps.stuck(turn, force);
@@ -192,7 +223,8 @@ fn stuck_patches(results: &Results) -> String {
                 format!("P = {share} ({low} to {high})")
             }
         };
-        labelled(label, &format!("after {}: {of}", si(*preload, "N")))
+        let range = by_contact(results, |own| own.after_preload[i].stuck, percents);
+        labelled(label, &format!("after {}: {of}", si(*preload, "N"))) + &range
     });
     let few = preloads.iter().zip(snaps.places_of_turns()).max_by(|a, b| a.0.total_cmp(b.0));
     lines.collect::<String>() + &few.map_or(String::new(), |(_, turn)| rare(snaps.stuck(turn, force)))
@@ -246,6 +278,7 @@ fn cycle(results: &Results) -> String {
         false => "over all separations, per cycle",
     };
     let mut text = energy("dissipated", cycle, mean);
+    text += &by_contact(results, |own| own.dissipated_energy, joules);
     // Beyond chance, where there is an error.
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(

@@ -10,7 +10,7 @@ use super::terminal::{complete_before, print_of};
 use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
-use crate::format::{percent, si, si_with_error};
+use crate::format::{percent, percents, si, si_all, si_with_error};
 use crate::output::OutputLock;
 use crate::output::reader::Reader;
 use crate::scene::{Axis, Scene, Sweep};
@@ -88,9 +88,11 @@ const HEAD: usize = 10;
 /// Columns of results that follow from the integral alone.
 const OF_INTEGRAL: [usize; 2] = [1, 4];
 
+/// Heads of the columns that are left out of a table that is too wide for a terminal, one after the other.
+const LEFT_OUT: [&str; 3] = ["integral", "to the first", "p-value"];
+
 /// The points, a line each, and the verdict on all of them where they have replicas. Where a terminal is too narrow for
-/// every column, the integral is left out, and then the difference to the first; where that does not do, points have
-/// numbers and not values.
+/// every column, the ones of [`LEFT_OUT`] are; where that does not do, points have numbers and not values.
 fn table(sweep: &Sweep, rows: &[SweepPoint], scene: &Scene) -> String {
     // The integral and the differences to the first are of whole loops.
     let (has_replicas, is_pressed) = (scene.replicas > 0, !scene.instability.preload.is_empty());
@@ -98,19 +100,25 @@ fn table(sweep: &Sweep, rows: &[SweepPoint], scene: &Scene) -> String {
     if !has_replicas {
         results = OF_INTEGRAL.map(|column| results[column].clone()).into();
     }
-    let narrowed = |left: &[Column]| {
-        let most_left_out = if has_replicas && !is_pressed { 2 } else { 0 };
-        let mut texts = (0..=most_left_out).map(|left_out| {
-            let right: Vec<Column> = [&results[..1], &results[1 + left_out..]].concat();
-            aligned(left, &right)
-        });
-        texts.find(|text| !is_wide(text))
+    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    // A mark in the column of p-values says which points disagree.
+    let left_out = match disagreeing(&p_values).contains(&true) {
+        _ if !has_replicas => &LEFT_OUT[..0],
+        true => &LEFT_OUT[..2],
+        false => &LEFT_OUT,
     };
-    let shown = narrowed(&values(sweep)).or_else(|| narrowed(&[numbers(rows.len())])).unwrap_or_default();
+    let without = |left: &[Column], count: usize| {
+        let is_kept = |column: &&Column| !left_out[..count].contains(&column[0].as_str());
+        aligned(left, &results.iter().filter(is_kept).cloned().collect::<Vec<Column>>())
+    };
+    let (values, numbers) = (values(sweep), [numbers(rows.len())]);
+    let tables = [&values[..], &numbers].into_iter();
+    let mut tables = tables.flat_map(|left| (0..=left_out.len()).map(move |count| (left, count)));
+    let fits = tables.find_map(|(left, count)| Some(without(left, count)).filter(|text| !is_wide(text)));
+    let shown = fits.unwrap_or_else(|| without(&numbers, left_out.len()));
     if !has_replicas {
         return shown + "\n";
     }
-    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
     shown + "\n" + &agreeing(rows) + &together(&p_values)
 }
 
@@ -137,11 +145,11 @@ fn numbers(points: usize) -> Column {
 }
 
 /// Pull-off by the ensemble and by the integral, its difference to the first point, the cross-check, and
-/// whether asperities are independent.
+/// whether asperities are independent; of a device its probability, and the model range of the last of these.
 fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let second = if is_pressed { "preload" } else { "integral" };
-    let heads = ["pull-off", second, "to the first", "p-value", "independence", "P(stuck)"];
+    let heads = ["pull-off", second, "to the first", "p-value", "independence", "P(stuck)", "model range"];
     let mut columns = heads.map(|head| vec![head.to_owned()]);
     for (point, row) in rows.iter().enumerate() {
         let difference = &row.differences[0];
@@ -159,11 +167,18 @@ fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
             false => si(row.integral, "N"),
         };
         let pull_off = if mean.is_nan() { "-".to_owned() } else { si_with_error(mean, error, "N") };
-        let cells = [pull_off, second, to_first, p, verdict, stuck];
+        let range = match row.model_range {
+            [low, _] if low.is_nan() => "-".to_owned(),
+            range if row.stuck_probability.is_nan() => si_all(&range, " to ", "N"),
+            [low, high] if low == high => percents(&[low], ""),
+            range => percents(&range, " to "),
+        };
+        let cells = [pull_off, second, to_first, p, verdict, stuck, range];
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
     let has_device = rows.iter().any(|row| !row.stuck_probability.is_nan());
-    let shown = [true, true, !is_pressed, true, true, has_device];
+    let has_range = rows.iter().any(|row| !row.model_range[0].is_nan());
+    let shown = [true, true, !is_pressed, true, true, has_device, has_range];
     columns.into_iter().zip(shown).filter_map(|(column, is_shown)| is_shown.then_some(column)).collect()
 }
 

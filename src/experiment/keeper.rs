@@ -126,11 +126,23 @@ impl<'a> Keeper<'a> {
         phases: &mut Phases<'_>,
     ) -> Result<Box<Results>, Error> {
         let (ground, task, session) = (self.ground, self.task, self.session);
-        let (restart, metadata) = match task.part {
-            Some(_) => (Some(self.restart(&mut tree)), self.partial_metadata()),
-            None => (None, self.metadata()),
+        // A part has no range of its own; what is merged has one.
+        let (restart, metadata, most) = match task.part {
+            Some(_) => (Some(self.restart(&mut tree)), self.partial_metadata(), 0),
+            None => (None, self.metadata(), u64::MAX),
         };
-        let mut results = ground.whole_results(&mut tree, self.summation, metadata, (session, &mut *phases));
+        let whole =
+            ground.whole_results(&mut tree, (self.summation, most), metadata, (session, &mut *phases));
+        let mut results = match whole {
+            Ok(results) => results,
+            Err(error) => {
+                self.save(&mut tree)?;
+                return Err(match error {
+                    Error::Interrupted { .. } => self.interrupted(),
+                    other => self.advised(other),
+                });
+            }
+        };
         results.add_seconds(self.seconds_before);
         phases.phase("writing");
         let written = Writer::create(&RUN, task.lock, task.policy.force)

@@ -13,6 +13,7 @@ pub(crate) mod integral;
 mod keeper;
 pub mod layouts;
 pub(crate) mod merge;
+pub(crate) mod model_range;
 mod observer;
 pub(crate) mod partial;
 pub(crate) mod points;

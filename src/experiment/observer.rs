@@ -69,8 +69,13 @@ impl<'a> Phases<'a> {
         self.observer.replicas(name, done, total);
     }
 
+    /// Begins a phase, or goes on with the last one where that has its name.
     fn begin(&mut self, name: &'static str) {
         self.end();
+        if let Some(last) = self.phases.last_mut().filter(|last| last.name == name) {
+            last.lasted = None;
+            return;
+        }
         self.phases.push(Timed { name, begun: Instant::now(), lasted: None });
     }
 

@@ -20,7 +20,7 @@ use crate::output::curves::Curves;
 use crate::output::partial::{Functionals, Head};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
-use crate::scene::{Scene, Warning, warnings};
+use crate::scene::{Scene, Warning, warnings, yields};
 use crate::validation::Basis;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -174,6 +174,8 @@ pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
     warnings: Vec<Warning>,
+    /// Whether contacts yield before what is quoted is read off.
+    pub yields: bool,
     integral: Integral,
     mean_fields: Vec<MeanField>,
     pub functionals: Functionals,
@@ -192,10 +194,13 @@ impl PreparedRun {
     ) -> Self {
         let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
-        let (integral, warnings, mean_fields) = pool.install(|| {
+        let (integral, (warnings, yields), mean_fields) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, law);
-            let warnings = warnings(&scene, &scene.model, law.typical, &expected);
+            let warnings = (
+                warnings(&scene, &scene.model, law.typical, &expected),
+                yields(&scene, law.typical, &expected.readings),
+            );
             let mean_fields = match scene.replicas {
                 0 => Vec::new(),
                 _ => mean_fields(&scene, law, cycle, &integral),
@@ -207,7 +212,7 @@ impl PreparedRun {
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.paths().flat_map(force).collect();
         let expected = functionals.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, warnings, integral, mean_fields, functionals, expected }
+        Self { scene, laws, warnings, yields, integral, mean_fields, functionals, expected }
     }
 
     /// The ensemble.
@@ -228,18 +233,29 @@ impl PreparedRun {
     }
 
     /// Results of the ensemble that has been merged, on the threads of a session and with the seconds of its
-    /// phases.
+    /// phases, and their model range, for which `most` replicas at most are computed by each of the other plastic contacts.
+    ///
+    /// # Errors
+    /// As [`PreparedRun::model_range`]; the tree has its replicas then.
     pub fn whole_results(
         &self,
         tree: &mut ReductionTree,
-        summation: &Arc<Summation>,
+        (summation, most): (&Arc<Summation>, u64),
         metadata: RunMetadata,
         (session, phases): (&Session, &mut Phases<'_>),
-    ) -> Results {
+    ) -> Result<Results, Error> {
         phases.phase("cross-check");
         let results = session.pool.install(|| self.results(tree, summation, metadata));
+        let model_range = match self.model_range(&results, most, (session, &mut *phases)) {
+            Ok(model_range) => model_range,
+            Err(error) => {
+                tree.give_back(*results.ensemble);
+                return Err(error);
+            }
+        };
         phases.end();
-        Results { seconds: phases.seconds(), threads: session.pool.current_num_threads(), ..results }
+        let (seconds, threads) = (phases.seconds(), session.pool.current_num_threads());
+        Ok(Results { model_range, seconds, threads, ..results })
     }
 
     /// Results of the replicas that a tree has, which go over to them.
@@ -286,6 +302,7 @@ impl PreparedRun {
             of_integral,
             at_pull_off,
             independence,
+            model_range: None,
             z,
             joint,
             mean_fields: self.mean_fields.clone(),

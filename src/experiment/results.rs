@@ -1,6 +1,7 @@
 //! Results of a run, for the file and for the summary.
 
 use super::integral::{PathIntegral, resolving};
+use super::model_range::ModelRange;
 use crate::asperity::{FitReport, Laws, Loop, Quantity};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
@@ -42,6 +43,8 @@ pub(crate) struct Results {
     pub at_pull_off: Expectations,
     /// Whether the asperities may be taken as independent there.
     pub independence: Independence,
+    /// Results by every plastic contact, where contacts yield.
+    pub model_range: Option<ModelRange>,
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
@@ -140,6 +143,17 @@ impl Results {
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         let place = scalars(self.scene.ways()).position(|scalar| scalar.name == name)?;
         self.scalars.get(place)
+    }
+
+    /// Whether the pull-off force is quoted with control variates.
+    pub fn is_controlled(&self) -> bool {
+        !self.controls.is_empty() && self.scalars[0].variance_reduction().is_finite()
+    }
+
+    /// The mean pull-off force that is quoted, N.
+    pub fn pull_off_quoted(&self) -> f64 {
+        let own = &self.scalars[0];
+        if self.is_controlled() { own.controlled_mean } else { own.mean }
     }
 
     /// Features of the mean curve and of the integral on the path on which the surfaces are pulled off:

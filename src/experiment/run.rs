@@ -117,7 +117,8 @@ impl<'a> Builder<'a> {
             let (mut tree, summation) =
                 setup.run_whole("ensemble", &session.pool, &session.stop, phases, observe)?;
             let (summation, metadata) = (Arc::new(summation), RunMetadata::default());
-            let results = run.whole_results(&mut tree, &summation, metadata, (session, phases));
+            let results =
+                run.whole_results(&mut tree, (&summation, u64::MAX), metadata, (session, phases))?;
             Ok(RunResult { results: Box::new(results), curves: Mutex::new(curves) })
         })
     }

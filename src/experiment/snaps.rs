@@ -2,13 +2,13 @@
 
 use super::results::Results;
 use super::sampling::loading;
-use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
+use crate::engine::{Ensemble, Loading};
 use crate::format::si;
 use crate::math::interval::interval;
 use crate::math::moments::Moments;
 use crate::math::proportion::exact_interval;
-use crate::scene::Warning;
+use crate::scene::{Scene, Warning};
 
 /// Largest share of the replicas that may miss a preload.
 const LARGEST_MISSED: f64 = 0.01;
@@ -116,7 +116,11 @@ pub(crate) fn missed_preloads(results: &Results) -> Option<Warning> {
 
 impl<'a> Snaps<'a> {
     pub fn of(results: &'a Results) -> Self {
-        Self { snaps: &results.ensemble.snaps, loading: loading(&results.scene) }
+        Self::new(&results.scene, &results.ensemble)
+    }
+
+    pub fn new(scene: &'a Scene, ensemble: &'a Ensemble) -> Self {
+        Self { snaps: &ensemble.snaps, loading: loading(scene) }
     }
 
     fn column(&self, place: usize) -> Column<'a> {
@@ -176,6 +180,11 @@ impl<'a> Snaps<'a> {
         let stiffnesses = self.loading.stiffness.len();
         let of = |retraction| (0..stiffnesses).map(move |stiffness| self.place_off(retraction, stiffness));
         (0..self.loading.retractions()).flat_map(of).collect()
+    }
+
+    /// The pull-off force of every replica after a turn, N; NaN of one that does not turn.
+    pub fn every_pull_off(&self, turn: usize) -> Vec<f64> {
+        self.column(turn + 1).values().collect()
     }
 
     /// The pull-off forces after a turn, N, of the replicas that turn.

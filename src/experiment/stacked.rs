@@ -8,6 +8,7 @@ use super::partial::{scene_file, state_in, write_restart};
 use super::points::Points;
 use super::result_file::{write_about, write_model};
 use super::stack::{self, stack};
+use crate::asperity::PlasticContact;
 use crate::engine::SCALARS;
 use crate::integral::Independence;
 use crate::math::interval::LEVEL;
@@ -83,6 +84,9 @@ pub struct SweepPoint {
     pub preload: f64,
     /// Share of the replicas that hold harder than the restoring force of the device; NaN without one.
     pub stuck_probability: f64,
+    /// The smallest and the largest by any plastic contact of that probability, or of the pull-off force, N, where there is
+    /// no device; NaN where no contacts yield.
+    pub model_range: [f64; 2],
     /// Pull-off force of the integral, N.
     pub integral: f64,
     /// Difference of each of the [`SCALARS`] to the first point.
@@ -100,6 +104,7 @@ impl SweepPoint {
         most_differing: f64::NAN,
         preload: f64::NAN,
         stuck_probability: f64::NAN,
+        model_range: [f64::NAN; 2],
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
         p_value: f64::NAN,
@@ -339,6 +344,7 @@ fn compared(
         ],
         most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
         stuck_probability: stuck(&reader, "stuck_probability", 0)?,
+        model_range: model_range(&reader, ["pull_off_force", "stuck_probability"], |_| true)?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
@@ -350,6 +356,21 @@ fn compared(
 fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> {
     let path = format!("/device/{name}");
     if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
+}
+
+/// The range over plastic contacts of the last dataset of these that a run has, of its elements that are chosen by their index
+/// along all but the first dimension; NaN without any.
+fn model_range(
+    reader: &Reader,
+    names: [&str; 2],
+    is_chosen: impl Fn(usize) -> bool,
+) -> Result<[f64; 2], OutputError> {
+    let paths = names.map(|name| format!("/model_range/{name}"));
+    let Some(path) = paths.iter().rfind(|path| reader.has(path)) else { return Ok([f64::NAN; 2]) };
+    let (values, contacts) = (reader.values::<f64>(path)?, PlasticContact::ALL.len());
+    let rest = values.len() / contacts;
+    let chosen = || values.iter().enumerate().filter(|(i, _)| is_chosen(i % rest)).map(|(_, value)| *value);
+    Ok([chosen().fold(f64::NAN, f64::min), chosen().fold(f64::NAN, f64::max)])
 }
 
 /// A point with the pull-off after the largest preload that is reached, where there are preloads: none where none is reached.
@@ -364,9 +385,12 @@ fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPo
     let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
     let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
     let Some(i) = largest else {
-        return Ok(SweepPoint { pull_off: [f64::NAN; 2], stuck_probability: f64::NAN, ..of_loop });
+        let none = [f64::NAN; 2];
+        return Ok(SweepPoint { pull_off: none, stuck_probability: f64::NAN, model_range: none, ..of_loop });
     };
+    let names = ["pull_off_after_preload", "stuck_probability_after_preload"];
     Ok(SweepPoint {
+        model_range: model_range(reader, names, |preload| preload == i)?,
         pull_off: [means[i], errors[i]],
         preload: preloads[i],
         stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,

@@ -8,7 +8,9 @@ use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Family, InnerState, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops};
+use crate::asperity::{
+    Family, InnerState, LawError, LawParameters, Loop, Path, PlasticContact, SurfaceLaws, SurfaceLoops,
+};
 use crate::engine::{Stopping, Ways};
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
@@ -91,6 +93,8 @@ pub struct Scene {
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
+    /// Whether results are computed by every plastic contact, where contacts yield.
+    pub model_range: bool,
     /// Sums by moments and their tolerance; asperities are summed directly without them.
     pub sums: Option<(Sums, f64)>,
     /// Whether every replica's curves are kept.
@@ -227,6 +231,26 @@ impl Scene {
         let typical = model.law(&LawParameters { path, ..self.parameters()? })?;
         let family = || Family::new(model, self.asperity, path, RADIUS_RANGE);
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
+    }
+
+    /// The scene with a smaller number of its replicas, whole groups, by another plastic contact of its law; neither curves of
+    /// replicas nor asperities one by one are kept.
+    ///
+    /// # Errors
+    /// [`LawError`] where a law cannot be made.
+    pub(crate) fn by_contact(&self, contact: PlasticContact, replicas: u64) -> Result<Self, LawError> {
+        let mut scene = Self { replicas, stopping: None, curves: false, ..self.clone() };
+        scene.model = scene.model.with_contact(contact);
+        if let Some(substrate) = &mut scene.substrate {
+            substrate.loads_at.clear();
+        }
+        scene.with_surroundings()
+    }
+
+    /// The scene with all that depends on its law: forces between the mean planes, films that drain, and liquid that spreads.
+    pub(super) fn with_surroundings(self) -> Result<Self, LawError> {
+        let law = self.model;
+        self.with_background_of(&law).with_films().and_then(Self::with_spread)
     }
 
     /// The scene with its background and liquid for asperities of the law `model`: forces between the mean

@@ -158,7 +158,7 @@ impl<'a> Readings<'a> {
         let stiffness_span =
             separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
         reached(&asperity, &surface, range)?;
-        let EnsembleTable { replicas, stopping, sampling, seed } = self.draws;
+        let EnsembleTable { replicas, stopping, sampling, seed, model_range } = self.draws;
         let surface = with_patches(&self.ensemble, surface, replicas, files.as_ref(), &mut inputs)?;
         related(&self.ensemble, sampling, &surface)?;
         let scene = Scene {
@@ -185,6 +185,7 @@ impl<'a> Readings<'a> {
             stopping,
             sampling,
             seed,
+            model_range,
             sums: self.sums,
             curves: self.curves,
         };
@@ -195,8 +196,7 @@ impl<'a> Readings<'a> {
             }
         })?;
         loading_alone(root, &scene)?;
-        let law = scene.model;
-        scene.with_background_of(&law).with_films().and_then(Scene::with_spread).map_err(|error| {
+        scene.with_surroundings().map_err(|error| {
             SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
         })
     }
@@ -406,14 +406,16 @@ struct EnsembleTable {
     stopping: Option<Stopping>,
     sampling: SamplingScheme,
     seed: u64,
+    model_range: bool,
 }
 
 impl EnsembleTable {
     fn read(section: &Section<'_>) -> Result<Self, SceneError> {
         let sampling = section.value("sampling").choice("sampling", &SamplingScheme::ALL);
         let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
-        let seed = section.value("seed").whole();
-        let ((replicas, stopping), sampling, seed) = (replicas, sampling, seed).together()?;
-        Ok(Self { replicas, stopping, sampling, seed })
+        let (seed, range) = (section.value("seed").whole(), section.value("model_range").boolean());
+        let ((replicas, stopping), sampling, seed, model_range) =
+            (replicas, sampling, seed, range).together()?;
+        Ok(Self { replicas, stopping, sampling, seed, model_range })
     }
 }

@@ -164,6 +164,9 @@ impl Sweep {
         let text = self.text(point)?;
         let document = document(&text)
             .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), &self.files));
+        // A sweep over plastic contacts is their range.
+        let are_swept = self.axes.iter().any(|axis| axis.key.name == "model.plastic_contact");
+        let document = document.map(|scene| Scene { model_range: scene.model_range && !are_swept, ..scene });
         document.map_err(|mut error| {
             let point = self.name(point).replace(" (", " (`").replace(')', "`)");
             for problem in &mut error.problems {

@@ -579,6 +579,14 @@ static FIRST: &[Key] = &[
         .what("seed of the random numbers")
         .about("A run with an equal seed gives equal bits.")
         .defaults_to("1"),
+    key("ensemble.model_range", "false", Switch)
+        .what("whether results are computed by every plastic contact where contacts yield")
+        .about(
+            "The range over them is the error of the model. A fifth of the replicas by each of the others takes at most the time of \
+             the run again. Needs a law with `plastic_contact`, three replicas or groups of them, and contacts that yield. \
+             `stiction run --no-model-range` leaves it out.",
+        )
+        .defaults_to("true"),
     key("substrate", "{ coupling = \"periodic\" }", Table)
         .what("the elastic half-space that couples the asperities")
         .about("With it each run also has the curves of its asperities without coupling, and the differences.")

@@ -12,6 +12,7 @@ mod independence;
 mod instability;
 mod integral;
 mod liquid;
+mod model_range;
 mod replicas;
 mod validation;
 
@@ -31,7 +32,7 @@ use std::sync::LazyLock;
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 11],
+    version: [3, 12],
     groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(|| with_coordinates(DATASETS.iter().map(|own| own.variable.clone()).collect())),
@@ -52,18 +53,20 @@ pub(super) const OPTIONAL_GROUPS: &[&str] = &[
     "fit",
     "independence",
     "instability",
+    "model_range",
     "pull_off",
     "validation",
 ];
 
 /// Groups of what replicas have; a run of the integral alone has none of them.
-const OF_REPLICAS: [&str; 8] = [
+const OF_REPLICAS: [&str; 9] = [
     "/ensemble",
     "/replicas",
     "/coupling",
     "/asperities",
     "/instability",
     "/device",
+    "/model_range",
     "/pull_off",
     "/validation",
 ];
@@ -80,6 +83,7 @@ static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
         fit::datasets(),
         instability::datasets(),
         device::datasets(),
+        model_range::datasets(),
         integral::datasets(),
         background::datasets(),
         independence::datasets(),
@@ -256,6 +260,7 @@ pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     asperities::scales(writer, results);
     fit::scales(writer, results);
     instability::scales(writer, results);
+    model_range::scales(writer, results);
     diagnostics::scales(writer, results);
     for Dataset { variable, values } in DATASETS.iter() {
         if !has_replicas && OF_REPLICAS.contains(&variable.group()) {

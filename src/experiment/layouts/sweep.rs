@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 8],
+    version: [4, 9],
     groups: &["integral", "diagnostics"],
     optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
@@ -39,6 +39,7 @@ fn variables() -> Vec<Variable> {
         "/diagnostics",
         "/instability",
         "/device",
+        "/model_range",
         "/pull_off",
     ];
     groups.into_iter().flat_map(of_group).chain(differences()).collect()

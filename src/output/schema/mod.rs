@@ -143,6 +143,8 @@ pub enum Dimension {
     Quantile,
     /// Probabilities of quantiles of the pull-off force.
     PullOffQuantile,
+    /// Plastic contacts of asperities.
+    PlasticContact,
 }
 
 impl Dimension {
@@ -198,6 +200,7 @@ impl Dimension {
             Self::PullOffQuantile => {
                 ("pull_off_quantile", "1", "probability of a quantile of the pull-off force")
             }
+            Self::PlasticContact => ("plastic_contact", "1", "plastic contact of the asperities"),
         }
     }
 

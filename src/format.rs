@@ -29,7 +29,7 @@ pub(crate) fn si(value: f64, unit: &str) -> String {
         return format!("{value} {unit}");
     }
     match prefix(value) {
-        Some((prefix, factor)) => format!("{} {prefix}{unit}", significant(value / factor)),
+        Some((prefix, factor)) => format!("{} {prefix}{unit}", significant(value / factor, 4)),
         None => format!("{value:.3e} {unit}"),
     }
 }
@@ -48,24 +48,29 @@ pub(crate) fn si_with_error(value: f64, error: f64, unit: &str) -> String {
 
 /// Quantities in one unit, that of the largest, four significant digits each.
 pub(crate) fn si_all(values: &[f64], joint: &str, unit: &str) -> String {
+    si_to(4, values, joint, unit)
+}
+
+/// Quantities in one unit, that of the largest, with some significant digits each.
+pub(crate) fn si_to(digits: usize, values: &[f64], joint: &str, unit: &str) -> String {
     let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let Some((prefix, factor)) = prefix(largest) else {
         return values.iter().map(|value| si(*value, unit)).collect::<Vec<String>>().join(joint);
     };
-    let shown: Vec<String> = values.iter().map(|value| significant(value / factor)).collect();
+    let shown: Vec<String> = values.iter().map(|value| significant(value / factor, digits)).collect();
     format!("{} {prefix}{unit}", shown.join(joint))
 }
 
-/// Four significant digits for values from 1 to 1000.
-fn significant(value: f64) -> String {
-    let digits = if value.abs() < 10.0 {
-        3
+/// Significant digits, at least three, for values from 1 to 1000.
+fn significant(value: f64, digits: usize) -> String {
+    let whole = if value.abs() < 10.0 {
+        1
     } else if value.abs() < 100.0 {
         2
     } else {
-        1
+        3
     };
-    format!("{value:.digits$}")
+    format!("{value:.*}", digits.saturating_sub(whole))
 }
 
 /// A share in per cent.

@@ -15,6 +15,9 @@ from .scenes import Scene, Source
 
 __all__ = ["check", "compare", "integral", "run", "sweep"]
 
+#: Keys of ensembles that are parts of another answer, which the range over plastic contacts would only slow down.
+ONE_MODEL: dict[str, Any] = {"ensemble.model_range": False}
+
 
 def run(
     scene: Scene,

@@ -321,12 +321,7 @@ class _Curves(Result):
         group = self.group("instability")
         if group["preload"].isnull().all():
             return None
-        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
-        largest = group["preload"].where(reached, -np.inf).argmax("preload")
-
-        def of(array: xarray.DataArray) -> xarray.DataArray:
-            return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
-
+        of = self._after_largest
         names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval", "std": "std"}
         found = {name: of(group[f"pull_off_after_preload_{own}"]) for name, own in names.items()}
         found["count"] = of(group["preload_reached_count"])
@@ -336,6 +331,29 @@ class _Curves(Result):
             device = self.group("device")
             for name in ("stuck_probability", "stuck_probability_low", "stuck_probability_high"):
                 found[name] = of(device[f"{name}_after_preload"])
+        return xarray.Dataset(found)
+
+    def _after_largest(self, array: xarray.DataArray) -> xarray.DataArray:
+        """Values after the largest preload that replicas reach, NaN where they reach none."""
+        group = self.group("instability")
+        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
+        largest = group["preload"].where(reached, -np.inf).argmax("preload")
+        return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
+
+    @cached_property
+    def model_range(self) -> xarray.Dataset | None:
+        """Results by every plastic contact, over `plastic_contact`: the error of the model. None where no contacts yield, or it was left out.
+
+        `pull_off_force`, N; of a scene with ``[device]`` `stuck_probability`; of a loop `dissipated_energy`, J; `replica_count`, the
+        replicas of every contact but the scene's own. Where there are preloads, force and probability follow the largest that
+        replicas reach. Sweeps have them at each point.
+        """
+        if "model_range" not in self:
+            return None
+        group = self.group("model_range")
+        found = {str(name): of for name, of in group.data_vars.items() if not str(name).endswith("_after_preload")}
+        pressed = {"pull_off_force": "pull_off_after_preload", "stuck_probability": "stuck_probability_after_preload"}
+        found |= {name: self._after_largest(group[own]) for name, own in pressed.items() if own in group}
         return xarray.Dataset(found)
 
     @cached_property
@@ -470,6 +488,10 @@ class Run(_Curves):
             ]
         else:
             rows += [("pull-off", "none: no replica pulls")]
+        if self.model_range is not None and "pull_off_force" in self.model_range:
+            ends = [float(getattr(self.model_range["pull_off_force"], end)()) for end in ("min", "max")]
+            after = "" if pull_off.preload is None else f" after {quantities.si(pull_off.preload, 'N')}"
+            rows += [("model range", f"{' to '.join(quantities.si(end, 'N') for end in ends)}{after}, by plastic contact")]
         rows += [("cross-check", str(self.cross_check))]
         rows += [("independence", str(self.independence.attrs["verdict"]))]
         if self.is_partial:

@@ -12,7 +12,7 @@ use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::model_range::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
-use crate::format::{duration, percent, percents, si, si_all, si_with_error};
+use crate::format::{duration, percent, percents, si, si_all, si_to, si_with_error};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
@@ -155,11 +155,11 @@ fn by_contact(results: &Results, of: impl Fn(&OfContact) -> f64, shown: Shown) -
 type Shown = fn(&[f64], &str) -> String;
 
 fn newtons(forces: &[f64], joint: &str) -> String {
-    si_all(forces, joint, "N")
+    si_to(3, forces, joint, "N")
 }
 
 fn joules(energies: &[f64], joint: &str) -> String {
-    si_all(energies, joint, "J")
+    si_to(3, energies, joint, "J")
 }
 
 /// Quantiles of pull-off forces, N, that their number allows.

@@ -10,7 +10,7 @@ use super::terminal::{complete_before, print_of};
 use crate::experiment::layouts::SWEEP;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
-use crate::format::{percent, percents, si, si_all, si_with_error};
+use crate::format::{percent, percents, si, si_to, si_with_error};
 use crate::output::OutputLock;
 use crate::output::reader::Reader;
 use crate::scene::{Axis, Scene, Sweep};
@@ -169,7 +169,7 @@ fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
         let pull_off = if mean.is_nan() { "-".to_owned() } else { si_with_error(mean, error, "N") };
         let range = match row.model_range {
             [low, _] if low.is_nan() => "-".to_owned(),
-            range if row.stuck_probability.is_nan() => si_all(&range, " to ", "N"),
+            range if row.stuck_probability.is_nan() => si_to(3, &range, " to ", "N"),
             [low, high] if low == high => percents(&[low], ""),
             range => percents(&range, " to "),
         };

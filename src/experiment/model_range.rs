@@ -2,11 +2,12 @@
 //!
 //! # Formula
 //! Each of the three other contacts is given the first replicas of the run, R/5 of them in whole groups, and one group at least:
-//! a replica takes up to 1.7 times as long by them, and they are to take no longer than the run. With the ratio r of the mean
-//! pull-off by another contact to the mean pull-off by the run's own, over these, the mean over all replicas is r times that of
-//! the run. A probability to stay adhered is the fraction of all replicas with r F above the restoring force, plus the mean
-//! over the shared replicas of what the other contact really does less that. These are estimators of two-phase sampling
-//! (Cochran, Sampling Techniques, 3rd ed. 1977, chapter 12).
+//! a replica takes up to 1.7 times as long by them, and they are to take no longer than the run. Over these replicas the line
+//! α + β F is fitted to the pull-off F' by another contact, and the mean over all replicas is α + β times that of the run: the
+//! regression estimator of two-phase sampling (Cochran, Sampling Techniques, 3rd ed. 1977, chapter 12). A probability to stay
+//! adhered is the fraction, over all replicas i and all shared ones j, of α + β Fᵢ + rⱼ above the restoring force, with the
+//! residuals r of the fit (Duan's smearing estimate, J. Am. Stat. Assoc. 78 (1983) 605). Fewer than eight replicas have α = 0,
+//! and for β the ratio of the means.
 
 use super::prepared::{PreparedRun, SceneLaws, Session};
 use super::results::Results;
@@ -140,7 +141,7 @@ impl OfContact {
         let energies = energy(&results.ensemble).zip(energy(ensemble));
         let dissipated_energy = energies.map_or(f64::NAN, |(own, other)| {
             let mean = results.scalar(DISSIPATED).map_or(f64::NAN, |own| own.mean);
-            mean * Pairs { own, other }.ratio()
+            Pairs { own, other }.line().at(mean)
         });
         let after_preload = turns.filter(|_| pressed).map(after).collect();
         Self { contact, whole, after_preload, dissipated_energy }
@@ -163,30 +164,54 @@ impl Pairs {
         both.filter(|(own, other)| !own.is_nan() && !other.is_nan())
     }
 
-    /// The mean by the other contact over the run's; NaN where that is not positive.
-    fn ratio(&self) -> f64 {
-        let (own, other) = self.shared().fold((0.0, 0.0), |sums, pair| (sums.0 + pair.0, sums.1 + pair.1));
-        if own > 0.0 { other / own } else { f64::NAN }
+    /// What the other contact makes of a number of the run; not a number where fewer than [`FEWEST`] have a mean of 0 or less.
+    fn line(&self) -> Line {
+        let count = self.shared().count() as f64;
+        let sum = |of: &dyn Fn((f64, f64)) -> f64| self.shared().map(of).sum::<f64>() / count;
+        let (own, other) = (sum(&|pair| pair.0), sum(&|pair| pair.1));
+        let variance = sum(&|pair| (pair.0 - own) * (pair.0 - own));
+        if count < FEWEST || !(variance > 0.0) {
+            let slope = if own > 0.0 { other / own } else { f64::NAN };
+            return Line { intercept: 0.0, slope };
+        }
+        let slope = sum(&|pair| (pair.0 - own) * (pair.1 - other)) / variance;
+        Line { intercept: other - slope * own, slope }
     }
 
     /// The pull-off by the other contact, where the mean of the run is known, N, and the restoring force, N, if there is one.
     fn pull_off(&self, mean: f64, restoring_force: Option<f64>) -> PullOff {
-        let ratio = self.ratio();
-        let stuck = restoring_force.map_or(f64::NAN, |force| self.above(force, ratio));
-        PullOff { force: ratio * mean, stuck }
+        let line = self.line();
+        let stuck = restoring_force.map_or(f64::NAN, |force| self.above(force, line));
+        PullOff { force: line.at(mean), stuck }
     }
 
     /// The probability that the number by the other contact is above a limit.
-    fn above(&self, limit: f64, ratio: f64) -> f64 {
-        let mean = |values: &mut dyn Iterator<Item = f64>| {
-            let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-            sum / count
+    fn above(&self, limit: f64, line: Line) -> f64 {
+        let mut residuals: Vec<f64> = self.shared().map(|(own, other)| other - line.at(own)).collect();
+        residuals.sort_unstable_by(f64::total_cmp);
+        let share_above = |own: f64| {
+            let below = residuals.partition_point(|residual| line.at(own) + residual <= limit);
+            1.0 - below as f64 / residuals.len() as f64
         };
-        let is_above = |value: f64| f64::from(u8::from(value > limit));
-        let scaled = |own: f64| is_above(ratio * own);
-        let all = mean(&mut self.own.iter().filter(|own| !own.is_nan()).map(|own| scaled(*own)));
-        let correction = mean(&mut self.shared().map(|(own, other)| is_above(other) - scaled(own)));
-        (all + correction).clamp(0.0, 1.0)
+        let known = self.own.iter().filter(|own| !own.is_nan());
+        let (sum, count) = known.fold((0.0, 0.0), |sums, own| (sums.0 + share_above(*own), sums.1 + 1.0));
+        sum / count
+    }
+}
+
+/// Fewest replicas that have a line with an intercept.
+const FEWEST: f64 = 8.0;
+
+/// A line through numbers by another contact over numbers of the run.
+#[derive(Clone, Copy)]
+struct Line {
+    intercept: f64,
+    slope: f64,
+}
+
+impl Line {
+    fn at(self, own: f64) -> f64 {
+        self.intercept + self.slope * own
     }
 }
 
@@ -194,26 +219,38 @@ impl Pairs {
 mod tests {
     use super::*;
 
-    /// Of ten replicas five are shared, of which another contact doubles four and leaves one: the ratio is 1.8 as computed by
-    /// hand, and of the probabilities 0.5 by scaling one replica in five is taken back.
+    /// Ten pairs on 0.5 + 2 F, one raised and one lowered by 0.4 where that turns no line: F of 1 is at 2.5, and of all replicas,
+    /// which have 1 and 2 in equal parts, the halves at 4.5 are above 2.8, and of the others the one residual in ten.
     #[test]
-    fn shared_replicas_correct_what_all_have() {
-        let own = vec![1.0, 1.0, 1.0, 1.0, 1.0, 0.4, 0.4, 0.4, 0.4, 0.4];
-        let pairs = Pairs { own, other: vec![2.0, 2.0, 2.0, 2.0, 1.0] };
-        let PullOff { force, stuck } = pairs.pull_off(0.7, Some(1.5));
-        assert!((force - 0.7 * 1.8).abs() < 1e-15, "{force}");
-        assert!((stuck - (0.5 - 0.2)).abs() < 1e-15, "{stuck}");
-        assert!(pairs.pull_off(0.7, None).stuck.is_nan());
+    fn shared_replicas_say_what_all_would_have() {
+        let shared = [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0];
+        let mut other: Vec<f64> = shared.iter().map(|own| 0.5 + 2.0 * own).collect();
+        other[0] += 0.4;
+        other[1] -= 0.4;
+        let pairs = Pairs { own: [shared, shared].concat(), other };
+        let PullOff { force, stuck } = pairs.pull_off(1.5, Some(2.8));
+        assert!((force - 3.5).abs() < 1e-14, "{force}");
+        assert!((stuck - 0.5 * (1.0 + 0.1)).abs() < 1e-14, "{stuck}");
+        assert!(pairs.pull_off(1.5, None).stuck.is_nan());
+    }
+
+    /// Few replicas have the ratio of their means.
+    #[test]
+    fn few_replicas_have_a_ratio() {
+        let pairs = Pairs { own: vec![1.0, 3.0, 5.0], other: vec![1.0, 5.0] };
+        assert_eq!(pairs.pull_off(2.0, None).force, 3.0);
+        let none = Pairs { own: vec![-1.0], other: vec![1.0] };
+        assert!(none.pull_off(-1.0, None).force.is_nan());
     }
 
     /// The run's own contact keeps its numbers to the bit, and a replica without a number counts nowhere.
     #[test]
     fn the_own_contact_keeps_its_numbers() {
-        let own = vec![1.0, f64::NAN, 3.0, 0.1];
-        let pairs = Pairs { own: own.clone(), other: own };
-        let PullOff { force, stuck } = pairs.pull_off(1.3, Some(0.5));
-        assert_eq!((force, stuck), (1.3, 2.0 / 3.0));
-        let none = Pairs { own: vec![-1.0], other: vec![1.0] };
-        assert!(none.pull_off(-1.0, None).force.is_nan());
+        for repeated in [1, 4] {
+            let own = [1.0, f64::NAN, 3.0, 0.1].repeat(repeated);
+            let pairs = Pairs { own: own.clone(), other: own };
+            let PullOff { force, stuck } = pairs.pull_off(1.3, Some(0.5));
+            assert_eq!((force, stuck), (1.3, 2.0 / 3.0));
+        }
     }
 }

@@ -95,7 +95,7 @@ class Patches:
     def _sampled(self, replicas: int) -> Any:
         """A run of patches of the scene's own law."""
         tables = {**self.tables, "ensemble": {"replicas": replicas}, "output": {"curves": True}}
-        return experiments.run(tables, seed=self._first, threads=self.threads, progress=False)
+        return experiments.run(tables, seed=self._first, threads=self.threads, progress=False, **experiments.ONE_MODEL)
 
     def _of(self, run: Any) -> Array:
         """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""
@@ -120,7 +120,7 @@ class Patches:
             tables = {key: value for key, value in {**self.tables, "surface": surface, "ensemble": ensemble, **changes}.items() if value is not None}
             # Of given heights places alone are drawn: other ones each time.
             seed = int(self._seeds.integers(2**62)) if _is_coupled(tables) else None
-            return experiments.run(tables, seed=seed, threads=self.threads, progress=False)
+            return experiments.run(tables, seed=seed, threads=self.threads, progress=False, **experiments.ONE_MODEL)
 
     def _pull_off(self, z: Array) -> Array:
         """Pull-off force of patches, N, by their heights, m, of NaN where there is no asperity."""

@@ -92,7 +92,7 @@ def run(
         "resume": resume,
         "force": force,
     }
-    moments = {"solver.summation": "moments", **overrides}
+    moments = {"solver.summation": "moments", **experiments.ONE_MODEL, **overrides}
     return experiments.sweep(scene, {_KEY: areas}, output, progress=progress, **options, **moments)
 
 

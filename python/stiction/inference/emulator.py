@@ -265,7 +265,7 @@ def _swept(tables: Mapping[str, Any], priors: Priors, values: Array, **options: 
         raise SceneError(f"{FORCE_SCALE}: it alone has a prior; another number of the scene needs one, too")
     own = {name: table for name, table in tables.items() if name != "calibration"}
     try:
-        return experiments.sweep(own, axes, mode="zip", **options)
+        return experiments.sweep(own, axes, mode="zip", **options, **experiments.ONE_MODEL)
     except SceneError as error:
         raise SceneError(f"at a point of the priors: {error}") from None
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from .. import quantities
 from ..results import Run
-from .run import WAYS, histogram, left_out, values
+from .run import WAYS, histogram, left_out, model_span, values
 from .style import (
     BLUE,
     COLORS,
@@ -19,6 +19,7 @@ from .style import (
     DASHED,
     GREY,
     H_STAR,
+    MODEL_RANGE,
     VERMILION,
     dressed,
     empty,
@@ -85,6 +86,7 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
         (area, f"of the integral, {quantities.si(area, 'J')}", "black", DASHED),
     ):
         handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+    handles += model_span(ax, run, "dissipated_energy", unit)
     ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
     ax.margins(x=0.04)
     legend(ax, handles)
@@ -181,6 +183,7 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
         *ax.plot(preload[reached] / load, mean / unit, "o-", color=VERMILION, markersize=3, label="mean over patches"),
         ax.fill_between(preload[reached] / load, low / unit, high / unit, color=VERMILION, alpha=0.2, linewidth=0, label=words),
     ]  # fmt: skip
+    handles += _model_range(ax, run, "pull_off_after_preload", preload / load, unit)
     there = float(values(run, "replicas/approach_pull_off_force").mean())
     handles.append(
         ax.axhline(
@@ -222,11 +225,23 @@ def stuck(run: Run, ax: Axes | None = None) -> Axes:
                         label="95 % interval"),
         *ax.plot(preload[known] / load, share[known], "o-", color=VERMILION, markersize=3,
                  label=f"pull-off force above {restoring}"),
+        *_model_range(ax, run, "stuck_probability_after_preload", preload / load),
     ]  # fmt: skip
     logarithmic(ax, "x", preload[known])
     ax.set(xlabel=label("preload", sign), ylabel="probability to stay stuck", ylim=(-0.04, 1.06))
     legend(ax, handles)
     return ax
+
+
+def _model_range(ax: Axes, run: Run, name: str, x: Any, unit: float = 1.0) -> list[Any]:
+    """Lines over the preload around what plastic contacts give, where contacts yield."""
+    if f"model_range/{name}" not in run:
+        return []
+    of = run[f"model_range/{name}"]
+    low, high = (end.values / unit for end in (of.min("plastic_contact"), of.max("plastic_contact")))
+    known = np.isfinite(low) & np.isfinite(x)
+    lines = [ax.plot(x[known], end[known], color=GREY, linewidth=0.8, label=MODEL_RANGE) for end in (low, high)]
+    return list(lines[0])
 
 
 @dressed

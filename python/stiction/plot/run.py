@@ -18,8 +18,10 @@ from .style import (
     COLORS,
     DASH_DOT,
     DASHED,
+    GREEN,
     GREY,
     H_STAR,
+    MODEL_RANGE,
     VERMILION,
     dressed,
     empty,
@@ -348,6 +350,16 @@ def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = "0.8
     return bars[0]
 
 
+def model_span(ax: Axes, run: Run, name: str, unit: float) -> list[Any]:
+    """A span of the axis from the smallest to the largest mean by any plastic contact, where contacts yield."""
+    if run.model_range is None or name not in run.model_range:
+        return []
+    of = run.model_range[name].values / unit
+    if not np.isfinite(of).any():
+        return []
+    return [ax.axvspan(np.nanmin(of), np.nanmax(of), color=GREEN, alpha=0.25, linewidth=0, zorder=0.5, label=f"mean, {MODEL_RANGE}")]
+
+
 @dressed
 def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     """Distribution of the pull-off force over replicas, its mean, and pull-offs of mean curve and integral.
@@ -395,6 +407,7 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
         # The mean curve and the integral turn at the closest separation.
         if quoted.preload is None or value == quoted.mean_over_patches:
             handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+    handles += model_span(ax, run, "pull_off_force", unit)
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
     legend(ax, handles)

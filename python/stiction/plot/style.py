@@ -26,7 +26,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 __all__ = [
-    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "INVALID", "MARKERS", "PINK", "VERMILION",
+    "BLUE", "COLORS", "DASHED", "DASH_DOT", "GREEN", "GREY", "H_STAR", "INVALID", "MARKERS", "MODEL_RANGE", "PINK", "VERMILION",
     "context", "dressed", "empty", "inches", "label", "legend", "lettered", "logarithmic", "marked_invalid", "new_axes", "picture",
     "places_logarithmic", "plain", "scaled",
 ]  # fmt: skip
@@ -38,6 +38,7 @@ GREY = "0.45"
 DASHED, DASH_DOT = (0, (4, 1.6)), (0, (5, 1.2, 1, 1.2))
 # In all figures the integral is dashed and black, or an open symbol; means over patches are solid lines, or full symbols.
 H_STAR = "separation $h^*=h/\\sigma$"
+MODEL_RANGE = "range over plastic contacts"
 INVALID = "invalid: not independent"
 
 _SHEET = str(files(__package__).joinpath("stiction.mplstyle"))

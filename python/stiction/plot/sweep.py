@@ -17,6 +17,7 @@ from .style import (
     DASHED,
     GREY,
     MARKERS,
+    MODEL_RANGE,
     dressed,
     label,
     legend,
@@ -92,6 +93,14 @@ def of_points(
         sigma = result["surface_height_std"]
         return mean / sigma, error / sigma, integral / sigma
     return mean, error, integral
+
+
+def model_range(result: Sweep, quantity: str) -> tuple[xarray.DataArray, xarray.DataArray] | None:
+    """The smallest and the largest of a quantity by any plastic contact, at points where contacts yield; None where there are none."""
+    if result.model_range is None or quantity not in result.model_range:
+        return None
+    of = result.model_range[quantity]
+    return of.min("plastic_contact"), of.max("plastic_contact")
 
 
 def invalid_points(result: Sweep) -> xarray.DataArray:
@@ -206,7 +215,7 @@ def sweep(
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
     marks: list[Any] = []
-    invalid = invalid_points(result)
+    invalid, by_contact = invalid_points(result), model_range(result, quantity)
     for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
         places = (key.isel(chosen).values.ravel() if follows else key.values) / key_factor
         order = np.argsort(places)
@@ -215,6 +224,9 @@ def sweep(
             places[order], mean.isel(chosen).values.ravel()[order] / factor, bars[..., order] / factor,
             color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, label=name,
         )  # fmt: skip
+        if by_contact is not None:
+            ends = [end.isel(chosen).values.ravel()[order] / factor for end in by_contact]
+            ax.vlines(places[order], *ends, color=color, alpha=0.3, linewidth=4.0, zorder=0.9)
         if integral is not None:
             ax.plot(
                 places[order],
@@ -232,6 +244,8 @@ def sweep(
             Line2D([], [], color=GREY, marker="o", linewidth=0, label="mean over patches"),
             Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="integral"),
         ]
+    if by_contact is not None:
+        handles.append(Line2D([], [], color=GREY, alpha=0.5, linewidth=4.0, label=MODEL_RANGE))
     handles += marks
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)

@@ -11,7 +11,7 @@ import xarray
 
 from ..finite_size import is_study, study
 from ..plot.run import WAYS
-from ..plot.sweep import QUANTITIES, of_points
+from ..plot.sweep import QUANTITIES, model_range, of_points
 from ..results import Result, Run, Sweep
 
 __all__ = ["tables"]
@@ -24,7 +24,8 @@ _DATASETS: dict[str, list[str]] = {
     + [f"integral/{way}external_force" for way in _WAYS]
     + ["replicas/snap_in_separation"],
     "integral": [f"integral/{way}external_force" for way in _WAYS],
-    "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
+    "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force",
+                 "model_range/pull_off_force"],
     "attraction": [f"ensemble/{way}adhesion_force_mean" for way in _WAYS]
     + ["background/force", "background/*_force"],
     "coupling": [f"coupling/{way}independent_external_force_mean" for way in _WAYS]
@@ -34,10 +35,12 @@ _DATASETS: dict[str, list[str]] = {
     ],
     "avalanches": ["coupling/avalanche_size_count"],
     "contacts": [f"{group}/jump_{way}_count{of}" for group, of in (("ensemble", "_mean"), ("integral", "")) for way in ("in", "off")],
-    "energy": ["replicas/dissipated_energy"],
+    "energy": ["replicas/dissipated_energy", "model_range/dissipated_energy"],
     "snaps": [f"instability/snap_{way}_probability{end}" for way in ("in", "off") for end in ("", "_low", "_high")],
-    "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std", "quantile")],
-    "stuck": [f"device/stuck_probability{end}_after_preload" for end in ("", "_low", "_high")],
+    "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std", "quantile")]
+    + ["model_range/pull_off_after_preload"],
+    "stuck": [f"device/stuck_probability{end}_after_preload" for end in ("", "_low", "_high")]
+    + ["model_range/stuck_probability_after_preload"],
     "regimes": ["ensemble/adhesion_force_mean", "integral/adhesion_force", "ensemble/regime_adhesion_force_mean",
                 "integral/regime_adhesion_force"],
     "deviation": [f"validation/{of}_{name}_force" for of in ("z", "tested") for name in ("external", "adhesion")],
@@ -57,7 +60,7 @@ _DATASETS: dict[str, list[str]] = {
 }  # fmt: skip
 _DATASETS["standard_errors"] = _DATASETS["convergence"]
 # The first of these that a dataset has is the dimension of its rows.
-_ROWS = ("separation", "separation_index", "step", "replica", "stiffness", "asperity_count")
+_ROWS = ("separation", "separation_index", "step", "replica", "stiffness", "asperity_count", "preload")
 
 
 def tables(result: Result, figure: str) -> list[pd.DataFrame]:
@@ -131,6 +134,9 @@ def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
         columns = {figure: mean, f"{figure}_low": mean - below, f"{figure}_high": mean + above}
     if integral is not None:
         columns[f"{figure}_of_integral"] = integral
+    by_contact = model_range(result, figure)
+    if by_contact is not None:
+        columns |= {f"{figure}_{end}_by_contact": of for end, of in zip(("smallest", "largest"), by_contact, strict=True)}
     keys = [key.replace(".", "_") for key in result.keys]
     whole = xarray.Dataset({name: of.drop_vars([c for c in of.coords if c not in keys]) for name, of in columns.items()})
     for key in keys:

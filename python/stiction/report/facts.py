@@ -101,6 +101,26 @@ def _span(low: float, high: float, unit: str) -> str:
     return f"{quantities.si(low, unit)} to {quantities.si(high, unit)}"
 
 
+def _by_contact(values: Any, unit: str) -> tuple[str, str]:
+    """The range of numbers over plastic contacts, in words, and each of them; a dash where there are none."""
+    known = values.dropna("plastic_contact")
+    if not known.size:
+        return "–", ""
+    known = known.sortby(known)
+    factor, written = (0.01, "%") if unit == "%" else quantities.factor_and_unit(known.values, unit)
+    numbers = [quantities.number(float(value) / factor, 3) for value in known.values]
+    each = ", ".join(f"{name} {number}" for name, number in zip(known["plastic_contact"].values, numbers, strict=True))
+    return f"{numbers[0]} to {numbers[-1]} {written}", f"{each} {written}"
+
+
+def _model_range(run: Run, name: str, label: str, unit: str) -> list[Number]:
+    """The range of a number of the run over plastic contacts, where contacts yield."""
+    if run.model_range is None or name not in run.model_range:
+        return []
+    span, each = _by_contact(run.model_range[name], unit)
+    return [Number(f"model range{label}", span, f"by plastic contact, which no interval has: {each}")] if each else []
+
+
 # Rows on what was computed.
 
 
@@ -290,6 +310,7 @@ def _run(run: Run) -> Facts:
                        f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
             ]
         numbers += [
+            *_model_range(run, "pull_off_force", "", "N"),
             Number("separation of pull-off", quantities.si(quoted.separation, "m"),
                    f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
             *_after_preloads(run)[1:],
@@ -318,6 +339,8 @@ def _run(run: Run) -> Facts:
             lost = _mean(label + of_all, run[name].values, "J")
             gains = lost.value < (-3.0 * lost.error if lost.error > 0.0 else 0.0)
             numbers.append(replace(lost, note="no result: a loop cannot give out energy; contacts flow by adhesion alone") if gains else lost)
+            if name.endswith("/dissipated_energy"):
+                numbers += _model_range(run, "dissipated_energy", " of the energy", "J")
     stiffness, error = _scalar(run, "peak_secant_stiffness")
     numbers.append(Number("largest stiffness", quantities.with_error(stiffness, error, "N m-1"),
                           "mean over patches of the largest secant", stiffness, error))  # fmt: skip
@@ -437,14 +460,24 @@ def _springs(run: Run) -> Iterator[Table]:
         header = ["stiffness", "snap-in", *(f"snap-off after {load}" for load in after)]
         yield Table("Probability to snap, with 95 % intervals", header, rows)
     if "pull_off_after_preload_mean" in group and np.isfinite(preloads).any():
+        header = ["preload", "mean pull-off", "standard deviation of patches"]
+        ranges = _ranges(run, "pull_off_after_preload", "N")
         rows = [
-            [quantities.si(load, "N", 3), quantities.si(mean, "N"), quantities.si(std, "N")]
-            for load, mean, std in zip(
-                preloads, *(group[f"pull_off_after_preload_{of}"].values for of in ("mean", "std")), strict=True
+            [quantities.si(load, "N", 3), quantities.si(mean, "N"), quantities.si(std, "N"), *ranges[i : i + 1]]
+            for i, (load, mean, std) in enumerate(
+                zip(preloads, *(group[f"pull_off_after_preload_{of}"].values for of in ("mean", "std")), strict=True)
             )
             if math.isfinite(load)
         ]
-        yield Table("Pull-off after a preload", ["preload", "mean pull-off", "standard deviation of patches"], rows)
+        yield Table("Pull-off after a preload", [*header, *["model range"] * bool(ranges)], rows)
+
+
+def _ranges(run: Run, name: str, unit: str) -> list[str]:
+    """The range over plastic contacts of a number after each preload, or of the one number; none where no contacts yield."""
+    if f"model_range/{name}" not in run:
+        return []
+    of = run[f"model_range/{name}"]
+    return [_by_contact(of.isel(preload=i) if "preload" in of.dims else of, unit)[0] for i in range(of.sizes.get("preload", 1))]
 
 
 def _stuck(run: Run) -> Iterator[Table]:
@@ -460,8 +493,9 @@ def _stuck(run: Run) -> Iterator[Table]:
 
     names = ("probability", "probability_low", "probability_high")
     restoring = quantities.si(float(group["restoring_force"]), "N")
-    header = ["preload", "probability", "95 % interval from", "to"]
-    cells = [[load, *(cell(name, of, i) for name in names)] for i, (load, of) in enumerate(rows)]
+    ranges = _ranges(run, f"stuck_probability{rows[0][1]}", "%")
+    header = ["preload", "probability", "95 % interval from", "to", *["model range"] * bool(ranges)]
+    cells = [[load, *(cell(name, of, i) for name in names), *ranges[i : i + 1]] for i, (load, of) in enumerate(rows)]
     yield Table(f"Probability that the pull-off is above {restoring}", header, cells)
 
 
@@ -514,6 +548,13 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
         if path in sweep:
             whole[name] = sweep[path].drop_vars(list(sweep[path].coords))
+    if sweep.model_range is not None:
+        name, unit = ("stuck_probability", "%") if "stuck_probability" in sweep.model_range else ("pull_off_force", "N")
+        heads["model_range"] = f"model range of {'P(stuck)' if unit == '%' else 'the pull-off'}"
+        of = sweep.model_range[name]
+        dims = [dim for dim in of.dims if dim != "plastic_contact"]
+        spans = [_by_contact(of.isel(dict(zip(dims, place, strict=True))), unit)[0] for place in np.ndindex(*(of.sizes[dim] for dim in dims))]
+        whole["model_range"] = (dims, np.reshape(np.array(spans, dtype=object), [of.sizes[dim] for dim in dims]))
     for name in keys:
         if name not in whole.variables:
             whole[name] = sweep[name]
@@ -521,6 +562,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
         "mean_over_patches": lambda row: "none" if row["mean_over_patches"] <= 0.0 else quantities.with_error(row["mean_over_patches"], row["standard_error"], "N"),
         "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
         "preload": lambda row: quantities.si(row["preload"], "N", 3),
+        "model_range": lambda row: str(row["model_range"]),
         "verdict": lambda row: str(row["verdict"]),
         "independence": lambda row: str(row["independence"]),
     }

@@ -102,8 +102,9 @@ def sensitivity(
     for block in steps(range(BLOCKS), "points", "blocks", progress):
         axes = found.axes(found.draw(cube[block]))
         with experiments.sweep(
-            tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False
-        ) as sweep:
+            tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False,
+            **experiments.ONE_MODEL,
+        ) as sweep:  # fmt: skip
             for name, values in _outcomes(sweep).items():
                 outcomes[name][block] = values.reshape(rows, k + 2, patches)
     estimated = {}

@@ -1,7 +1,6 @@
 //! The shards of a run put together into the result of one run of all.
 
 use super::layouts::{RUN, SWEEP};
-use super::model_range::shared;
 use super::partial::{OverwritePolicy, PartialFile, Run, beginning};
 use super::points::Points;
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
@@ -98,12 +97,12 @@ impl Merge<'_> {
         let from_first = (0..).zip(&there).take_while(|(i, replica)| i == *replica).count() as u64;
         metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = Arc::new(setup.summation(&self.session.pool));
-        // No longer than one shard took, and of replicas that are there from the first on.
-        let group = ground.scene.sampling.group();
-        let of_shard = |place: &Place| shared(self.run.at(*place).1.replicas.clone().count() as u64, group);
-        let most = places.iter().map(of_shard).max().unwrap_or_default().min(from_first / group * group);
-        let mut results =
-            ground.whole_results(&mut merged, (&summation, most), metadata, (self.session, &mut phases))?;
+        let mut results = ground.whole_results(
+            &mut merged,
+            (&summation, from_first),
+            metadata,
+            (self.session, &mut phases),
+        )?;
         results.add_seconds(seconds_before);
         phases.phase("writing");
         let written = Writer::create(&RUN, task.lock, task.policy.force)

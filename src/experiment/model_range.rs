@@ -1,8 +1,8 @@
 //! The model range: results by every plastic contact, because the choice of one is an error that no replica shows.
 //!
 //! # Formula
-//! Each of the three other contacts is given the first replicas of the run, R/5 of them in whole groups, and one group at least:
-//! a replica takes up to 1.7 times as long by them, and they are to take no longer than the run. Over these replicas the line
+//! Each of the three other contacts is given the first replicas of the run, R/5 of them in whole groups, one group at least and 64
+//! replicas at most: a replica takes up to 1.7 times as long by them, and they are to take no longer than the run. Over these replicas the line
 //! α + β F is fitted to the pull-off F' by another contact, and the mean over all replicas is α + β times that of the run: the
 //! regression estimator of two-phase sampling (Cochran, Sampling Techniques, 3rd ed. 1977, chapter 12). A probability to stay
 //! adhered is the fraction, over all replicas i and all shared ones j, of α + β Fᵢ + rⱼ above the restoring force, with the
@@ -49,10 +49,13 @@ pub(crate) struct PullOff {
 /// The share of the replicas of a run that each of the other contacts is given.
 const SHARE: u64 = 5;
 
+/// Most replicas that it is given: more would sharpen the range beyond what it is worth, and take long where shards are merged.
+const MOST: u64 = 64;
+
 /// The replicas that each of the other contacts is given, of so many in groups; 0 where these are too few.
-pub(crate) fn shared(replicas: u64, group: u64) -> u64 {
+fn shared(replicas: u64, group: u64) -> u64 {
     let (groups, others) = (replicas / group, PlasticContact::ALL.len() as u64 - 1);
-    if groups < others { 0 } else { (groups / SHARE).max(1) * group }
+    if groups < others { 0 } else { (groups / SHARE).clamp(1, MOST / group) * group }
 }
 
 /// The plastic contacts that a scene is computed by in addition to its own, and the replicas of each, of so many that the run
@@ -66,7 +69,8 @@ pub(crate) fn others(scene: &Scene, replicas: u64) -> Option<(Vec<PlasticContact
 }
 
 impl PreparedRun {
-    /// The model range of results, where contacts yield; of each of the other contacts at most so many replicas.
+    /// The model range of results, where contacts yield; of each of the other contacts at most so many replicas, as the replicas
+    /// of a merge that are there from the first on.
     ///
     /// # Errors
     /// [`Error::Interrupted`]; [`Error::Law`] where a law cannot be made.
@@ -76,9 +80,10 @@ impl PreparedRun {
         most: u64,
         (session, phases): (&Session, &mut Phases<'_>),
     ) -> Result<Option<ModelRange>, Error> {
-        let asked = others(&self.scene, results.scene.replicas).filter(|_| self.yields && most > 0);
+        let asked = others(&self.scene, results.scene.replicas)
+            .filter(|_| self.yields && most >= self.scene.sampling.group());
         let Some((others, replicas)) = asked else { return Ok(None) };
-        let replicas = replicas.min(most);
+        let replicas = replicas.min(most / self.scene.sampling.group() * self.scene.sampling.group());
         let total = replicas * others.len() as u64;
         let mut done = (0..).step_by(replicas as usize);
         let contacts = PlasticContact::ALL.into_iter().map(|(_, contact)| {

@@ -582,7 +582,7 @@ static FIRST: &[Key] = &[
     key("ensemble.model_range", "false", Switch)
         .what("whether results are computed by every plastic contact where contacts yield")
         .about(
-            "The range over them is the error of the model. A fifth of the replicas by each of the others takes at most the time of \
+            "The range over them is the error of the model. A fifth of the replicas, and at most 64, by each of the others take at most the time of \
              the run again. Needs a law with `plastic_contact`, three replicas or groups of them, and contacts that yield. \
              `stiction run --no-model-range` leaves it out.",
         )

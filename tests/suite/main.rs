@@ -31,6 +31,7 @@ mod loops;
 mod loops_of_radii;
 mod md_plastic;
 mod measured_surfaces;
+mod model_range;
 mod outputs;
 mod populations;
 mod probe;

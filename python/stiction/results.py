@@ -346,14 +346,17 @@ class _Curves(Result):
 
         `pull_off_force`, N; of a scene with ``[device]`` `stuck_probability`; of a loop `dissipated_energy`, J; `replica_count`, the
         replicas of every contact but the scene's own. Where there are preloads, force and probability follow the largest that
-        replicas reach. Sweeps have them at each point.
+        replicas reach, and are not there if none is reached. Sweeps have them at each point.
         """
         if "model_range" not in self:
             return None
         group = self.group("model_range")
         found = {str(name): of for name, of in group.data_vars.items() if not str(name).endswith("_after_preload")}
-        pressed = {"pull_off_force": "pull_off_after_preload", "stuck_probability": "stuck_probability_after_preload"}
-        found |= {name: self._after_largest(group[own]) for name, own in pressed.items() if own in group}
+        if self.after_largest_preload is not None:
+            for name, own in (("pull_off_force", "pull_off_after_preload"), ("stuck_probability", "stuck_probability_after_preload")):
+                found.pop(name, None)
+                if own in group:
+                    found[name] = self._after_largest(group[own])
         return xarray.Dataset(found)
 
     @cached_property
@@ -490,8 +493,8 @@ class Run(_Curves):
             rows += [("pull-off", "none: no replica pulls")]
         if self.model_range is not None and "pull_off_force" in self.model_range:
             ends = [float(getattr(self.model_range["pull_off_force"], end)()) for end in ("min", "max")]
-            after = "" if pull_off.preload is None else f" after {quantities.si(pull_off.preload, 'N')}"
-            rows += [("model range", f"{' to '.join(quantities.si(end, 'N') for end in ends)}{after}, by plastic contact")]
+            pressed = "" if pull_off.preload is None else f" after {quantities.si(pull_off.preload, 'N')}"
+            rows += [("model range", f"{' to '.join(quantities.si(end, 'N') for end in ends)}{pressed}, by plastic contact")]
         rows += [("cross-check", str(self.cross_check))]
         rows += [("independence", str(self.independence.attrs["verdict"]))]
         if self.is_partial:

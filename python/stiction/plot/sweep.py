@@ -225,8 +225,8 @@ def sweep(
             color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, label=name,
         )  # fmt: skip
         if by_contact is not None:
-            ends = [end.isel(chosen).values.ravel()[order] / factor for end in by_contact]
-            ax.vlines(places[order], *ends, color=color, alpha=0.3, linewidth=4.0, zorder=0.9)
+            smallest, largest = (end.isel(chosen).values.ravel()[order] / factor for end in by_contact)
+            ax.vlines(places[order], smallest, largest, color=color, alpha=0.3, linewidth=4.0, zorder=0.9)
         if integral is not None:
             ax.plot(
                 places[order],

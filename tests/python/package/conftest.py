@@ -54,6 +54,11 @@ MADE = {
         CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,
         **{"model.history": "loop", "instability.preload": ["1 mN", "30 mN", "10 N"], "device.restoring_force": "0.1 mN"},
     ),
+    "yielding_sweep": lambda path: stiction.sweep(
+        CONFIGS / "first.toml", {"material.work_of_adhesion": ["20 mJ/m^2", "50 mJ/m^2"]}, path, replicas=12,
+        **{"model.history": "loop", "material.hardness": "1 GPa", "instability.preload": ["1 mN", "10 N"], "device.restoring_force": "2 uN",
+           "surface.nominal_area": "100 um^2"},
+    ),
     "missed_preload": of_scene("preload", 4, **{"instability.preload": "10 N", "device.restoring_force": "0.1 mN"}),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path, **{"ensemble.target": TARGETS}),
     "coupled": of_scene("coupled", 4, **{"surface.nominal_area": "30 um^2"}),

@@ -2,15 +2,17 @@
 
 import gc
 import math
+import tomllib
 
 import h5py
 import numpy as np
 import pytest
 import xarray
+from conftest import CONFIGS
 
 import stiction
 import stiction.report
-from stiction import FileError, plot
+from stiction import FileError, plot, quantities
 from stiction.backend import StictionBackend
 
 KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Sweep}
@@ -157,6 +159,76 @@ def test_a_sweep_with_preloads_quotes_the_largest_that_is_reached(result):
     stuck = sweep.after_largest_preload["stuck_probability"]
     np.testing.assert_allclose(stuck, (of > 1e-4).mean(axis=1), rtol=1e-15)
     assert "pull_off_excess" not in plot.panels(sweep) and "stuck_probability" in plot.panels(sweep)
+
+
+def test_the_model_range_follows_the_largest_preload_that_is_reached(result):
+    """The scene's own contact has what is quoted, and the others are further apart than its interval is wide."""
+    run = result("device")
+    of, group = run.model_range, run["model_range"]
+    assert list(of["plastic_contact"].values) == ["jg", "ke", "zmc", "tn"] and int(of["replica_count"]) == 1
+    largest = int(np.flatnonzero(run["instability/preload_reached_count"].values)[-1])
+    assert run.pull_off.preload == run["instability/preload"].values[largest]
+    for name, own in (("pull_off_force", "pull_off_after_preload"), ("stuck_probability", "stuck_probability_after_preload")):
+        np.testing.assert_array_equal(of[name], group[own].transpose("plastic_contact", "preload").values[:, largest])
+    force = of["pull_off_force"]
+    assert float(force.sel(plastic_contact="jg")) == pytest.approx(run.pull_off.mean_over_patches, rel=1e-14)
+    assert float(of["stuck_probability"].sel(plastic_contact="jg")) == float(run.after_largest_preload["stuck_probability"])
+    low, high = run.pull_off.interval
+    assert float(force.max() - force.min()) > high - low
+    words = f"{quantities.si(force.min(), 'N')} to {quantities.si(force.max(), 'N')}"
+    assert f"model range       {words} after 100.0 mN, by plastic contact" in repr(run)
+    page = stiction.report.page([run])
+    assert "by plastic contact, which no interval has: jg 1.7" in page and ">model range<" in page
+    sweep = result("yielding_sweep")
+    assert sweep.model_range["pull_off_force"].sizes == {"material_work_of_adhesion": 2, "plastic_contact": 4}
+    assert "model range of P(stuck)" in stiction.report.page([sweep])
+    assert result("run").model_range is None and result("sweep").model_range is None
+
+
+def test_figures_show_the_model_range(result):
+    run, sweep = result("device"), result("yielding_sweep")
+    known = run["model_range/pull_off_after_preload"]
+    (lower, *_) = [line for line in plot.preloads(run).lines if line.get_label() == "range over plastic contacts"]
+    reached = np.isfinite(known.min("plastic_contact").values)
+    ratio = lower.get_ydata() / known.min("plastic_contact").values[reached]
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+    for ax in (plot.stuck(run), plot.pull_off(run), plot.energy(run), plot.sweep(sweep), plot.sweep(sweep, quantity="stuck_probability")):
+        words = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert any("range over plastic contacts" in text for text in words), words
+    words = [text.get_text() for text in plot.sweep(sweep, quantity="peak_secant_stiffness").get_legend().get_texts()]
+    assert "range over plastic contacts" not in words
+
+
+def test_answers_that_take_many_runs_compute_one_contact(monkeypatch):
+    """`infer`, `sensitivity`, `design` and `finite-size` ask for the scene's own contact alone."""
+    from stiction import experiments, finite_size, priors, sensitivity
+    from stiction.design import rare
+    from stiction.inference import emulator
+
+    class Asked(Exception):
+        pass
+
+    original = experiments.run
+
+    def asked(*_, replicas=None, **overrides):
+        if replicas == 0:
+            return original(*_, replicas=0, **overrides)
+        raise Asked(overrides.get("ensemble.model_range"))
+
+    monkeypatch.setattr(experiments, "run", asked)
+    monkeypatch.setattr(experiments, "sweep", asked)
+    scene = tomllib.loads((CONFIGS / "first.toml").read_text(encoding="utf-8"))
+    hardness = {"prior": "uniform", "from": "5 GPa", "to": "6 GPa"}
+    with_prior = scene | {"material": scene["material"] | {"hardness": hardness}}
+    for ask in (
+        lambda: finite_size.run(scene, [10, 100]),
+        lambda: sensitivity.sensitivity(with_prior, samples=64),
+        lambda: rare.Patches(scene, seed=1, threads=1),
+        lambda: emulator.simulate(priors.read(with_prior), ("pull_off_force",), np.array([[5.5e9]]), replicas=2, seed=1),
+    ):
+        with pytest.raises(Asked) as found:
+            ask()
+        assert found.value.args[0] is False
 
 
 def test_a_preload_that_no_patch_reaches_has_no_pull_off(result):

@@ -517,7 +517,7 @@ const VARIANTS: &[Variant] = &[
     (&["surface.nominal_area"], &["shape.side", "shape.angle"], &[("shape.body", "\"tilted\"")]),
     (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
     (&[], &["substrate.coupling", "substrate.positions", "substrate.tolerance", "substrate.loads_at"], &[]),
-    (&[], &["model.plastic_contact"], &[("model.law", "\"md_plastic\"")]),
+    (&[], &["model.plastic_contact", "ensemble.model_range"], &[("model.law", "\"md_plastic\"")]),
     (&[], &["substrate.coupling", "substrate.kernel"], &[]),
     (&[], &["substrate.coupling", "substrate.minimum_distance"], &[]),
     (

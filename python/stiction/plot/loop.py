@@ -86,9 +86,9 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
         (area, f"of the integral, {quantities.si(area, 'J')}", "black", DASHED),
     ):
         handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
-    handles += model_span(ax, run, "dissipated_energy", unit)
     ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
     ax.margins(x=0.04)
+    handles += model_span(ax, run, "dissipated_energy", "J", unit)
     legend(ax, handles)
     return ax
 

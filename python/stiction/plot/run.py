@@ -350,14 +350,19 @@ def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = "0.8
     return bars[0]
 
 
-def model_span(ax: Axes, run: Run, name: str, unit: float) -> list[Any]:
-    """A span of the axis from the smallest to the largest mean by any plastic contact, where contacts yield."""
-    if run.model_range is None or name not in run.model_range:
+def model_span(ax: Axes, run: Run, name: str, units: str, unit: float) -> list[Any]:
+    """A span of the axis from the smallest to the largest mean by any plastic contact, where contacts yield; cut off where the axis would be
+    more than twice as long for it."""
+    if run.model_range is None or name not in run.model_range or run.model_range[name].isnull().all():
         return []
-    of = run.model_range[name].values / unit
-    if not np.isfinite(of).any():
-        return []
-    return [ax.axvspan(np.nanmin(of), np.nanmax(of), color=GREEN, alpha=0.25, linewidth=0, zorder=0.5, label=f"mean, {MODEL_RANGE}")]
+    of = run.model_range[name]
+    low, high = float(of.min()), float(of.max())
+    words = f"{MODEL_RANGE}, {quantities.si(low, units, 3)} to {quantities.si(high, units, 3)}"
+    left, right = ax.get_xlim()
+    span = ax.axvspan(low / unit, high / unit, color=GREEN, alpha=0.25, linewidth=0, zorder=0.5, label=words)
+    ends = (max(min(left, low / unit), left - (right - left)), min(max(right, high / unit), right + right - left))
+    ax.set_xlim(*ends)
+    return [span]
 
 
 @dressed
@@ -407,8 +412,8 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
         # The mean curve and the integral turn at the closest separation.
         if quoted.preload is None or value == quoted.mean_over_patches:
             handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
-    handles += model_span(ax, run, "pull_off_force", unit)
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
+    handles += model_span(ax, run, "pull_off_force", "N", unit)
     legend(ax, handles)
     return ax

@@ -142,8 +142,9 @@ fn by_contact(results: &Results, of: impl Fn(&OfContact) -> f64, shown: Shown) -
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (values, names): (Vec<f64>, Vec<&str>) = known.into_iter().unzip();
     let [low, .., high] = values[..] else { return String::new() };
-    if low == high {
-        return labelled("", &format!("model range: {} by every plastic contact", shown(&[low], "")));
+    let [smallest, largest] = [low, high].map(|end| shown(&[end], ""));
+    if smallest == largest {
+        return labelled("", &format!("model range: {smallest} by every plastic contact"));
     }
     let each = shown(&values, "\n");
     let each: Vec<String> =

@@ -169,9 +169,14 @@ fn results(rows: &[SweepPoint], is_pressed: bool) -> Vec<Column> {
         let pull_off = if mean.is_nan() { "-".to_owned() } else { si_with_error(mean, error, "N") };
         let range = match row.model_range {
             [low, _] if low.is_nan() => "-".to_owned(),
-            range if row.stuck_probability.is_nan() => si_to(3, &range, " to ", "N"),
-            [low, high] if low == high => percents(&[low], ""),
-            range => percents(&range, " to "),
+            range => {
+                let shown = |ends: &[f64]| match row.stuck_probability.is_nan() {
+                    true => si_to(3, ends, " to ", "N"),
+                    false => percents(ends, " to "),
+                };
+                let [low, high] = range.map(|end| shown(&[end]));
+                if low == high { low } else { shown(&range) }
+            }
         };
         let cells = [pull_off, second, to_first, p, verdict, stuck, range];
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));

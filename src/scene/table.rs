@@ -583,7 +583,7 @@ static FIRST: &[Key] = &[
         .what("whether results are computed by every plastic contact where contacts yield")
         .about(
             "The range over them is the error of the model. A fifth of the replicas, and at most 64, by each of the others take at most the time of \
-             the run again. Needs a law with `plastic_contact`, three replicas or groups of them, and contacts that yield. \
+             the run again. Needs surfaces that are pulled back after contacts yielded, a law with `plastic_contact`, and three replicas or groups of them. \
              `stiction run --no-model-range` leaves it out.",
         )
         .defaults_to("true"),

@@ -51,6 +51,8 @@ const LARGEST_STRESS: f64 = 1.0;
 /// and the largest share of the contacts that flow which may be beyond it.
 const LARGEST_FITTED: f64 = 10.0;
 const LARGEST_FLATTENED: f64 = 0.1;
+/// Fewest contacts of a replica, on average, that yield before it is pulled back for the plastic contact to matter.
+const FEWEST_YIELDED: f64 = 0.1;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 /// Radius over that of the typical asperity of which asperities flow soonest, where radii scatter.
@@ -263,15 +265,14 @@ fn flow_onset(law: &dyn Law) -> Option<f64> {
     Some(law.boundaries()[first - 1].interference)
 }
 
-/// Whether contacts of the run yield before what is quoted is read off, under a law that takes any plastic contact: before the
-/// surfaces turn back, or before the pull-off on approach. Where radii scatter, contacts of small ones yield sooner.
+/// Whether enough contacts of a replica yield before the surfaces turn back, under a law that takes any plastic contact, for the
+/// pull-off to depend on which: on approach the contacts agree within 2 %. Where radii scatter, contacts of small ones yield sooner.
 pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool {
     let Some(onset) = flow_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
-    let what = if scene.turns() { WhatIsRead::Turn } else { WhatIsRead::PullOff };
-    let expected =
-        |reading: &Reading| share_beyond(scene, least, reading.separation) * asperities_of_run(scene);
-    readings.iter().filter(|reading| reading.what == what).any(|own| expected(own) >= FEWEST_UNLOADED)
+    let count = scene.surface.asperity_count as f64;
+    let mut turns = readings.iter().filter(|reading| reading.what == WhatIsRead::Turn);
+    turns.any(|turn| share_beyond(scene, least, turn.separation) * count >= FEWEST_YIELDED)
 }
 
 /// The share of asperities that flow under a law before they are pulled back, and then are tops of outlines of their own.
@@ -509,31 +510,17 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
     })
 }
 
-/// Whether surfaces that have been pressed together are pulled off harder than the approach of fresh ones says, and whether the
-/// error of the plastic contact is left out.
+/// Whether surfaces that have been pressed together are pulled off harder than the approach of fresh ones says.
 fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     let (psi, flows) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
-    let found = format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}");
-    let fresh = || {
+    (flows && psi > LARGEST_ELASTIC_PSI && !scene.turns()).then(|| {
         Warning::new(
-            format!("{found}: surfaces that were pressed together hold more"),
+            format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
             "tops that have flowed are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
                      touch",
             "for surfaces in use model.law = \"md_plastic\", model.history = \"loop\", instability.preload",
         )
-    };
-    let yielded = || {
-        Warning::new(
-            format!("{found}: contacts yield, and the pull-off then depends on the plastic contact"),
-            "published models of plastic contacts leave summits of other radii",
-            "ensemble.model_range = true gives the range over them",
-        )
-    };
-    match flows && psi > LARGEST_ELASTIC_PSI {
-        true if scene.turns() => (!scene.model_range).then(yielded),
-        true => Some(fresh()),
-        false => None,
-    }
+    })
 }
 
 /// Whether the curves have what is read off them.

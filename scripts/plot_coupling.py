@@ -9,7 +9,7 @@ printed.
 coupled_cases.svg   force over separation of the three cases, with the integral and the mean field, and what
                     coupling changes
 coupled_patch.svg   the patch of case III, which snaps: force, avalanches, asperities before and after the
-                    largest, and the way back
+                    largest, and the unloading branch
 coupled_chart.svg   change of pull-off over the attraction of the integral, and of the force over separation,
                     roughness, size
 """
@@ -130,18 +130,18 @@ def draw_map(axes, patch, state, largest, window):
     return drawn, f"$h^*$ = {h_star:.2f}: {int(np.sum(touches))} of {int(np.sum(np.isfinite(x)))} touch"
 
 
-def draw_way_back(axes, file):
-    """The forces of a loop there and back, with the mean field of the way back."""
+def draw_loop(axes, file):
+    """The forces of a loop on approach and on the unloading branch, with the mean field of the latter."""
     x = file["validation/separation"][()] / file.attrs["surface_height_std"]
-    ways = {"approach": "ensemble/external_force_mean", "way back": "ensemble/retraction_external_force_mean",
-            "mean field of the way back": "validation/retraction_mean_field_external_force"}  # fmt: skip
+    ways = {"approach": "ensemble/external_force_mean", "unloading branch": "ensemble/retraction_external_force_mean",
+            "mean field of the unloading branch": "validation/retraction_mean_field_external_force"}  # fmt: skip
     curves = {label: file[path][()] for label, path in ways.items()}
     factor, sign = factor_and_unit([-min(curve.min() for curve in curves.values())], "N")
     styles = {"color": BLUE, "linestyle": DASHED}, {"color": BLUE}, {"color": PINK, "linestyle": DASH_DOT}
     for (label, curve), style in zip(curves.items(), styles):
         axes.plot(x, curve / factor, linewidth=1.0, label=label, **style)
     unsettled = file["coupling/retraction_unsettled_count"][()] > 0
-    axes.plot(x[unsettled], curves["way back"][unsettled] / factor, "x", color=BLUE, label="not settled")
+    axes.plot(x[unsettled], curves["unloading branch"][unsettled] / factor, "x", color=BLUE, label="not settled")
     axes.axhline(0.0, color="0.8", linewidth=0.7, zorder=0)
     axes.set(xlim=(x[0], x[-1]), xlabel=H_STAR, ylabel=f"external force ({sign})")
     legend(axes)
@@ -172,7 +172,7 @@ def draw_patch(file, loop):
         drawn, title = draw_map(axes, patch, state, largest, window)
         axes.set_title(title)
         figure.colorbar(drawn, ax=axes, label="load (µN)")
-    draw_way_back(back, loop)
+    draw_loop(back, loop)
     return figure
 
 

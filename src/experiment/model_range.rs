@@ -14,7 +14,7 @@ use super::results::Results;
 use super::sampling::Sampling;
 use super::snaps::Snaps;
 use super::{Error, Phases};
-use crate::asperity::{LawError, PlasticContact};
+use crate::asperity::PlasticContact;
 use crate::engine::{Ensemble, Outcome, ReductionTree, scalars};
 use crate::scene::Scene;
 
@@ -73,7 +73,7 @@ impl PreparedRun {
     /// of a merge that are there from the first on.
     ///
     /// # Errors
-    /// [`Error::Interrupted`]; [`Error::Law`] where a law cannot be made.
+    /// [`Error::Interrupted`].
     pub fn model_range(
         &self,
         results: &Results,
@@ -91,9 +91,10 @@ impl PreparedRun {
                 return Ok(OfContact::new(contact, results, (&self.scene, &results.ensemble)));
             }
             phases.replicas("model range", done.next().unwrap_or_default(), total);
-            let refused = |error: LawError| Error::Law { law: self.scene.model.name, error };
-            let scene = self.scene.by_contact(contact, replicas).map_err(refused)?;
-            let ensemble = ensemble(&scene, session, phases)?;
+            let computed = self.scene.by_contact(contact, replicas).ok();
+            let computed = computed.and_then(|scene| SceneLaws::new(&scene).ok().map(|laws| (scene, laws)));
+            let Some((scene, laws)) = computed else { return Ok(OfContact::unknown(contact, &self.scene)) };
+            let ensemble = ensemble(&scene, &laws, session, phases)?;
             Ok(OfContact::new(contact, results, (&scene, &ensemble)))
         });
         let contacts = contacts.collect::<Result<Vec<OfContact>, Error>>()?;
@@ -102,8 +103,12 @@ impl PreparedRun {
 }
 
 /// The ensemble of a scene, as the phase that has begun.
-fn ensemble(scene: &Scene, session: &Session, phases: &mut Phases<'_>) -> Result<Ensemble, Error> {
-    let laws = SceneLaws::new(scene)?;
+fn ensemble(
+    scene: &Scene,
+    laws: &SceneLaws,
+    session: &Session,
+    phases: &mut Phases<'_>,
+) -> Result<Ensemble, Error> {
     let sampling = Sampling {
         scene,
         law: laws.law.view(),
@@ -125,6 +130,13 @@ fn ensemble(scene: &Scene, session: &Session, phases: &mut Phases<'_>) -> Result
 }
 
 impl OfContact {
+    /// No results of a contact that a scene has no law by.
+    fn unknown(contact: PlasticContact, scene: &Scene) -> Self {
+        let whole = PullOff { force: f64::NAN, stuck: f64::NAN };
+        let after_preload = vec![whole; scene.instability.preload.len()];
+        Self { contact, whole, after_preload, dissipated_energy: f64::NAN }
+    }
+
     /// The results of a run by a contact, of which some of its replicas have been computed.
     fn new(contact: PlasticContact, results: &Results, (scene, ensemble): (&Scene, &Ensemble)) -> Self {
         let force = results.scene.restoring_force;

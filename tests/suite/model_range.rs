@@ -99,11 +99,25 @@ fn a_range_is_only_where_contacts_yield_and_it_is_asked_for() {
     assert!(has_range(&folder.path("scene.h5")) && printed.contains("model range"), "{printed}");
     let range = values(&folder, "scene.h5", "/model_range/stuck_probability_after_preload");
     assert_eq!(range.len(), 2 * 4 * 2);
-    // Of the largest preload, as the probability in the row.
+    // In the table of points each preload has its ends; the summary has the largest one.
+    let csv = text(&folder.stiction(&["info", "--csv", "scene.h5"]).stdout);
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let column = |end: &str, preload: &str| -> Vec<f64> {
+        let head = format!("stuck_probability_after_preload_{end}_by_contact[{preload} N] [1]");
+        let place = rows[0].iter().position(|name| *name == head).unwrap_or_else(|| panic!("{head}: {csv}"));
+        rows[1..].iter().map(|row| row[place].parse().unwrap()).collect()
+    };
     let percent = |share: f64| format!("{:.1}", 100.0 * share);
-    for point in range.chunks_exact(8) {
-        let of = |pick: fn(f64, f64) -> f64| point.iter().skip(1).step_by(2).copied().reduce(pick).unwrap();
-        let (low, high) = (percent(of(f64::min)), percent(of(f64::max)));
+    for (point, of) in range.chunks_exact(8).enumerate() {
+        let ends = |preload: usize| {
+            let all = || of.iter().skip(preload).step_by(2).copied();
+            [all().fold(f64::NAN, f64::min), all().fold(f64::NAN, f64::max)]
+        };
+        for (i, preload) in ["0.0002", "0.0015"].into_iter().enumerate() {
+            let told = ["smallest", "largest"].map(|end| column(end, preload)[point]);
+            assert_eq!(told.map(f64::to_bits), ends(i).map(f64::to_bits), "{csv}");
+        }
+        let [low, high] = ends(1).map(percent);
         let row = if low == high { format!(" {low} %") } else { format!(" {low} to {high} %") };
         assert!(printed.contains(&row), "{row}: {printed}");
     }

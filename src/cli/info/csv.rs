@@ -1,5 +1,6 @@
 //! A result as a table: a row for each index of a dimension.
 
+use crate::asperity::PlasticContact;
 use crate::experiment::layouts::RUN;
 use crate::output::OutputError;
 use crate::output::reader::{Description, Reader, Stored};
@@ -91,23 +92,45 @@ fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<V
             columns.push((format!("{name} [N]"), texts.collect()));
         }
     }
+    for (name, unit) in [("pull_off_force", "N"), ("stuck_probability", "1")] {
+        for (end, values) in by_contact(&numbers(reader, described, &format!("/model_range/{name}"))?, 1) {
+            let texts = values.iter().map(|value| format!("{value:?}"));
+            columns.push((format!("{name}_{end} [{unit}]"), texts.collect()));
+        }
+    }
     Ok(columns)
+}
+
+/// The numbers of a dataset; none where it is not there.
+fn numbers(reader: &Reader, described: &[Description], path: &str) -> Result<Vec<f64>, OutputError> {
+    Ok(match described.iter().any(|own| own.path == path).then(|| reader.stored(path)).transpose()? {
+        Some(Stored::Numbers(values)) => values,
+        Some(Stored::Whole(values)) => values.into_iter().map(|value| value as f64).collect(),
+        _ => Vec::new(),
+    })
+}
+
+/// The ends of the range over plastic contacts of values at each of some points, each with `length` of them by every contact.
+fn by_contact(values: &[f64], length: usize) -> Vec<(&'static str, Vec<f64>)> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let of_points = values.chunks_exact(PlasticContact::ALL.len() * length);
+    let range = |pick: fn(f64, f64) -> f64| {
+        let at = |point: &[f64], i: usize| point.iter().skip(i).step_by(length).copied().fold(f64::NAN, pick);
+        of_points.clone().flat_map(|point| (0..length).map(move |i| at(point, i))).collect()
+    };
+    vec![("smallest_by_contact", range(f64::min)), ("largest_by_contact", range(f64::max))]
 }
 
 /// The columns of what follows each preload, at each of some points; none without preloads.
 fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Column>, OutputError> {
-    let of = |path: &str| -> Result<Vec<f64>, OutputError> {
-        Ok(match described.iter().any(|own| own.path == path).then(|| reader.stored(path)).transpose()? {
-            Some(Stored::Numbers(values)) => values,
-            Some(Stored::Whole(values)) => values.into_iter().map(|value| value as f64).collect(),
-            _ => Vec::new(),
-        })
-    };
+    let of = |path: &str| numbers(reader, described, path);
     let after = |name: &str| of(&format!("/instability/pull_off_after_preload_{name}"));
     let stuck = |name: &str| of(&format!("/device/stuck_{name}_after_preload"));
     let interval = after("interval")?;
     let end = |place: usize| interval.iter().skip(place).step_by(2).copied().collect();
-    let all = [
+    let mut all = [
         ("pull_off_after_preload_mean", "N", after("mean")?),
         ("pull_off_after_preload_standard_error", "N", after("standard_error")?),
         ("pull_off_after_preload_from", "N", end(0)),
@@ -117,8 +140,14 @@ fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Colu
         ("stuck_probability_after_preload", "1", stuck("probability")?),
         ("stuck_probability_low_after_preload", "1", stuck("probability_low")?),
         ("stuck_probability_high_after_preload", "1", stuck("probability_high")?),
-    ];
+    ]
+    .map(|(name, unit, values)| (name.to_owned(), unit, values))
+    .to_vec();
     let preloads = of("/instability/preload")?;
+    for (name, unit) in [("pull_off_after_preload", "N"), ("stuck_probability_after_preload", "1")] {
+        let ends = by_contact(&of(&format!("/model_range/{name}"))?, preloads.len());
+        all.extend(ends.into_iter().map(|(end, values)| (format!("{name}_{end}"), unit, values)));
+    }
     let mut columns = Vec::new();
     for (name, unit, values) in all.iter().filter(|(_, _, values)| !values.is_empty()) {
         for (i, preload) in preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite()) {

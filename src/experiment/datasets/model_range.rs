@@ -19,8 +19,8 @@ pub(super) fn datasets() -> Vec<Dataset> {
         }),
         of_contact("pull_off_force", "N", &every(force, ""), |own| own.whole.force),
         of_contact("stuck_probability", "1", &every(stuck, ""), |own| own.whole.stuck),
-        after_preload("pull_off_after_preload", "N", &every(force, after), |own| own.force),
-        after_preload("stuck_probability_after_preload", "1", &every(stuck, after), |own| own.stuck),
+        of_preloads("pull_off_after_preload", "N", &every(force, after), |own| own.force),
+        of_preloads("stuck_probability_after_preload", "1", &every(stuck, after), |own| own.stuck),
         of_contact("dissipated_energy", "J", energy, |own| own.dissipated_energy),
     ]
 }
@@ -33,7 +33,7 @@ fn of_contact(name: &str, units: &'static str, meaning: &str, of: fn(&OfContact)
 }
 
 /// A number of each contact after each preload.
-fn after_preload(name: &str, units: &'static str, meaning: &str, of: fn(&PullOff) -> f64) -> Dataset {
+fn of_preloads(name: &str, units: &'static str, meaning: &str, of: fn(&PullOff) -> f64) -> Dataset {
     const DIMENSIONS: &[Dimension] = &[PlasticContact, Preload];
     Dataset::new(path(GROUP, name), DIMENSIONS, units, meaning, move |results| {
         known(results.model_range.as_ref()?.contacts.iter().flat_map(|own| &own.after_preload).map(of))

@@ -59,6 +59,8 @@ _DATASETS: dict[str, list[str]] = {
     "convergence": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/peak_secant_stiffness"],
 }  # fmt: skip
 _DATASETS["standard_errors"] = _DATASETS["convergence"]
+# Beginning of what is by plastic contact, next to the datasets of a figure.
+_RANGE = "model_range/"
 # The first of these that a dataset has is the dimension of its rows.
 _ROWS = ("separation", "separation_index", "step", "replica", "stiffness", "asperity_count", "preload")
 
@@ -82,7 +84,8 @@ def tables(result: Result, figure: str) -> list[pd.DataFrame]:
         array = source[path]
         main = _main(array)
         columns = by_dimension.setdefault(main, _coordinates(array, main))
-        columns.update(_columns(array, path, main, "/" in path and _is_of_several_groups(figure)))
+        has_group = path.startswith(_RANGE) or ("/" in path and _is_of_several_groups(figure))
+        columns.update(_columns(array, path, main, has_group))
     return [pd.DataFrame(columns) for columns in by_dimension.values()]
 
 
@@ -95,7 +98,7 @@ def _present(result: Result, figure: str, source: Any) -> Iterator[str]:
 
 
 def _is_of_several_groups(figure: str) -> bool:
-    return len({path.partition("/")[0] for path in _DATASETS[figure]}) > 1
+    return len({path.partition("/")[0] for path in _DATASETS[figure] if not path.startswith(_RANGE)}) > 1
 
 
 def _main(array: xarray.DataArray) -> str:

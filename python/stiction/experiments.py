@@ -209,7 +209,7 @@ def check(scene: Scene, **overrides: Any) -> Text:
     Raises
     ------
     SceneError
-        The scene is wrong; the message names every problem with its line.
+        The scene is wrong; the message names every problem with its line. Or a run of it would be too large for this machine.
     """
     with Source(scene, overrides, None) as source:
         return Text(program.call(["check", *source.arguments], text=source.text))
@@ -231,7 +231,9 @@ def _computed(
 ) -> Any:
     """Calls a command that leaves a result, and opens that."""
     with Place(output) as place, Source(scene, overrides, place.path) as source:
-        arguments = [command, *source.arguments, "--output", str(place.path), *options, "--json-progress"]
+        # A name may begin like an option.
+        named = f"./{place.path}" if str(place.path).startswith("-") else str(place.path)
+        arguments = [command, *source.arguments, "--output", named, *options, "--json-progress"]
         try:
             program.call([*arguments, *(["--force"] if force else [])], text=source.text, progress=progress)
         except KeyboardInterrupt as interruption:

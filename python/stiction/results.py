@@ -139,6 +139,8 @@ class Result:
     format: ClassVar[str] = ""
     major_version: ClassVar[int] = 0
     made_by: ClassVar[str] = ""
+    #: Groups that all such files have.
+    groups: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -149,6 +151,10 @@ class Result:
             opened = xarray.open_datatree(self.path, engine="h5netcdf", decode_times=False)
             self.tree = opened.map_over_datasets(indexed)
         self.tree.set_close(opened.close)
+        missing = [name for name in self.groups if name not in self.tree.children]
+        if missing:
+            self.close()
+            raise FileError(f"{self.path}: is damaged or not whole: no group /{missing[0]}")
 
     @property
     def attrs(self) -> dict[str, Any]:
@@ -267,6 +273,8 @@ _IN_MEMORY = 100_000_000
 
 class _Curves(Result):
     """A result with an ensemble and an integral."""
+
+    groups = ("integral", "diagnostics")
 
     @property
     def has_replicas(self) -> bool:

@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::info::of_result;
 use super::progress::Display;
 use super::source::SceneArguments;
+use super::terminal::note;
 use crate::engine::Shard;
 use crate::experiment::partial::OverwritePolicy;
 use crate::experiment::prepared::most_threads;
@@ -39,7 +40,7 @@ impl Execution {
     pub fn threads(&self) -> usize {
         let (threads, (most, processors)) = (self.threads.unwrap_or_default().into(), most_threads());
         if threads > most {
-            eprintln!("--threads {threads}: {most} are taken, as there are {processors} processors");
+            note(&format!("--threads {threads}: {most} are taken, as there are {processors} processors"));
         }
         threads
     }

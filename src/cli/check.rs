@@ -24,13 +24,21 @@ pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
     let (document, threads) = (arguments.document()?, thread_pool(0)?);
     let mut progress = Progress::new(Display::Text);
     progress.phase("integral");
-    let text = threads.install(|| checked(document, arguments.path()));
+    let found = threads.install(|| checked(document, arguments.path()));
     progress.end();
-    print(&text?)
+    let (text, shortage) = found?;
+    print(&text)?;
+    match shortage {
+        None => Ok(()),
+        Some(shortage) => Err(Failure::Usage(format!("{}: {shortage}", arguments.path().display()))),
+    }
 }
 
+/// What is said of a scene, and why a run of it would be refused, if it would.
+type Checked = (String, Option<String>);
+
 /// Says what a scene or a sweep would compute.
-fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, Failure> {
+fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<Checked, Failure> {
     if let Some(sweep) = sweep {
         return check_sweep(&sweep, &scene, path);
     }
@@ -51,10 +59,7 @@ fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, F
     text += &labelled("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
     let estimate = Estimate::new(&scene, law.view(), threads());
     text += &cost(&estimate);
-    for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
-        text += &labelled("too large", &format!("here `stiction run` would refuse: {shortage}"));
-    }
-    Ok(text)
+    Ok((text, resources::require(&estimate, Some(Path::new("out.h5"))).err()))
 }
 
 /// The keys that a scene does not give, and what it takes for them.
@@ -64,7 +69,7 @@ fn defaults(scene: &Scene) -> String {
 }
 
 /// Says what a sweep would compute: its first point, and what all of them take.
-fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
+fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<Checked, Failure> {
     let law = SceneLaws::new(first).map_err(|error| error.in_scene(path))?.law;
     let plan = Plan::new(first, law.view());
     let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first) + &defaults(first);
@@ -105,10 +110,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     text +=
         &labelled("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
     text += &labelled("disk", &format!("at most about {}", bytes(estimate.disk())));
-    for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
-        text += &labelled("too large", &format!("here `stiction run` would refuse: {shortage}"));
-    }
-    Ok(text)
+    Ok((text, resources::require(&estimate, Some(Path::new("out.h5"))).err()))
 }
 
 /// What the integral of a scene lets expect.

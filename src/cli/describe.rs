@@ -74,9 +74,16 @@ fn sampling(scheme: SamplingScheme) -> String {
     format!("{}: {about}", scheme.name())
 }
 
+/// Most characters of a title that are shown.
+const LONGEST_TITLE: usize = 240;
+
 /// The title, if there is one.
 pub(super) fn title(scene: &Scene) -> String {
-    let title = broken(&one_line(&scene.title), COLUMNS).join("\n");
+    let mut title: String = scene.title.chars().take(LONGEST_TITLE).collect();
+    if title.len() < scene.title.len() {
+        title += "...";
+    }
+    let title = broken(&one_line(&title), COLUMNS).join("\n");
     if title.is_empty() { title } else { title + "\n" }
 }
 

@@ -23,15 +23,9 @@ const OTHER_THREADS: f64 = 4.0;
 /// # Errors
 /// The estimate, what there is, and what would fit.
 pub(super) fn require(estimate: &Estimate, output: Option<&Path>) -> Result<(), String> {
-    shortages(estimate, output).into_iter().next().map_or(Ok(()), Err)
-}
-
-/// Shortages of a run: memory and disk that it would take more of than can be had, a line each; disk for a
-/// file if it writes one.
-pub(super) fn shortages(estimate: &Estimate, output: Option<&Path>) -> Vec<String> {
     let memory = shortage("memory", estimate, memory(estimate.threads), Estimate::memory);
     let disk = output.and_then(|output| shortage("disk", estimate, disk(output), Estimate::disk));
-    memory.into_iter().chain(disk).collect()
+    memory.or(disk).map_or(Ok(()), Err)
 }
 
 /// A shortage, if more is needed than can be had; none where that is not known.

@@ -52,8 +52,13 @@ pub(super) fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
 
 /// Says that an output was complete before, so that there is nothing to do.
 pub(super) fn complete_before(output: &Path) -> Result<(), Failure> {
-    eprintln!("{} is complete: nothing to resume", output.display());
+    note(&format!("{} is complete: nothing to resume", output.display()));
     Ok(())
+}
+
+/// Says something on standard error, where somebody can read it.
+pub(super) fn note(text: &str) {
+    let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
 }
 
 /// Prints what is said of a result that is complete, and says that it is where this fails.

@@ -8,7 +8,7 @@
 use super::layouts::RUN;
 use crate::output::attributes::text;
 use crate::output::schema::{Dimension, Variable};
-use crate::output::writer::{CURVE_CHUNK, Writer};
+use crate::output::writer::{CURVE_CHUNK, Kept, Writer};
 use crate::output::{OutputError, guard};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, H5Type};
@@ -253,7 +253,7 @@ impl Target<'_, '_> {
 
     /// Writes the values of a point, at the indices that its own have in the stack, and `absent` where it has
     /// none.
-    fn values<T: H5Type + Copy>(
+    fn values<T: Kept + Copy>(
         &self,
         dataset: &Dataset,
         maps: &[Vec<usize>],
@@ -381,7 +381,7 @@ fn put<T: Clone>(
 }
 
 /// Writes what each point has as an attribute, `absent` where it has none.
-fn write<T: H5Type + Copy>(
+fn write<T: Kept + Copy>(
     writer: &Writer<'_>,
     points: &PointFiles<'_>,
     path: &'static str,

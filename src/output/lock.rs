@@ -154,9 +154,16 @@ fn folder_of(name: &Path) -> &Path {
     name.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// Makes the names in a folder last, where the operating system can.
+/// Makes the names in a folder last, where the operating system and the folder can.
 fn flush_names(folder: &Path) -> std::io::Result<()> {
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    match File::open(folder)?.sync_all() {
+        // So answer folders that a virtual machine shares with its host.
+        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        flushed => flushed,
+    }
 }
 
 /// A file next to an output, named like the output with `suffix`.

@@ -60,13 +60,63 @@ struct Coordinate {
     make: MakeDataset,
 }
 
+/// A value of a dataset that can be compared with what the disk has kept of it.
+pub trait Kept: H5Type + Clone {
+    /// Whether both are equal, to the bit.
+    fn is_kept(&self, read: &Self) -> bool;
+}
+
+impl Kept for f64 {
+    fn is_kept(&self, read: &Self) -> bool {
+        self.to_bits() == read.to_bits()
+    }
+}
+
+impl Kept for u64 {
+    fn is_kept(&self, read: &Self) -> bool {
+        self == read
+    }
+}
+
+impl Kept for u8 {
+    fn is_kept(&self, read: &Self) -> bool {
+        self == read
+    }
+}
+
+impl Kept for VarLenUnicode {
+    fn is_kept(&self, read: &Self) -> bool {
+        self.as_str() == read.as_str()
+    }
+}
+
+/// Whether what was read of a dataset that has been closed since it was written is what was written: libhdf5 drops the errors of
+/// a write that happens when a dataset is closed.
+fn compared<'v, T: Kept>(
+    path: &str,
+    written: &'v [T],
+    read: impl ExactSizeIterator<Item = &'v T>,
+) -> hdf5::Result<()> {
+    let is_whole =
+        written.len() == read.len() && written.iter().zip(read).all(|(own, read)| own.is_kept(read));
+    if is_whole { Ok(()) } else { Err(format!("what was written into {path} is not there").into()) }
+}
+
+/// Writes all values of a dataset, sees that they are there, and gives the dataset.
+fn kept<T: Kept>(file: &File, path: &str, dataset: Dataset, values: &[T]) -> hdf5::Result<Dataset> {
+    dataset.write_raw(values)?;
+    drop(dataset);
+    let dataset = file.dataset(path)?;
+    compared(path, values, dataset.read_raw::<T>()?.iter())?;
+    Ok(dataset)
+}
+
 /// A dataset of numbers or of texts.
-fn made_of<T: H5Type + Clone>(values: &[T]) -> MakeDataset {
+fn made_of<T: Kept>(values: &[T]) -> MakeDataset {
     let values = values.to_vec();
     Box::new(move |file, path| {
         let dataset = builder::<T>(file, &[values.len()], &[values.len().min(CHUNK)]).create(path)?;
-        dataset.write_raw(&values)?;
-        Ok(dataset)
+        kept(file, path, dataset, &values)
     })
 }
 
@@ -174,7 +224,7 @@ impl<'c> Writer<'c> {
     }
 
     /// Gives the scale of a dimension, before the datasets that have it: every group of such gets a copy.
-    pub fn scale<T: H5Type + Clone>(&mut self, dimension: Dimension, values: &[T]) {
+    pub fn scale<T: Kept>(&mut self, dimension: Dimension, values: &[T]) {
         self.coordinate(dimension.name(), dimension, values);
     }
 
@@ -184,7 +234,7 @@ impl<'c> Writer<'c> {
     }
 
     /// Gives a coordinate of the layout along a dimension, behind the scale of that.
-    pub fn coordinate<T: H5Type + Clone>(&mut self, name: &str, along: Dimension, values: &[T]) {
+    pub fn coordinate<T: Kept>(&mut self, name: &str, along: Dimension, values: &[T]) {
         let variable = self.layout.variable(self.layout.coordinate(name));
         let attributes = about(variable.units, &variable.long_name);
         self.coordinates.push(Coordinate {
@@ -204,20 +254,18 @@ impl<'c> Writer<'c> {
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
         self.require_group(path)?;
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
-        dataset.write_raw(&unicode(texts))?;
-        self.describe(path, &dataset, false)
+        self.describe(path, &kept(&self.file, path, dataset, &unicode(texts))?, false)
     }
 
     /// Writes a dataset of the layout, its values row-major.
     ///
     /// # Errors
     /// When HDF5 fails.
-    pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
+    pub fn dataset<T: Kept>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.require_group(path)?;
         let shape = self.shape(path);
         let dataset = builder::<T>(&self.file, &shape, &chunk(&shape, CHUNK)).create(path)?;
-        dataset.write_raw(values)?;
-        self.describe(path, &dataset, false)
+        self.describe(path, &kept(&self.file, path, dataset, values)?, false)
     }
 
     /// Writes bytes besides the datasets of the layout. Their dimension is one of netCDF without values.
@@ -227,8 +275,9 @@ impl<'c> Writer<'c> {
     pub fn bytes(&self, group: &str, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
         self.group(group)?;
         let (shape, chunk) = ([bytes.len()], [bytes.len().min(CHUNK)]);
-        let dataset = builder::<u8>(&self.file, &shape, &chunk).create(&*format!("{group}/{name}"))?;
-        dataset.write_raw(bytes)?;
+        let path = format!("{group}/{name}");
+        let dataset = builder::<u8>(&self.file, &shape, &chunk).create(&*path)?;
+        let dataset = kept(&self.file, &path, dataset, bytes)?;
         let empty = self.file.new_dataset::<u8>().shape(shape).chunk(chunk);
         let scale = empty.create(&*format!("{group}/byte_of_{name}"))?;
         make_scale(&scale, "This is a netCDF dimension but not a netCDF variable.")?;
@@ -237,7 +286,7 @@ impl<'c> Writer<'c> {
 
     /// Gives the scale of the next dimension of the points, by which every dataset of points is led; before
     /// all of these. The key of a sweep is the name with `_` for every dot.
-    pub fn point_scale<T: H5Type + Clone>(&mut self, key: &str, units: &str, long_name: &str, values: &[T]) {
+    pub fn point_scale<T: Kept>(&mut self, key: &str, units: &str, long_name: &str, values: &[T]) {
         self.of_points(key, true, units, long_name, values);
     }
 
@@ -247,14 +296,7 @@ impl<'c> Writer<'c> {
         self.of_points(key, false, units, long_name, values);
     }
 
-    fn of_points<T: H5Type + Clone>(
-        &mut self,
-        key: &str,
-        is_scale: bool,
-        units: &str,
-        long_name: &str,
-        values: &[T],
-    ) {
+    fn of_points<T: Kept>(&mut self, key: &str, is_scale: bool, units: &str, long_name: &str, values: &[T]) {
         let mut attributes = vec![("units", units.to_owned()), ("long_name", long_name.to_owned())];
         if key != Dimension::Point.name() {
             attributes.push(("key", key.to_owned()));
@@ -308,7 +350,7 @@ impl<'c> Writer<'c> {
     ///
     /// # Errors
     /// When HDF5 fails.
-    pub fn at_point<T: H5Type>(
+    pub fn at_point<T: Kept>(
         &self,
         path: &str,
         place: &[usize],
@@ -329,16 +371,20 @@ impl<'c> Writer<'c> {
             .unzip();
         let view = ndarray::ArrayViewD::from_shape(shape, values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
-        Ok(self.file.dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
+        let slab = Hyperslab::from(slab);
+        self.file.dataset(path)?.write_slice(view, slab.clone())?;
+        let read: ndarray::ArrayD<T> = self.file.dataset(path)?.read_slice(slab)?;
+        Ok(compared(path, values, read.iter())?)
     }
 
     /// Writes a dataset over the points alone, in their order.
     ///
     /// # Errors
     /// When HDF5 fails.
-    pub fn over_points<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
+    pub fn over_points<T: Kept>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.point_dataset::<T>(path, false)?;
-        Ok(self.file.dataset(path)?.write_raw(values)?)
+        kept(&self.file, path, self.file.dataset(path)?, values)?;
+        Ok(())
     }
 
     /// Writes a dataset of texts over the points.
@@ -349,8 +395,7 @@ impl<'c> Writer<'c> {
         self.require_group(path)?;
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
-        dataset.write_raw(&unicode(&texts))?;
-        self.describe(path, &dataset, true)
+        self.describe(path, &kept(&self.file, path, dataset, &unicode(&texts))?, true)
     }
 
     /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for
@@ -369,7 +414,7 @@ impl<'c> Writer<'c> {
     ///
     /// # Errors
     /// When HDF5 fails.
-    pub fn rows<T: H5Type>(&self, path: &str, first: usize, values: &[T]) -> Result<(), OutputError> {
+    pub fn rows<T: Kept>(&self, path: &str, first: usize, values: &[T]) -> Result<(), OutputError> {
         if values.is_empty() {
             return Ok(());
         }
@@ -378,7 +423,10 @@ impl<'c> Writer<'c> {
         let rows = values.len() / length;
         let view = ndarray::ArrayView2::from_shape((rows, length), values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
-        Ok(dataset.write_slice(view, (first..first + rows, ..))?)
+        dataset.write_slice(view, (first..first + rows, ..))?;
+        drop(dataset);
+        let read: ndarray::Array2<T> = self.file.dataset(path)?.read_slice((first..first + rows, ..))?;
+        Ok(compared(path, values, read.iter())?)
     }
 
     /// Makes the group of a dataset that not every file of the layout has.
@@ -460,8 +508,8 @@ impl<'c> Writer<'c> {
         Ok(scales.iter().enumerate().try_for_each(|(i, scale)| attach_scale(dataset, scale, i))?)
     }
 
-    /// Completes the file: flushed to disk, opened again to see that it is there, then given its name in one
-    /// step.
+    /// Completes the file, whose datasets have been read back as they were written: flushed to disk, opened again to see that it is
+    /// there, then given its name in one step.
     ///
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.

@@ -24,7 +24,7 @@ pub(super) fn of_file(
         let factor = length(unit.string()?).map_err(|problem| unit.wrong(&problem))?;
         Ok((unit.clone(), factor))
     });
-    let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
+    let path = table.require("path").and_then(|entry| entry.path().map(|path| (entry, path)));
     let ((entry, path), given, column) = (path, given, column(name, table)).together()?;
     let Values { numbers: values, unit } =
         files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;

@@ -14,7 +14,12 @@ const LONGEST_NAME: usize = 100;
 // A table of texts, whose columns are in the line above.
 const MEANT: &[(&[&str], &str, &str)] = &[
     (
-        &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],
+        &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1"],
+        "material.youngs_modulus",
+        ", of both bodies, or of each in a list",
+    ),
+    (
+        &["e_r", "e_star"],
         "material.reduced_modulus",
         ", 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
     ),
@@ -179,7 +184,10 @@ mod tests {
     #[test]
     fn what_people_write_is_known_and_names_keys() {
         for (given, key) in [
-            ("e", "material.reduced_modulus"),
+            ("e", "material.youngs_modulus"),
+            ("E", "material.youngs_modulus"),
+            ("young_modulus", "material.youngs_modulus"),
+            ("e_star", "material.reduced_modulus"),
             ("Young's modulus", "material.youngs_modulus"),
             ("sigma", "surface.surface_height_std"),
             ("gamma", "material.work_of_adhesion"),

@@ -19,7 +19,7 @@ pub(super) fn measured(
 ) -> Result<Population, SceneError> {
     let others = section.excluded("asperities", "follows from the measured asperities; give either");
     let table = entry.table()?;
-    let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
+    let path = table.require("path").and_then(|path| path.path().map(|name| (path, name)));
     let whole = table.value("sample").choice("sample", &SAMPLES);
     let is_equivalent = table.value("radius").choice("radius", &MEASURED_RADII);
     let area = section.optional("nominal_area", |area| area.measured());

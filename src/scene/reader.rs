@@ -29,9 +29,17 @@ pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
                 format!("not TOML: `{given}` has a decimal comma; a point is needed"),
             );
         }
+        // As in a path of Windows.
+        let is_of_escape = ["escape", "unicode"].iter().any(|word| error.message().contains(word));
+        if is_of_escape && given.contains('\\') {
+            return SceneError::at(line, format!("not TOML: `{}`: {BACKSLASH}", shortened(given)));
+        }
         SceneError::at(line, format!("not TOML: {}", one_line(error.message())))
     })
 }
+
+/// The reason why a path of Windows is none, and what would do.
+const BACKSLASH: &str = "within \"double quotes\" a backslash begins another character; write / for it, or 'single quotes' around the path";
 
 /// Whether a text begins with a number that has a decimal comma.
 fn has_decimal_comma(text: &str) -> bool {
@@ -319,6 +327,13 @@ impl<'a> Entry<'a> {
             .get_ref()
             .as_str()
             .ok_or_else(|| self.wrong(&format!("is {}, a text is needed", kind(self.value.get_ref()))))
+    }
+
+    /// The path of a file.
+    pub fn path(&self) -> Result<&'a str, SceneError> {
+        let path = self.string()?;
+        let is_path = !path.contains(char::is_control);
+        if is_path { Ok(path) } else { Err(self.wrong(&format!("is no path: {BACKSLASH}"))) }
     }
 
     /// A name out of a closed list.

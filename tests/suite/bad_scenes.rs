@@ -211,6 +211,24 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["did you mean `reduced_modulus`, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
     ),
     (
+        "reduced_modulus =",
+        "young_modulus =",
+        &["did you mean `youngs_modulus`, of both bodies, or of each in a list?"],
+    ),
+    (
+        "[surface]",
+        "[surface]\nheights = { law = \"file\", path = \"C:\\Users\\lab\\map.h5\", dataset = \"/z\", unit = \"m\" }",
+        &[
+            "not TOML",
+            "a backslash begins another character; write / for it, or 'single quotes' around the path",
+        ],
+    ),
+    (
+        "[surface]",
+        "[surface]\nheights = { law = \"file\", path = \"maps\\bump.csv\", column = 1, unit = \"m\" }",
+        &["`surface.heights.path", "is no path", "a backslash begins another character; write / for it"],
+    ),
+    (
         "[material]",
         "[material]\nyoungs_modulus = [\"169 GPa\", \"70 GPa\"]",
         &["line 6: `material.youngs_modulus", "determines reduced_modulus too; give either"],

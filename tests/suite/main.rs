@@ -17,6 +17,7 @@ mod coupled_limits;
 mod cycles;
 mod ensemble;
 mod extremes;
+mod faults;
 mod forest;
 mod histories;
 mod hostile_files;

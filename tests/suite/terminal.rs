@@ -90,6 +90,14 @@ fn readers_may_leave() {
             Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).stderr(full()).status().unwrap();
         assert_eq!(status.code(), Some(code));
     }
+    // What a command says besides its result, such as that there is nothing to do, may go nowhere.
+    let folder = with_result();
+    for arguments in [&["--resume"][..], &["--force", "--threads", "4000", "--quiet"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+        let command = command.current_dir(folder.path("")).args(["run", "scene.toml"]).args(arguments);
+        let status = command.stdout(Stdio::null()).stderr(full()).status().unwrap();
+        assert_eq!(status.code(), Some(0), "{arguments:?}");
+    }
 }
 
 /// A law that has ended before the asperities of a scene begin: none is in any of its regimes.

@@ -17,7 +17,7 @@ use crate::experiment::prepared::{SceneLaws, thread_pool};
 use crate::experiment::{Error, Observer};
 use crate::format::bytes;
 use crate::integral::{Independence, IndependenceVerdict};
-use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings, yields};
+use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
 use std::path::Path;
 
 pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
@@ -119,7 +119,7 @@ struct Expectation {
     independence: Independence,
     /// Warnings: outside of what the models are valid for, or likely a wrong unit.
     warnings: Vec<Warning>,
-    /// Whether contacts yield before what is quoted is read off.
+    /// Whether contacts yield before the surfaces turn back.
     yields: bool,
 }
 
@@ -128,8 +128,7 @@ impl Expectation {
         let integral = Integral::new(scene, law, cycle);
         let expected = integral.expected(scene, law);
         let warnings = warnings(scene, &scene.model, law.typical, &expected);
-        let yields = yields(scene, law.typical, &expected.readings);
-        Self { independence: integral.pulled().independence, warnings, yields }
+        Self { independence: integral.pulled().independence, warnings, yields: expected.yields }
     }
 }
 

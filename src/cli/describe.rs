@@ -8,7 +8,7 @@ use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
 use crate::liquid::{Film, Meniscus};
-use crate::scene::echo::one_line;
+use crate::scene::echo::cut;
 use crate::scene::units::Dimension;
 use crate::scene::{Scene, sources_of_heights};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
@@ -79,11 +79,7 @@ const LONGEST_TITLE: usize = 240;
 
 /// The title, if there is one.
 pub(super) fn title(scene: &Scene) -> String {
-    let mut title: String = scene.title.chars().take(LONGEST_TITLE).collect();
-    if title.len() < scene.title.len() {
-        title += "...";
-    }
-    let title = broken(&one_line(&title), COLUMNS).join("\n");
+    let title = broken(&cut(&scene.title, LONGEST_TITLE), COLUMNS).join("\n");
     if title.is_empty() { title } else { title + "\n" }
 }
 

@@ -41,10 +41,10 @@ use crate::scene::echo::{one_line, printable};
 use anyhow::Context;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::{OsStr, OsString};
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use terminal::note;
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
 3 validate: ensemble and integral disagree, or the file has another verdict; 130 interrupted, what was done is kept: run --resume.
@@ -129,16 +129,15 @@ pub fn main() -> ExitCode {
 
 /// Says why a command ends without its result; its exit code.
 fn told(failure: &Failure) -> ExitCode {
-    let mut text = format!("stiction: {}\n", one_line(&failure.to_string()));
+    let mut text = format!("stiction: {}", one_line(&failure.to_string()));
     match failure {
-        Failure::Kept { advice, .. } => text += &format!("{}\n", printable(advice)),
+        Failure::Kept { advice, .. } => text += &format!("\n{}", printable(advice)),
         Failure::Listed { list, .. } => {
-            text.extend(list.iter().map(|item| format!("  {}\n", one_line(item))));
+            text.extend(list.iter().map(|item| format!("\n  {}", one_line(item))));
         }
         _ => {}
     }
-    // Nobody may be there to read it.
-    let _ = std::io::stderr().write_all(text.as_bytes());
+    note(&text);
     ExitCode::from(failure.exit_code())
 }
 

@@ -8,16 +8,15 @@ const PARENT: &str = "STICTION_PARENT";
 /// `STICTION_PARENT`, however that ends: the Python package names itself.
 #[cfg(target_os = "linux")]
 pub(super) fn end_with_parent() {
+    use super::terminal::note;
     use rustix::process::{Pid, Signal, set_parent_process_death_signal, test_kill_process};
-    use std::io::Write;
     let named = std::env::var(PARENT).ok().and_then(|number| number.parse().ok());
     let Some(parent) = named.and_then(Pid::from_raw) else { return };
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
     // It may have ended since it started this one.
     if test_kill_process(parent) == Err(rustix::io::Errno::SRCH) {
         let number = parent.as_raw_nonzero();
-        let _ =
-            writeln!(std::io::stderr(), "stiction: {PARENT} = {number}: there is no such process any more");
+        note(&format!("stiction: {PARENT} = {number}: there is no such process any more"));
         std::process::exit(super::session::INTERRUPTED);
     }
 }

@@ -4,6 +4,7 @@ use super::arguments::{Execution, RunOptions};
 use super::failure::Failure;
 use super::progress::{Display, Progress};
 use super::resources;
+use super::terminal::note;
 use crate::estimate::Estimate;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::{self, thread_pool};
@@ -14,7 +15,6 @@ use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
-use std::io::Write;
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,8 +61,7 @@ impl Host for Terminal {
     }
 
     fn notice(&self, text: &str) {
-        // Nobody may be there to read it.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        note(text);
     }
 
     fn require(&self, estimate: &Estimate, output: Option<&Path>) -> Result<(), String> {

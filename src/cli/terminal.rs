@@ -56,7 +56,7 @@ pub(super) fn complete_before(output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says something on standard error, where somebody can read it.
+/// Writes a line to standard error. Nobody may be there to read it.
 pub(super) fn note(text: &str) {
     let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
 }

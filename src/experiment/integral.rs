@@ -4,7 +4,7 @@ use crate::asperity::{Laws, Loop, Quantity, Regime};
 use crate::engine::Ways;
 use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
-use crate::scene::{Expected, Reading, Scene, WhatIsRead};
+use crate::scene::{Expected, Reading, Scene, WhatIsRead, yields};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
@@ -239,7 +239,12 @@ impl Integral {
             readings.push(reading(scene, law, (WhatIsRead::Turn, place), &at));
         }
         let error = self.paths().map(|way| way.expectations.quadrature_error).fold(0.0, maximum);
-        Expected { readings, error, held: self.held(scene, law) }
+        Expected {
+            yields: yields(scene, law.typical, &readings),
+            readings,
+            error,
+            held: self.held(scene, law),
+        }
     }
 
     /// The pull-offs on approach and of surfaces that have touched, N, where these have another law.

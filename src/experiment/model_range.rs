@@ -11,11 +11,10 @@
 
 use super::prepared::{PreparedRun, SceneLaws, Session};
 use super::results::Results;
-use super::sampling::Sampling;
 use super::snaps::Snaps;
 use super::{Error, Phases};
 use crate::asperity::PlasticContact;
-use crate::engine::{Ensemble, Outcome, ReductionTree, scalars};
+use crate::engine::{Ensemble, scalars};
 use crate::scene::Scene;
 
 /// Results by every plastic contact.
@@ -46,20 +45,20 @@ pub(crate) struct PullOff {
     pub stuck: f64,
 }
 
-/// The share of the replicas of a run that each of the other contacts is given.
+/// The number of replicas of a run over the number that every other contact computes.
 const SHARE: u64 = 5;
 
-/// Most replicas that it is given: more would sharpen the range beyond what it is worth, and take long where shards are merged.
+/// Most replicas of every other contact: more would sharpen the range beyond what it is worth, and take long where shards are merged.
 const MOST: u64 = 64;
 
-/// The replicas that each of the other contacts is given, of so many in groups; 0 where these are too few.
+/// The number of replicas of every other contact, in whole groups; 0 where the run has too few.
 fn shared(replicas: u64, group: u64) -> u64 {
     let (groups, others) = (replicas / group, PlasticContact::ALL.len() as u64 - 1);
     if groups < others { 0 } else { (groups / SHARE).clamp(1, MOST / group) * group }
 }
 
-/// The plastic contacts that a scene is computed by in addition to its own, and the replicas of each, of so many that the run
-/// has; none where these are too few, or the range is not asked for.
+/// The plastic contacts that a scene is computed by in addition to its own, and the number of replicas of each, in a run of
+/// `replicas`; none where the run has too few, or the range is not asked for.
 pub(crate) fn others(scene: &Scene, replicas: u64) -> Option<(Vec<PlasticContact>, u64)> {
     let own = scene.model.contact().filter(|_| scene.model_range)?;
     let others = PlasticContact::ALL.into_iter().map(|(_, contact)| contact);
@@ -69,8 +68,8 @@ pub(crate) fn others(scene: &Scene, replicas: u64) -> Option<(Vec<PlasticContact
 }
 
 impl PreparedRun {
-    /// The model range of results, where contacts yield; of each of the other contacts at most so many replicas, as the replicas
-    /// of a merge that are there from the first on.
+    /// The model range of results, where contacts yield. Every other contact computes `most` replicas at most: of a merge only the
+    /// replicas that are there from the first on.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -80,10 +79,12 @@ impl PreparedRun {
         most: u64,
         (session, phases): (&Session, &mut Phases<'_>),
     ) -> Result<Option<ModelRange>, Error> {
-        let asked = others(&self.scene, results.scene.replicas)
-            .filter(|_| self.yields && most >= self.scene.sampling.group());
-        let Some((others, replicas)) = asked else { return Ok(None) };
-        let replicas = replicas.min(most / self.scene.sampling.group() * self.scene.sampling.group());
+        let group = self.scene.sampling.group();
+        let asked = others(&self.scene, results.scene.replicas);
+        let Some((others, replicas)) = asked.filter(|_| self.yields && most >= group) else {
+            return Ok(None);
+        };
+        let replicas = replicas.min(most / group * group);
         let total = replicas * others.len() as u64;
         let mut done = (0..).step_by(replicas as usize);
         let contacts = PlasticContact::ALL.into_iter().map(|(_, contact)| {
@@ -94,38 +95,12 @@ impl PreparedRun {
             let computed = self.scene.by_contact(contact, replicas).ok();
             let computed = computed.and_then(|scene| SceneLaws::new(&scene).ok().map(|laws| (scene, laws)));
             let Some((scene, laws)) = computed else { return Ok(OfContact::unknown(contact, &self.scene)) };
-            let ensemble = ensemble(&scene, &laws, session, phases)?;
-            Ok(OfContact::new(contact, results, (&scene, &ensemble)))
+            let sampling = laws.sampling(&scene);
+            let (tree, _) = sampling.run_whole((&session.pool, &session.stop), phases, |_| Ok(()))?;
+            Ok(OfContact::new(contact, results, (&scene, &tree.into_ensemble(&sampling.job()))))
         });
         let contacts = contacts.collect::<Result<Vec<OfContact>, Error>>()?;
         Ok(Some(ModelRange { replicas, contacts }))
-    }
-}
-
-/// The ensemble of a scene, as the phase that has begun.
-fn ensemble(
-    scene: &Scene,
-    laws: &SceneLaws,
-    session: &Session,
-    phases: &mut Phases<'_>,
-) -> Result<Ensemble, Error> {
-    let sampling = Sampling {
-        scene,
-        law: laws.law.view(),
-        cycle: laws.cycle.as_ref(),
-        memory: laws.memory.as_ref(),
-        controls: &[],
-        rule: None,
-        keep_curves: false,
-    };
-    let (pool, start) = (&session.pool, ReductionTree::of(&sampling.job()));
-    let summation = sampling.summation(pool);
-    match sampling.run(&summation, (pool, &session.stop), phases, start, |_, _| Ok(()))? {
-        Outcome::Complete(tree) => Ok(tree.into_ensemble(&sampling.job())),
-        Outcome::Interrupted(tree) => {
-            let done = tree.replicas.len() as u64;
-            Err(Error::Interrupted { done, of: scene.replicas, kept: false })
-        }
     }
 }
 
@@ -181,7 +156,8 @@ impl Pairs {
         both.filter(|(own, other)| !own.is_nan() && !other.is_nan())
     }
 
-    /// What the other contact makes of a number of the run; not a number where fewer than [`FEWEST`] have a mean of 0 or less.
+    /// The line through the shared replicas. Fewer than [`FEWEST`] have the ratio of their means, which is not a number where the
+    /// mean of the run is not positive.
     fn line(&self) -> Line {
         let count = self.shared().count() as f64;
         let sum = |of: &dyn Fn((f64, f64)) -> f64| self.shared().map(of).sum::<f64>() / count;
@@ -230,6 +206,14 @@ impl Line {
     fn at(self, own: f64) -> f64 {
         self.intercept + self.slope * own
     }
+}
+
+/// The smallest and the largest value by any contact, of values by every contact one after the other, `length` each.
+pub(crate) fn ends(values: &[f64], length: usize) -> [Vec<f64>; 2] {
+    [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| {
+        let of = |i: usize| values.iter().skip(i).step_by(length).copied().fold(f64::NAN, pick);
+        (0..length).map(of).collect()
+    })
 }
 
 #[cfg(test)]

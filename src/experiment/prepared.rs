@@ -20,7 +20,7 @@ use crate::output::curves::Curves;
 use crate::output::partial::{Functionals, Head};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
-use crate::scene::{Scene, Warning, warnings, yields};
+use crate::scene::{Scene, Warning, warnings};
 use crate::validation::Basis;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
@@ -147,6 +147,19 @@ impl SceneLaws {
         })
     }
 
+    /// The ensemble of the scene that they are of, without control variates and targets.
+    pub fn sampling<'a>(&'a self, scene: &'a Scene) -> Sampling<'a> {
+        Sampling {
+            scene,
+            law: self.law.view(),
+            cycle: self.cycle.as_ref(),
+            memory: self.memory.as_ref(),
+            controls: &[],
+            rule: None,
+            keep_curves: scene.curves,
+        }
+    }
+
     /// The laws of a scene, if there is room for computing this number of replicas for a task on this number
     /// of threads.
     ///
@@ -174,7 +187,7 @@ pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
     warnings: Vec<Warning>,
-    /// Whether contacts yield before what is quoted is read off.
+    /// Whether contacts yield before the surfaces turn back.
     pub yields: bool,
     integral: Integral,
     mean_fields: Vec<MeanField>,
@@ -194,19 +207,16 @@ impl PreparedRun {
     ) -> Self {
         let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
-        let (integral, (warnings, yields), mean_fields) = pool.install(|| {
+        let (integral, expected, mean_fields) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, law);
-            let warnings = (
-                warnings(&scene, &scene.model, law.typical, &expected),
-                yields(&scene, law.typical, &expected.readings),
-            );
             let mean_fields = match scene.replicas {
                 0 => Vec::new(),
                 _ => mean_fields(&scene, law, cycle, &integral),
             };
-            (integral, warnings, mean_fields)
+            (integral, expected, mean_fields)
         });
+        let (warnings, yields) = (warnings(&scene, &scene.model, law.typical, &expected), expected.yields);
         phases.phase("test functionals");
         let functionals = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
@@ -217,15 +227,8 @@ impl PreparedRun {
 
     /// The ensemble.
     pub fn sampling(&self) -> Sampling<'_> {
-        Sampling {
-            scene: &self.scene,
-            law: self.laws.law.view(),
-            cycle: self.laws.cycle.as_ref(),
-            memory: self.laws.memory.as_ref(),
-            controls: &self.functionals.controls,
-            rule: self.rule(),
-            keep_curves: self.scene.curves,
-        }
+        let controls = &self.functionals.controls;
+        Sampling { controls, rule: self.rule(), ..self.laws.sampling(&self.scene) }
     }
 
     fn rule(&self) -> Option<Rule<'_>> {

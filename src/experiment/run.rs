@@ -114,8 +114,8 @@ impl<'a> Builder<'a> {
             let setup = run.sampling();
             let mut curves = Curves::new(scene, &std::env::temp_dir());
             let observe = |batch: &_| curves.add(batch);
-            let (mut tree, summation) =
-                setup.run_whole("ensemble", &session.pool, &session.stop, phases, observe)?;
+            phases.replicas("ensemble", 0, scene.replicas);
+            let (mut tree, summation) = setup.run_whole((&session.pool, &session.stop), phases, observe)?;
             let (summation, metadata) = (Arc::new(summation), RunMetadata::default());
             let results =
                 run.whole_results(&mut tree, (&summation, u64::MAX), metadata, (session, phases))?;

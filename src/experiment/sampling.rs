@@ -102,20 +102,18 @@ impl Sampling<'_> {
         Ok(outcome)
     }
 
-    /// Sums all replicas, of which nothing is kept on the way; `observe` gets every batch in order.
+    /// Sums all replicas, of which nothing is kept on the way, as the last phase that has begun; `observe` gets every batch in
+    /// order.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
     pub fn run_whole(
         &self,
-        name: &'static str,
-        pool: &rayon::ThreadPool,
-        stop: &AtomicBool,
+        (pool, stop): (&rayon::ThreadPool, &AtomicBool),
         phases: &mut Phases<'_>,
         mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
     ) -> Result<(Box<ReductionTree>, Summation), Error> {
         let (start, summation) = (ReductionTree::of(&self.job()), self.summation(pool));
-        phases.replicas(name, 0, self.scene.replicas);
         match self.run(&summation, (pool, stop), phases, start, |batch, _| observe(batch))? {
             Outcome::Complete(reduction_tree) => Ok((reduction_tree, summation)),
             Outcome::Interrupted(reduction_tree) => {

@@ -4,6 +4,7 @@
 use super::Error;
 use super::independence::{read_independence, write_limits};
 use super::layouts::{RUN, SWEEP};
+use super::model_range::ends;
 use super::partial::{scene_file, state_in, write_restart};
 use super::points::Points;
 use super::result_file::{write_about, write_model};
@@ -344,7 +345,7 @@ fn compared(
         ],
         most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
         stuck_probability: stuck(&reader, "stuck_probability", 0)?,
-        model_range: model_range(&reader, ["pull_off_force", "stuck_probability"], |_| true)?,
+        model_range: model_range(&reader, ["pull_off_force", "stuck_probability"], 0)?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
@@ -358,19 +359,13 @@ fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> 
     if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
 }
 
-/// The range over plastic contacts of the last dataset of these that a run has, of its elements that are chosen by their index
-/// along all but the first dimension; NaN without any.
-fn model_range(
-    reader: &Reader,
-    names: [&str; 2],
-    is_chosen: impl Fn(usize) -> bool,
-) -> Result<[f64; 2], OutputError> {
+/// The range over plastic contacts of the last of these datasets that a run has, at a place of its other dimension; NaN
+/// without any.
+fn model_range(reader: &Reader, names: [&str; 2], place: usize) -> Result<[f64; 2], OutputError> {
     let paths = names.map(|name| format!("/model_range/{name}"));
     let Some(path) = paths.iter().rfind(|path| reader.has(path)) else { return Ok([f64::NAN; 2]) };
-    let (values, contacts) = (reader.values::<f64>(path)?, PlasticContact::ALL.len());
-    let rest = values.len() / contacts;
-    let chosen = || values.iter().enumerate().filter(|(i, _)| is_chosen(i % rest)).map(|(_, value)| *value);
-    Ok([chosen().fold(f64::NAN, f64::min), chosen().fold(f64::NAN, f64::max)])
+    let values = reader.values::<f64>(path)?;
+    Ok(ends(&values, values.len() / PlasticContact::ALL.len()).map(|end| end[place]))
 }
 
 /// A point with the pull-off after the largest preload that is reached, where there are preloads: none where none is reached.
@@ -390,7 +385,7 @@ fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPo
     };
     let names = ["pull_off_after_preload", "stuck_probability_after_preload"];
     Ok(SweepPoint {
-        model_range: model_range(reader, names, |preload| preload == i)?,
+        model_range: model_range(reader, names, i)?,
         pull_off: [means[i], errors[i]],
         preload: preloads[i],
         stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,

@@ -61,32 +61,19 @@ struct Coordinate {
 }
 
 /// A value of a dataset that can be compared with what the disk has kept of it.
-pub trait Kept: H5Type + Clone {
+pub trait Kept: H5Type + Clone + PartialEq {
     /// Whether both are equal, to the bit.
-    fn is_kept(&self, read: &Self) -> bool;
+    fn is_kept(&self, read: &Self) -> bool {
+        self == read
+    }
 }
 
+impl Kept for u64 {}
+impl Kept for u8 {}
+impl Kept for VarLenUnicode {}
 impl Kept for f64 {
     fn is_kept(&self, read: &Self) -> bool {
         self.to_bits() == read.to_bits()
-    }
-}
-
-impl Kept for u64 {
-    fn is_kept(&self, read: &Self) -> bool {
-        self == read
-    }
-}
-
-impl Kept for u8 {
-    fn is_kept(&self, read: &Self) -> bool {
-        self == read
-    }
-}
-
-impl Kept for VarLenUnicode {
-    fn is_kept(&self, read: &Self) -> bool {
-        self.as_str() == read.as_str()
     }
 }
 

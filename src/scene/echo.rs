@@ -16,7 +16,12 @@ pub fn one_line(text: &str) -> String {
 
 /// The beginning of a text on one line, as messages repeat it.
 pub fn shortened(text: &str) -> String {
-    let beginning: String = text.chars().take(MOST).collect();
+    cut(text, MOST)
+}
+
+/// The first characters of a text on one line.
+pub fn cut(text: &str, most: usize) -> String {
+    let beginning: String = text.chars().take(most).collect();
     let end = if beginning.len() < text.len() { "..." } else { "" };
     one_line(&beginning) + end
 }

@@ -67,6 +67,8 @@ pub struct Reading {
 pub struct Expected {
     /// Places where results are read off.
     pub readings: Vec<Reading>,
+    /// Whether contacts yield before the surfaces turn back, so that the pull-off depends on the plastic contact.
+    pub yields: bool,
     /// The bound of the integral's relative error.
     pub error: f64,
     /// Pull-off on approach, and pull-off of surfaces that have touched, N, where the law has another one for

@@ -359,9 +359,9 @@ def model_span(ax: Axes, run: Run, name: str, units: str, unit: float) -> list[A
     low, high = float(of.min()), float(of.max())
     words = f"{MODEL_RANGE}, {quantities.si(low, units, 3)} to {quantities.si(high, units, 3)}"
     left, right = ax.get_xlim()
+    width = right - left
     span = ax.axvspan(low / unit, high / unit, color=GREEN, alpha=0.25, linewidth=0, zorder=0.5, label=words)
-    ends = (max(min(left, low / unit), left - (right - left)), min(max(right, high / unit), right + right - left))
-    ax.set_xlim(*ends)
+    ax.set_xlim(min(left, max(low / unit, left - width)), max(right, min(high / unit, right + width)))
     return [span]
 
 

@@ -101,24 +101,30 @@ def _span(low: float, high: float, unit: str) -> str:
     return f"{quantities.si(low, unit)} to {quantities.si(high, unit)}"
 
 
-def _by_contact(values: Any, unit: str) -> tuple[str, str]:
-    """The range of numbers over plastic contacts, in words, and each of them; a dash where there are none."""
-    known = values.dropna("plastic_contact")
-    if not known.size:
-        return "–", ""
-    known = known.sortby(known)
-    factor, written = (0.01, "%") if unit == "%" else quantities.factor_and_unit(known.values, unit)
-    numbers = [quantities.number(float(value) / factor, 3) for value in known.values]
-    each = ", ".join(f"{name} {number}" for name, number in zip(known["plastic_contact"].values, numbers, strict=True))
-    return f"{numbers[0]} to {numbers[-1]} {written}", f"{each} {written}"
+def _of_contacts(values: Any, unit: str) -> tuple[list[str], str]:
+    """Numbers by plastic contact from the smallest on, three digits each, and the unit of all; those that are known."""
+    known = np.sort(values[np.isfinite(values)])
+    factor, written = (0.01, "%") if unit == "%" else quantities.factor_and_unit(known, unit)
+    return [quantities.number(float(value) / factor, 3) for value in known], written
+
+
+def _range(values: Any, unit: str) -> str:
+    """The range of numbers over plastic contacts, in words; a dash where there are none."""
+    numbers, written = _of_contacts(values, unit)
+    return f"{numbers[0]} to {numbers[-1]} {written}" if numbers else "–"
 
 
 def _model_range(run: Run, name: str, label: str, unit: str) -> list[Number]:
     """The range of a number of the run over plastic contacts, where contacts yield."""
     if run.model_range is None or name not in run.model_range:
         return []
-    span, each = _by_contact(run.model_range[name], unit)
-    return [Number(f"model range{label}", span, f"by plastic contact, which no interval has: {each}")] if each else []
+    of = run.model_range[name].dropna("plastic_contact")
+    numbers, written = _of_contacts(of.values, unit)
+    if not numbers:
+        return []
+    names = of["plastic_contact"].values[np.argsort(of.values)]
+    each = ", ".join(f"{contact} {number}" for contact, number in zip(names, numbers, strict=True))
+    return [Number(f"model range{label}", _range(of.values, unit), f"by plastic contact, which no interval has: {each} {written}")]
 
 
 # Rows on what was computed.
@@ -476,8 +482,8 @@ def _ranges(run: Run, name: str, unit: str) -> list[str]:
     """The range over plastic contacts of a number after each preload, or of the one number; none where no contacts yield."""
     if f"model_range/{name}" not in run:
         return []
-    of = run[f"model_range/{name}"]
-    return [_by_contact(of.isel(preload=i) if "preload" in of.dims else of, unit)[0] for i in range(of.sizes.get("preload", 1))]
+    of = run[f"model_range/{name}"].transpose("plastic_contact", ...).values
+    return [_range(values, unit) for values in of.reshape(of.shape[0], -1).T]
 
 
 def _stuck(run: Run) -> Iterator[Table]:
@@ -551,10 +557,10 @@ def _points(sweep: Sweep, keys: list[str]) -> Table:
     if sweep.model_range is not None:
         name, unit = ("stuck_probability", "%") if "stuck_probability" in sweep.model_range else ("pull_off_force", "N")
         heads["model_range"] = f"model range of {'P(stuck)' if unit == '%' else 'the pull-off'}"
-        of = sweep.model_range[name]
-        dims = [dim for dim in of.dims if dim != "plastic_contact"]
-        spans = [_by_contact(of.isel(dict(zip(dims, place, strict=True))), unit)[0] for place in np.ndindex(*(of.sizes[dim] for dim in dims))]
-        whole["model_range"] = (dims, np.reshape(np.array(spans, dtype=object), [of.sizes[dim] for dim in dims]))
+        whole["model_range"] = xarray.apply_ufunc(
+            lambda values: _range(values, unit), sweep.model_range[name].drop_vars("plastic_contact"),
+            input_core_dims=[["plastic_contact"]], vectorize=True, output_dtypes=[object],
+        )  # fmt: skip
     for name in keys:
         if name not in whole.variables:
             whole[name] = sweep[name]

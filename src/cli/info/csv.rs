@@ -2,6 +2,7 @@
 
 use crate::asperity::PlasticContact;
 use crate::experiment::layouts::RUN;
+use crate::experiment::model_range::ends;
 use crate::output::OutputError;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
@@ -110,17 +111,14 @@ fn numbers(reader: &Reader, described: &[Description], path: &str) -> Result<Vec
     })
 }
 
-/// The ends of the range over plastic contacts of values at each of some points, each with `length` of them by every contact.
+/// The ends of the range over plastic contacts of values at each of some points, `length` by every contact; none without values.
 fn by_contact(values: &[f64], length: usize) -> Vec<(&'static str, Vec<f64>)> {
-    if values.is_empty() {
-        return Vec::new();
+    let of_points = values.chunks_exact((PlasticContact::ALL.len() * length).max(1));
+    let mut found = [("smallest_by_contact", Vec::new()), ("largest_by_contact", Vec::new())];
+    for point in of_points {
+        found.iter_mut().zip(ends(point, length)).for_each(|((_, all), own)| all.extend(own));
     }
-    let of_points = values.chunks_exact(PlasticContact::ALL.len() * length);
-    let range = |pick: fn(f64, f64) -> f64| {
-        let at = |point: &[f64], i: usize| point.iter().skip(i).step_by(length).copied().fold(f64::NAN, pick);
-        of_points.clone().flat_map(|point| (0..length).map(move |i| at(point, i))).collect()
-    };
-    vec![("smallest_by_contact", range(f64::min)), ("largest_by_contact", range(f64::max))]
+    found.into_iter().filter(|(_, values)| !values.is_empty()).collect()
 }
 
 /// The columns of what follows each preload, at each of some points; none without preloads.

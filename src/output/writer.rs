@@ -12,6 +12,8 @@ use hdf5::plist::dataset_create::AllocTime;
 use hdf5::plist::file_create::FileCreateBuilder;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, DatasetBuilderEmptyShape, File, H5Type, Hyperslab, SliceOrIndex};
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::PathBuf;
 use std::str::FromStr;
 use tempfile::TempPath;
@@ -80,13 +82,25 @@ impl Kept for f64 {
 /// Whether what was read of a dataset that has been closed since it was written is what was written: libhdf5 drops the errors of
 /// a write that happens when a dataset is closed.
 fn compared<'v, T: Kept>(
+    file: &File,
     path: &str,
     written: &'v [T],
     read: impl ExactSizeIterator<Item = &'v T>,
 ) -> hdf5::Result<()> {
     let is_whole =
         written.len() == read.len() && written.iter().zip(read).all(|(own, read)| own.is_kept(read));
-    if is_whole { Ok(()) } else { Err(format!("what was written into {path} is not there").into()) }
+    if is_whole {
+        return Ok(());
+    }
+    let refused = still_refused(&file.filename(), size_of_val(written));
+    let reason = refused.unwrap_or_else(|| format!("what was written into {path} is not there"));
+    Err(reason.into())
+}
+
+/// Why a file that has lost a write takes no more of that length, which only the operating system knows; nothing if it does.
+fn still_refused(file: &str, length: usize) -> Option<String> {
+    let mut file = OpenOptions::new().append(true).open(file).ok()?;
+    file.write_all(&vec![0; length]).err().map(|error| error.to_string())
 }
 
 /// Writes all values of a dataset, sees that they are there, and gives the dataset.
@@ -94,7 +108,7 @@ fn kept<T: Kept>(file: &File, path: &str, dataset: Dataset, values: &[T]) -> hdf
     dataset.write_raw(values)?;
     drop(dataset);
     let dataset = file.dataset(path)?;
-    compared(path, values, dataset.read_raw::<T>()?.iter())?;
+    compared(file, path, values, dataset.read_raw::<T>()?.iter())?;
     Ok(dataset)
 }
 
@@ -361,7 +375,7 @@ impl<'c> Writer<'c> {
         let slab = Hyperslab::from(slab);
         self.file.dataset(path)?.write_slice(view, slab.clone())?;
         let read: ndarray::ArrayD<T> = self.file.dataset(path)?.read_slice(slab)?;
-        Ok(compared(path, values, read.iter())?)
+        Ok(compared(&self.file, path, values, read.iter())?)
     }
 
     /// Writes a dataset over the points alone, in their order.
@@ -413,7 +427,7 @@ impl<'c> Writer<'c> {
         dataset.write_slice(view, (first..first + rows, ..))?;
         drop(dataset);
         let read: ndarray::Array2<T> = self.file.dataset(path)?.read_slice((first..first + rows, ..))?;
-        Ok(compared(path, values, read.iter())?)
+        Ok(compared(&self.file, path, values, read.iter())?)
     }
 
     /// Makes the group of a dataset that not every file of the layout has.

@@ -67,7 +67,7 @@ pub(super) struct RunOptions {
     /// Go on with an interrupted run of this output; begins it if nothing was kept
     #[arg(long)]
     pub resume: bool,
-    /// Save a partial result next to the output, at most once in this time; 0 after every batch of replicas
+    /// Save a partial result next to the output, at most once in this time, and seldom enough that saving takes about 1 % of the run
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     pub checkpoint: Duration,
     #[command(flatten)]

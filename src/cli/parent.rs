@@ -1,8 +1,12 @@
 //! Ending with the process that this one computes for.
 
 /// The variable of the environment with the number of the process with which this one is to end.
-#[cfg(target_os = "linux")]
 const PARENT: &str = "STICTION_PARENT";
+
+/// Whether the program was begun by another that it ends with.
+pub(super) fn has_parent() -> bool {
+    std::env::var_os(PARENT).is_some()
+}
 
 /// Interrupts this process, as by SIGTERM, when the process ends that has started it and is named in
 /// `STICTION_PARENT`, however that ends: the Python package names itself.

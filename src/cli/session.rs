@@ -2,6 +2,7 @@
 
 use super::arguments::{Execution, RunOptions};
 use super::failure::Failure;
+use super::parent::has_parent;
 use super::progress::{Display, Progress};
 use super::resources;
 use super::terminal::note;
@@ -12,7 +13,7 @@ use crate::experiment::{Host, Observer};
 use crate::output::OutputLock;
 use crate::scene::Sweep;
 use anyhow::Context;
-use signal_hook::consts::TERM_SIGNALS;
+use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use std::ops::Deref;
@@ -85,16 +86,21 @@ pub(super) fn points<'a>(
 /// program and then to its group.
 const TOGETHER: Duration = Duration::from_millis(250);
 
-/// A flag that the first interruption sets; a second one that does not come with it ends the program at once.
+/// A flag that the first interruption sets; a second one that does not come with it ends the program at once, unless the program
+/// ends with a parent: that passes on its own signals, and its end is one more.
 pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     let [stop, is_second] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+    let signals: Vec<i32> =
+        TERM_SIGNALS.iter().copied().chain((!ignores_hangup()).then_some(SIGHUP)).collect();
     let handle = || {
-        for signal in TERM_SIGNALS {
+        for signal in &signals {
             // Of the two that a signal sets off, the first sees what the signals before it have set.
-            flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&is_second))?;
+            if !has_parent() {
+                flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&is_second))?;
+            }
             flag::register(*signal, Arc::clone(&stop))?;
         }
-        let mut first = Signals::new(TERM_SIGNALS)?;
+        let mut first = Signals::new(&signals)?;
         let wait = move || {
             if first.forever().next().is_some() {
                 std::thread::sleep(TOGETHER);
@@ -105,4 +111,12 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     };
     handle().context("cannot handle interruptions")?;
     Ok(stop)
+}
+
+/// Whether the program was begun with the signal ignored that a closed terminal sends, as `nohup` begins it. Where Linux does not say
+/// so, it is taken as ignored.
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_none_or(|mask| mask & 1 == 1)
 }

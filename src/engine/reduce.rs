@@ -55,7 +55,7 @@ pub struct Bounds<'a> {
 
 /// Computes the batches of a job that it does not begin with, on `pool`. `observe` gets every batch in
 /// order, with what it has been merged into; its error ends the run. When `stop` is set no batch is begun any
-/// more, and batches of large surfaces are given up. With a rule the run is complete after the first batch
+/// more, and the batches at hand are given up. With a rule the run is complete after the first batch
 /// that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it
 /// began.
 ///

@@ -161,8 +161,8 @@ impl Workspace {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// Draws and visits replicas until `ends` is true, which is looked at between large surfaces, and for
-    /// coupled ones before each separation: then the replica at hand is not visited, nor any further one.
+    /// Draws and visits replicas until `ends` is true, which is looked at before each sum, and for coupled ones before each
+    /// separation: then the replica at hand is not visited, nor any further one.
     /// Whether all were visited.
     pub fn replicas_until(
         &mut self,
@@ -190,7 +190,7 @@ impl Workspace {
     }
 
     /// Draws replicas, sums them as independent ones, and visits each with its index, what is kept of it and its curves,
-    /// until `ends` is true, which is looked at between those that take seconds. Whether all were visited.
+    /// until `ends` is true, which is looked at before each sum. Whether all were visited.
     fn independent(
         &mut self,
         job: &Job<'_>,
@@ -200,7 +200,7 @@ impl Workspace {
     ) -> bool {
         let mut first = replicas.start;
         while first < replicas.end {
-            if job.surface.asperity_count > MANY && ends() {
+            if ends() {
                 return false;
             }
             let at_once = (replicas.end - first).min(self.heights.len() as u64);

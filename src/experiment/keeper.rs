@@ -93,8 +93,7 @@ impl<'a> Keeper<'a> {
     pub fn keep(&mut self, batch: &Batch, merged: &mut ReductionTree) -> Result<(), OutputError> {
         self.curves.add(batch)?;
         self.done += batch.ensemble.replicas.len() as u64;
-        let interval = self.session.interval;
-        let spacing = if interval.is_zero() { interval } else { interval.max(SPACING * self.took) };
+        let spacing = self.session.interval.max(SPACING * self.took);
         if self.saved.elapsed() >= spacing { self.save(merged) } else { Ok(()) }
     }
 

@@ -32,6 +32,8 @@ pub struct OutputLock {
     output: PathBuf,
     lock: PathBuf,
     locked: File,
+    /// Whether the file system has locks. Where it has none, other runs may make the output at the same time.
+    has_locks: bool,
 }
 
 impl OutputLock {
@@ -80,7 +82,7 @@ impl OutputLock {
         }
         let lock = named(&output, ".", ".lock");
         match locked(&lock).map_err(not_writable)? {
-            Ok(file) => Ok(Self { output, lock, locked: file }),
+            Ok((locked, has_locks)) => Ok(Self { output, lock, locked, has_locks }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -125,8 +127,15 @@ impl OutputLock {
     /// Removes what a run has left that was killed while it wrote a file.
     pub fn clear(&self) {
         for name in [&self.output, &self.partial()] {
-            let _ = std::fs::remove_file(unfinished(name));
+            let _ = std::fs::remove_file(self.unfinished(name));
         }
+    }
+
+    /// The hidden file that a file is until it is complete. Without locks it has the number of the process, as others may write
+    /// theirs.
+    pub(super) fn unfinished(&self, name: &Path) -> PathBuf {
+        let own = if self.has_locks { String::new() } else { format!(".{}", std::process::id()) };
+        named(name, ".", &(own + PARTIAL))
     }
 
     /// The folder of the output.
@@ -169,11 +178,6 @@ fn flush_names(folder: &Path) -> std::io::Result<()> {
 /// A file next to an output, named like the output with `suffix`.
 pub fn beside(output: &Path, suffix: &str) -> PathBuf {
     named(output, "", suffix)
-}
-
-/// The hidden file that a file is until it is complete.
-pub(super) fn unfinished(name: &Path) -> PathBuf {
-    named(name, ".", PARTIAL)
 }
 
 fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
@@ -312,21 +316,21 @@ fn can_be_renamed_to(output: &Path, folder: &Path) -> std::io::Result<bool> {
     Ok(true)
 }
 
-/// The locked file of a name, with the number of this process in it; or, if another process holds it, that
-/// one's, as far as it can be read.
-fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
+/// The locked file of a name, with the number of this process in it, and whether the file system has locks; or, if another
+/// process holds it, that one's number, as far as it can be read.
+fn locked(name: &Path) -> std::io::Result<Result<(File, bool), String>> {
     loop {
         let mut file = unlinked().create(true).open(name)?;
-        match file.try_lock() {
-            Ok(()) => {}
+        let has_locks = match file.try_lock() {
+            Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
                 let mut process = String::new();
                 let _ = (&mut file).take(20).read_to_string(&mut process);
                 return Ok(Err(process));
             }
             // Some network file systems know no locks; two runs at once are then not noticed.
-            Err(TryLockError::Error(_)) => {}
-        }
+            Err(TryLockError::Error(_)) => false,
+        };
         // The one that held it may have removed the name since it was opened.
         if still_named(&file, name) {
             // For the message to others only, so a full disk is no reason to stop here; nor is it worth a
@@ -334,7 +338,7 @@ fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
             if has_one_name(&file) {
                 let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
             }
-            return Ok(Ok(file));
+            return Ok(Ok((file, has_locks)));
         }
     }
 }
@@ -403,7 +407,7 @@ mod tests {
         std::os::unix::fs::symlink("far/out.h5", path("link.h5")).unwrap();
         let lock = OutputLock::new(&path("link.h5"), &[]).unwrap();
         assert_eq!(lock.output(), path("far/out.h5"));
-        assert_eq!(unfinished(lock.output()), path("far/.out.h5.partial"));
+        assert_eq!(lock.unfinished(lock.output()), path("far/.out.h5.partial"));
         assert!(matches!(OutputLock::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
         assert!(matches!(OutputLock::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
         assert!(matches!(OutputLock::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));

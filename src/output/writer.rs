@@ -3,7 +3,7 @@
 
 use super::attributes::{write_number, write_numbers, write_text};
 use super::guard::access;
-use super::lock::{made_anew, unfinished};
+use super::lock::made_anew;
 use super::reader::Reader;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
@@ -168,7 +168,7 @@ impl<'c> Writer<'c> {
         name: PathBuf,
         force: bool,
     ) -> Result<Self, OutputError> {
-        let temporary = unfinished(&name);
+        let temporary = lock.unfinished(&name);
         let failed = |error| OutputError::Io { action: "cannot make", path: name.clone(), error };
         // HDF5 follows links; what it opens then is the file of that very name.
         made_anew(&temporary).map_err(failed)?;
@@ -548,8 +548,8 @@ mod tests {
         let lock = OutputLock::new(&output, &[]).unwrap();
         std::fs::write(&output, "before").unwrap();
         let writer = Writer::create(&ASPERITIES, &lock, true).unwrap();
-        std::fs::remove_file(unfinished(&output)).unwrap();
-        std::fs::write(unfinished(&output), "").unwrap();
+        std::fs::remove_file(lock.unfinished(&output)).unwrap();
+        std::fs::write(lock.unfinished(&output), "").unwrap();
         let failed = writer.finish().unwrap_err().to_string();
         assert!(failed.contains("is empty"), "{failed}");
         assert_eq!(std::fs::read(&output).unwrap(), b"before");

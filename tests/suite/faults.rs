@@ -4,11 +4,11 @@
 
 use crate::common::program::{Folder, assert_exit, bits, looped, small, text};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
 
 /// Fails the write FAIL_AT, from 1, of those into HDF5 files, with the error FAIL_WITH; counts them into the file COUNT.
-/// Where FSYNC is set, folders answer it to fsync.
+/// Where FSYNC is set, folders answer it to fsync; where FLOCK is set, files answer it to flock.
 const LIBRARY: &str = r#"
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -56,6 +56,14 @@ int fsync(int fd) {
     if (answer && fstat(fd, &about) == 0 && S_ISDIR(about.st_mode)) { errno = atoi(answer); return -1; }
     return real(fd);
 }
+
+int flock(int fd, int operation) {
+    static int (*real)(int, int);
+    if (!real) real = dlsym(RTLD_NEXT, "flock");
+    const char *answer = getenv("FLOCK");
+    if (answer) { errno = atoi(answer); return -1; }
+    return real(fd, operation);
+}
 "#;
 
 /// ENOSPC, EIO, EINVAL and ENOTSUP of Linux.
@@ -63,6 +71,8 @@ const FULL: &str = "28";
 const BROKEN: &str = "5";
 const INVALID: &str = "22";
 const UNSUPPORTED: &str = "95";
+/// ENOLCK.
+const NO_LOCKS: &str = "37";
 
 /// The library, made once; none without a compiler of C.
 static PRELOADED: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -75,11 +85,17 @@ static PRELOADED: LazyLock<PathBuf> = LazyLock::new(|| {
     library
 });
 
-/// Runs the program in a folder with faults.
-fn faulty(folder: &Folder, arguments: &[&str], faults: &[(&str, &str)]) -> Output {
+/// A command in a folder with faults.
+fn with_faults(folder: &Folder, arguments: &[&str], faults: &[(&str, &str)]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
     command.args(arguments).current_dir(folder.path("")).env("LD_PRELOAD", &*PRELOADED);
-    command.envs(faults.iter().copied()).output().unwrap()
+    command.envs(faults.iter().copied());
+    command
+}
+
+/// Runs the program in a folder with faults.
+fn faulty(folder: &Folder, arguments: &[&str], faults: &[(&str, &str)]) -> Output {
+    with_faults(folder, arguments, faults).output().unwrap()
 }
 
 /// A command that writes a file, in a folder that has what it needs.
@@ -198,4 +214,28 @@ fn folders_that_cannot_be_flushed_take_results() {
     }
     let broken = faulty(&Folder::new(&tiny()), &["run", "scene.toml"], &[("FSYNC", BROKEN)]);
     assert!(text(&broken.stderr).contains("cannot flush the name of"), "{broken:?}");
+}
+
+/// Where a file system has no locks, runs of one output at the same time do not notice each other: one of them makes it, whole, and
+/// the others find it there.
+#[test]
+fn one_of_several_runs_without_locks_makes_the_output() {
+    let reference = Folder::new(&tiny());
+    assert_exit(&reference.stiction(&["run", "scene.toml"]), 0);
+    let folder = Folder::new(&tiny());
+    let begin = |_| {
+        let arguments = ["run", "scene.toml", "--checkpoint", "0", "--threads", "1"];
+        let mut command = with_faults(&folder, &arguments, &[("FLOCK", NO_LOCKS)]);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let runs: Vec<Child> = (0..4).map(begin).collect();
+    let ended: Vec<Output> = runs.into_iter().map(|run| run.wait_with_output().unwrap()).collect();
+    let (made, others): (Vec<&Output>, Vec<&Output>) = ended.iter().partition(|run| run.status.success());
+    assert_eq!(made.len(), 1, "{ended:?}");
+    for other in others {
+        assert!(text(&other.stderr).contains("scene.h5 exists"), "{}", text(&other.stderr));
+    }
+    assert!(held(&folder.path("scene.h5")) == held(&reference.path("scene.h5")));
+    let hidden = folder.files().into_iter().filter(|name| name.starts_with('.'));
+    assert_eq!(hidden.count(), 0);
 }

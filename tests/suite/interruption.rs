@@ -116,7 +116,7 @@ fn a_signal_saves(wanted: &[&str]) {
         assert_exit(&again, 0);
         assert_same_as(&folder, &reference);
         assert_eq!(diagnostic(&folder, "resumptions"), 1.0);
-        assert!(diagnostic(&folder, "checkpoints") > 1.0);
+        assert!(diagnostic(&folder, "checkpoints") >= 1.0);
         assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"]);
     }
 }
@@ -136,16 +136,17 @@ fn signals_that_come_together_are_one() {
     assert!(folder.path(PARTIAL).exists());
 }
 
-/// A batch of seconds: a second signal does not wait for its end.
+/// A scene of 16 replicas that each take most of a second.
+fn long_replicas() -> String {
+    let scene = small().replace("\"100 um^2\"", "\"0.12 mm^2\"").replace("replicas = 40", "replicas = 16");
+    scene.replace("count = 16", "count = 48")
+}
+
+/// A second signal does not wait for the end of a replica.
 #[test]
 #[ignore = "slow: six seconds"]
 fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
-    let folder = Folder::new(
-        &small()
-            .replace("\"100 um^2\"", "\"0.12 mm^2\"")
-            .replace("replicas = 40", "replicas = 16")
-            .replace("count = 16", "count = 48"),
-    );
+    let folder = Folder::new(&long_replicas());
     let reference = reference(&folder);
     let mut child = begin(&folder, &["--checkpoint", "0", "--threads", "1"]);
     wait_while_running(&mut child, || folder.path(PARTIAL).exists());
@@ -161,6 +162,26 @@ fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     assert_same_as(&folder, &reference);
     assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"]);
+}
+
+/// A program that ends with its parent takes any number of signals as one: a closed terminal ends the parent, whose end is one more.
+#[test]
+#[ignore = "slow: six seconds"]
+fn a_second_signal_ends_no_program_that_ends_with_its_parent() {
+    let folder = Folder::new(&long_replicas().replace("replicas = 16", "replicas = 40"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command.args(["run", "scene.toml", "--checkpoint", "0", "--threads", "1"]).current_dir(folder.path(""));
+    command.env("STICTION_PARENT", std::process::id().to_string());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_while_running(&mut child, || folder.path(PARTIAL).exists());
+    for name in ["-HUP", "-TERM"] {
+        signal(&child, name);
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(told(&output).contains("--resume"), "{}", told(&output));
+    assert!(folder.path(PARTIAL).exists());
 }
 
 /// Without --resume nothing that was kept is lost, unless it is forced.
@@ -382,7 +403,6 @@ fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
             match killed % 3 {
                 0 => std::thread::sleep(lasts.mul_f64(1.1 * place)),
                 1 => {
-                    std::thread::sleep(lasts.mul_f64(0.9 * place));
                     wait_while_running(&mut child, || folder.path(".scene.h5.partial.partial").exists());
                     std::thread::sleep(Duration::from_secs_f64(0.01 * place));
                 }
@@ -742,14 +762,14 @@ fn a_result_that_cannot_be_named_is_a_failure_while_running() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
 }
 
-/// Partial results take at most a hundredth of the time of a run, unless every batch is to be kept: of a run of
-/// a second, of which one is asked for every millisecond, there is one.
+/// Partial results take about a hundredth of the time of a run at most: of a run of a second, of which one is asked for after every
+/// batch or every millisecond, there is one.
 #[test]
 fn partial_results_take_at_most_a_hundredth_of_the_time() {
     let folder = Folder::new(&scene_of(64));
-    for (interval, count) in [("0", 8.0), ("0.001", 1.0)] {
+    for interval in ["0", "0.001"] {
         assert_exit(&folder.stiction(&["run", "scene.toml", "--force", "--checkpoint", interval]), 0);
-        println!("{count} partial results took {} s", diagnostic(&folder, "checkpoint_seconds"));
-        assert_eq!(diagnostic(&folder, "checkpoints"), count);
+        println!("partial results took {} s", diagnostic(&folder, "checkpoint_seconds"));
+        assert_eq!(diagnostic(&folder, "checkpoints"), 1.0);
     }
 }

@@ -39,6 +39,9 @@ __all__ = [
     "open_run",
 ]
 
+# Numbers of replicas that are of the whole loop, where they may be taken for the ones after a preload.
+OF_WHOLE_LOOP = ("pull_off_force", "pull_off_separation")
+
 
 def agreement(replicas: int, most_differing: float) -> str:
     """The statement where all replicas agree; most_differing is the share of patches that differ at most."""
@@ -305,16 +308,30 @@ class _Curves(Result):
     def replicas(self) -> xarray.Dataset:
         """Numbers of each replica: a row each in ``replicas.to_dataframe()``.
 
-        A row for each replica and point of a sweep. Variables that have another dimension besides are left out; curves are in
-        `curves`.
+        A row for each replica and point of a sweep. Where the scene has preloads, a variable of each is named by it, such as
+        ``pull_off_after_preload[0.0001 N]`` (N), and `pull_off_force` (N) and `pull_off_separation` (m), which are of the whole
+        loop, end in ``_of_whole_loop``. Variables that have another dimension besides are left out; curves are in `curves`.
         """
         whole = self.group("replicas")
+        if "preload" in whole.dims:
+            names = {name: f"{name}_of_whole_loop" for name in OF_WHOLE_LOOP}
+            whole = whole.rename(names).assign(self._of_preloads(whole))
         points = set(self.tree.dims)
         rows = [name for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica"}]
         table = whole[rows]
         return table.drop_vars(
             [name for name, value in table.coords.items() if set(value.dims) - points - {"replica"}]
         )
+
+    def _of_preloads(self, whole: xarray.Dataset) -> dict[str, xarray.DataArray]:
+        """The numbers of replicas after each preload by name and preload."""
+        points = set(self.tree.dims)
+        after = {name: value for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica", "preload"}}
+        preloads = self.group("instability")["preload"].values
+        return {
+            f"{name}[{preload!r} N]": value.isel(preload=i)
+            for name, value in after.items() for i, preload in enumerate(preloads.tolist()) if np.isfinite(preload)
+        }  # fmt: skip
 
     @cached_property
     def after_largest_preload(self) -> xarray.Dataset | None:

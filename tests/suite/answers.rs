@@ -116,6 +116,27 @@ fn preloads_need_no_spring() {
     assert!(printed.contains("after a preload") && printed.contains("above 1.000 µN"), "{printed}");
 }
 
+/// The table of replicas has a column for each preload, of whose numbers above the force the summary has the share; the pull-off of
+/// the whole loop is named as that.
+#[test]
+fn each_preload_has_columns_in_the_table_of_replicas() {
+    let table = "[instability]\npreload = [\"1 uN\", \"20 uN\"]\n[device]\nrestoring_force = \"40 uN\"\n";
+    let folder = Folder::new(&format!("{}\n{table}", pressed()));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let printed = text(&folder.stiction(&["info", "--csv", "--by", "replica", "scene.h5"]).stdout);
+    let rows: Vec<Vec<&str>> = printed.lines().map(|line| line.split(',').collect()).collect();
+    let stuck = values(&folder, "scene.h5", "/device/stuck_probability_after_preload");
+    for (preload, stuck) in ["1e-6", "2e-5"].iter().zip(stuck) {
+        let name = format!("replicas/pull_off_after_preload[{preload} N] [N]");
+        let place = rows[0].iter().position(|own| **own == name).unwrap();
+        let forces: Vec<f64> = rows[1..].iter().map(|row| row[place].parse().unwrap()).collect();
+        let above = forces.iter().filter(|force| **force > 40e-6).count() as f64;
+        assert!((above / forces.len() as f64 - stuck).abs() < 1e-12 && stuck > 0.0, "{preload} {stuck}");
+    }
+    assert!(rows[0].contains(&"replicas/pull_off_force_of_whole_loop [N]"), "{:?}", rows[0]);
+    assert!(!rows[0].contains(&"replicas/pull_off_force [N]"));
+}
+
 /// What follows each preload is a column of the points of a sweep; differences are of whole loops. A warning that all points give is in the summary.
 #[test]
 fn each_preload_has_columns_in_the_table_of_a_sweep() {
@@ -167,7 +188,8 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
         let ends: Vec<f64> = ends.iter().skip(i).step_by(6).copied().collect();
         assert_eq!(column(&format!("pull_off_after_preload_{name}[2e-5 N] [N]")), ends);
     }
-    column("differences/pull_off_force_mean of the whole loop [N]");
+    column("differences/pull_off_force_mean_of_whole_loop [N]");
+    column("integral/pull_off_force_of_whole_loop [N]");
 }
 
 /// A preload that a share of the replicas misses is warned of.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import quantities, tables
 from ..errors import FileError, SceneError
+from ..results import OF_WHOLE_LOOP
 from ..tables import Column, Table
 
 __all__ = ["ABOVE", "BELOW", "EXACT", "MISSING", "Group", "Measurements", "first_conditions", "read"]
@@ -27,6 +28,8 @@ _USUAL = {"N": "nN", "m": "nm", "J": "fJ"}
 _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 # Columns of labels, also where these are numbers; the first of pandas has no name.
 _LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
+# The outcome after a preload of the scene.
+AFTER_PRELOAD = "pull_off_after_preload"
 # Columns of tables of force curves that say where and with what was measured.
 _ASIDE = {"curve", "spring_constant", "position_x", "position_y"}
 
@@ -191,10 +194,7 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
         elif known is None:
             roles.outcomes[name] = column
         else:
-            guess = tables.meant(name, known) or f", which has {', '.join(known)}."
-            raise FileError(
-                f"{column.title}: no outcome of this scene{guess} A key of the scene has its table before it, such as surface.nominal_area (um^2)"
-            )
+            raise FileError(f"{column.title}: no outcome of this scene{_instead(name, known)}")
     if len(roles.labels) > 1:
         raise FileError(
             f"{roles.labels[1].title}: a second column of labels; one may be there, and notes behind #"
@@ -203,6 +203,14 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
         such = next(iter(known or ()), "pull_off_force")
         raise FileError(f"{table.path}: no column has an outcome, such as `{such} (uN)`")
     return roles
+
+
+def _instead(name: str, known: Mapping[str, str]) -> str:
+    """What a column may hold that is named by no outcome of the scene."""
+    if name in OF_WHOLE_LOOP and AFTER_PRELOAD in known:
+        return f", as its preload decides where the surfaces turn: name the column {AFTER_PRELOAD}, or leave out instability.preload"
+    guess = tables.meant(name, known) or f", which has {', '.join(known)}."
+    return f"{guess} A key of the scene has its table before it, such as surface.nominal_area (um^2)"
 
 
 def _unit(column: Column, known: Mapping[str, str] | None) -> quantities.Unit:

@@ -16,8 +16,8 @@ from scipy.stats import qmc
 from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
-from ..results import Sweep
-from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
+from ..results import OF_WHOLE_LOOP, Sweep
+from .data import ABOVE, AFTER_PRELOAD, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, fit, log_sum_exp
 
 __all__ = ["FORCE_SCALE", "Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
@@ -271,12 +271,14 @@ def _swept(tables: Mapping[str, Any], priors: Priors, values: Array, **options: 
 
 
 def _known(result: Sweep) -> dict[str, xarray.DataArray]:
-    """The datasets with one number for each patch, over points and replicas."""
+    """The datasets with one number for each patch, over points and replicas; after a preload none of the whole loop's pull-off."""
     known = {}
     for name, of in result.group("replicas").data_vars.items():
         squeezed = of.squeeze([d for d in of.dims if d not in ("point", "replica") and of.sizes[d] == 1])
         if set(squeezed.dims) == {"point", "replica"}:
             known[str(name)] = squeezed
+    if AFTER_PRELOAD in result.group("replicas"):
+        known = {name: of for name, of in known.items() if name not in OF_WHOLE_LOOP}
     return known
 
 

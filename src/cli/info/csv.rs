@@ -12,8 +12,12 @@ use crate::scene::echo::shortened;
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
     [(&RUN, Dimension::Separation), (&ASPERITIES, Dimension::Asperity)];
 
-/// The group with columns of the whole loop, also where there are preloads.
-const OF_WHOLE_LOOP: &str = "differences";
+/// Datasets of the whole loop by the beginnings of their paths, also where there are preloads.
+const OF_WHOLE_LOOP: [&str; 4] =
+    ["/differences/", "/replicas/pull_off_force", "/replicas/pull_off_separation", "/integral/pull_off_"];
+
+/// The dataset of the preloads.
+const PRELOADS: &str = "/instability/preload";
 
 /// A column: its name, and the texts in its rows.
 type Column = (String, Vec<String>);
@@ -51,17 +55,25 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, St
     let places = coordinates.len();
     let mut is_pressed = false;
     for (i, own) in coordinates.into_iter().chain(others).enumerate() {
-        if i == places && wanted_points {
-            let pressed = after_preloads(reader, &described)?;
+        if i == places {
+            let pressed = if wanted_points {
+                after_preloads(reader, &described)?
+            } else {
+                each_after_preloads(reader, &described, by)?
+            };
             is_pressed = !pressed.is_empty();
-            columns.extend(if is_pressed { pressed } else { quoted(reader, &described, rows)? });
+            columns.extend(pressed);
+            if wanted_points && !is_pressed {
+                columns.extend(quoted(reader, &described, rows)?);
+            }
         }
         let (group, name) = own.names();
+        let is_of_loop = is_pressed && OF_WHOLE_LOOP.iter().any(|known| own.path.starts_with(known));
+        let end = if is_of_loop { "_of_whole_loop" } else { "" };
         let name = match group {
             _ if own.is_coordinate => named(name, own),
             "" => named(name, own),
-            OF_WHOLE_LOOP if is_pressed => named(&format!("{group}/{name} of the whole loop"), own),
-            group => named(&format!("{group}/{name}"), own),
+            group => named(&format!("{group}/{name}{end}"), own),
         };
         if columns.iter().any(|(known, _)| *known == name) {
             continue;
@@ -141,21 +153,41 @@ fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Colu
     ]
     .map(|(name, unit, values)| (name.to_owned(), unit, values))
     .to_vec();
-    let preloads = of("/instability/preload")?;
+    let preloads = numbers(reader, described, PRELOADS)?;
     for (name, unit) in [("pull_off_after_preload", "N"), ("stuck_probability_after_preload", "1")] {
         let ends = by_contact(&of(&format!("/model_range/{name}"))?, preloads.len());
         all.extend(ends.into_iter().map(|(end, values)| (format!("{name}_{end}"), unit, values)));
     }
+    let all = all.iter().filter(|(_, _, values)| !values.is_empty());
+    Ok(all.flat_map(|(name, unit, values)| of_each(&preloads, name, unit, values)).collect())
+}
+
+/// The columns of what follows each preload, of each index of a dimension; none without preloads.
+fn each_after_preloads(
+    reader: &Reader,
+    described: &[Description],
+    by: &str,
+) -> Result<Vec<Column>, OutputError> {
+    let wanted = [by, Dimension::Preload.name()];
     let mut columns = Vec::new();
-    for (name, unit, values) in all.iter().filter(|(_, _, values)| !values.is_empty()) {
-        for (i, preload) in preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite()) {
-            let of_points = values.iter().skip(i).step_by(preloads.len());
-            let texts =
-                of_points.map(|value| if unit == &"1" { value.to_string() } else { format!("{value:?}") });
-            columns.push((format!("{name}[{preload:?} N] [{unit}]"), texts.collect()));
-        }
+    for own in described.iter().filter(|own| own.dimensions == wanted) {
+        let preloads = numbers(reader, described, PRELOADS)?;
+        let (group, name) = own.names();
+        let (unit, values) = (own.units.as_deref().unwrap_or("1"), numbers(reader, described, &own.path)?);
+        columns.extend(of_each(&preloads, &format!("{group}/{name}"), unit, &values));
     }
     Ok(columns)
+}
+
+/// A column for each preload, of values for each preload at each of some rows.
+fn of_each(preloads: &[f64], name: &str, unit: &str, values: &[f64]) -> Vec<Column> {
+    let known = preloads.iter().enumerate().filter(|(_, preload)| preload.is_finite());
+    let column = |(i, preload): (usize, &f64)| {
+        let of_rows = values.iter().skip(i).step_by(preloads.len());
+        let texts = of_rows.map(|value| if unit == "1" { value.to_string() } else { format!("{value:?}") });
+        (format!("{name}[{preload:?} N] [{unit}]"), texts.collect())
+    };
+    known.map(column).collect()
 }
 
 fn named(name: &str, described: &Description) -> String {

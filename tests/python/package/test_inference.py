@@ -177,6 +177,17 @@ def test_every_number_of_a_patch_can_be_an_outcome():
     assert "not one number of each patch" in told(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
 
 
+def test_the_pull_off_of_the_whole_loop_is_refused_where_the_scene_has_a_preload(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text("pull_off_force (nN)\n12\n")
+    tables = probe(model={"law": "md", "history": "loop"}, instability={"preload": "1 uN"})
+    del tables["calibration"]
+    tables["material"]["work_of_adhesion"] = {"prior": "normal", "mean": "50 mJ/m^2", "std": "5 mJ/m^2"}
+    known = emulator.outcomes_of(priors.read(tables), {})
+    assert "pull_off_after_preload" in known and "pull_off_force" not in known
+    assert "name the column pull_off_after_preload, or leave out instability.preload" in told(data.read, path, outcomes=known)
+
+
 @pytest.mark.slow
 def test_the_radius_of_a_probe_has_a_prior_and_a_preload_is_a_condition():
     """Pull-offs after a preload are those of a run of the program with the radius and the preload in the place of prior and list."""

@@ -86,7 +86,7 @@ def test_the_number_to_quote_is_that_of_the_file(result):
     assert quoted.interval[0] < quoted.mean_over_patches < quoted.interval[1]
 
 
-@pytest.mark.parametrize("name", ["run", "curves", "coupled", "instability", "loop"])
+@pytest.mark.parametrize("name", ["run", "curves", "coupled", "loop"])
 def test_a_table_of_replicas_has_a_row_for_each(result, name):
     run = result(name)
     table = run.replicas.to_dataframe()
@@ -95,6 +95,22 @@ def test_a_table_of_replicas_has_a_row_for_each(result, name):
         rows = {key for key, data in file["replicas"].items() if data.shape == (len(table),)} - {"replica"}
         assert rows == set(table.columns)
         assert np.array_equal(table["pull_off_force"], file["replicas/pull_off_force"][:])
+
+
+def test_a_table_of_replicas_has_a_column_for_each_preload(result):
+    """Its means are the numbers of the summary; the pull-off of the whole loop is named as that."""
+    run = result("device")
+    table = run.replicas.to_dataframe()
+    with h5py.File(run.path) as file:
+        preloads, means = file["instability/preload"][:], file["instability/pull_off_after_preload_mean"][:]
+        whole = file["replicas/pull_off_force"][:]
+    reached = ~np.isnan(means)
+    assert reached.sum() > 2
+    for preload, mean in zip(preloads[reached], means[reached], strict=True):
+        assert table[f"pull_off_after_preload[{float(preload)!r} N]"].mean() == pytest.approx(mean, rel=1e-12)
+    assert np.array_equal(table["pull_off_force_of_whole_loop"], whole)
+    assert "pull_off_force" not in table
+    assert run.pull_off.mean_over_patches in [pytest.approx(mean) for mean in means[reached]]
 
 
 def test_curves_of_replicas_have_both_coordinates(result):

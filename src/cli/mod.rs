@@ -37,6 +37,7 @@ use self::new::NewArguments;
 use self::source::SceneArguments;
 use self::terminal::printed;
 use crate::math::instruction_set::InstructionSet;
+use crate::output::watch;
 use crate::scene::echo::{one_line, printable};
 use anyhow::Context;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -112,6 +113,7 @@ enum Command {
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
     parent::end_with_parent();
+    watch::end_by(unread);
     let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
         Ok(Cli { command: Command::External(named) }) => return external(&named[0]),
         Ok(Cli { command }) => execute(command),
@@ -125,6 +127,12 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => told(&failure),
     }
+}
+
+/// Ends the program where a file cannot be read to its end.
+fn unread(problem: &str) {
+    note(&format!("stiction: {}", one_line(problem)));
+    std::process::exit(2);
 }
 
 /// Says why a command ends without its result; its exit code.

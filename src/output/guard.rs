@@ -1,7 +1,7 @@
 //! Checks of a file of unknown origin before its parts are read: libhdf5 follows links into other
 //! files, and what a file claims to hold is not bounded by its size.
 
-use super::scales;
+use super::{scales, watch};
 use hdf5::plist::dataset_create::Layout;
 use hdf5::plist::file_access::FileAccessBuilder;
 use hdf5::types::TypeDescriptor;
@@ -74,6 +74,7 @@ pub(crate) fn open(path: &Path) -> Result<File, String> {
             "is locked: another program has it open for writing; close it there, or read a copy".to_owned()
         );
     }
+    watch::opened(path);
     File::with_options().with_fapl(access).open(path).map_err(|_| not_opened(path))
 }
 

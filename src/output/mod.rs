@@ -18,6 +18,7 @@ mod scales;
 #[doc(hidden)]
 pub mod schema;
 #[doc(hidden)]
+pub mod watch;
 pub mod writer;
 
 #[doc(hidden)]

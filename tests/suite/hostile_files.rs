@@ -456,3 +456,21 @@ fn terminals_are_not_steered() {
         assert!(said.contains("\\u") && !said.contains(|c: char| c != '\n' && c.is_control()), "{said:?}");
     }
 }
+
+/// A heap of texts with an object of the length 0, of which libhdf5 does not come to an end, is refused after a minute of processor time.
+#[test]
+#[ignore = "slow: a minute"]
+#[cfg(target_os = "linux")]
+fn a_file_without_an_end_is_refused() {
+    let folder = with_result();
+    let mut bytes = std::fs::read(folder.path("scene.h5")).unwrap();
+    let heap = bytes.windows(4).position(|word| word == b"GCOL").unwrap();
+    bytes[heap + 16..heap + 32].fill(0);
+    std::fs::write(folder.path("endless.h5"), bytes).unwrap();
+    let begun = Instant::now();
+    assert_refused(
+        &folder.stiction(&["info", "endless.h5"]),
+        "endless.h5: is damaged: libhdf5 reads it without an end",
+    );
+    assert!(begun.elapsed() > Duration::from_secs(50));
+}

@@ -1,9 +1,8 @@
 //! Reading a result back.
 //!
 //! A result may come from anywhere. What it claims is checked before it is read, and only what is in the file
-//! itself is; but libhdf5 is not proof against a file whose structure is broken: it may never return.
-//! Programs that read files of unknown origin do so in a process that can be ended, as `stiction info` and
-//! `stiction validate` do.
+//! itself is; but libhdf5 is not proof against a file whose structure is broken: it may never return. The commands end then
+//! ([`super::watch`]); other programs read files of unknown origin in a process that can be ended.
 
 mod stored;
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
-from . import formats, lengths, text
+from . import declared, formats, lengths, text
 from .channels import named
-from .formats import Raw
+from .declared import Raw
 
 __all__ = ["HeightMap", "read_map"]
 
@@ -140,19 +140,19 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     if isinstance(source, xarray.Dataset):
         maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
         name = named(channel, maps, "variable", "map: ")
-        raw = formats.from_data_array("map", source[name])
+        raw = declared.from_data_array("map", source[name])
         raw.channel = name
     elif channel is not None:
         raise SceneError(f"channel = {channel!r}: only files and datasets have channels")
     elif hasattr(source, "physical_sizes") and callable(getattr(source, "heights", None)):
         return "map", formats.from_topography("map", source)
     elif isinstance(source, xarray.DataArray):
-        raw = formats.from_data_array("map", source)
+        raw = declared.from_data_array("map", source)
         raw.channel = "" if source.name is None else str(source.name)
     elif quantities.is_pint(source):
-        raw = formats.from_pint("map", source)
+        raw = declared.from_pint("map", source)
     else:
-        raw = formats.from_array("map", source)
+        raw = declared.from_array("map", source)
     raw.assumed = "m"
     return "map", raw
 
@@ -169,7 +169,7 @@ def _mask(mask: Any, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     if isinstance(mask, str | Path):
         values = formats.from_path(Path(mask), None).heights
     else:
-        values = formats.from_array("mask", mask).heights
+        values = declared.from_array("mask", mask).heights
     if shape == (1, values.size):
         values = values.reshape(shape)
     if values.shape != shape:
@@ -187,12 +187,6 @@ def _in_metres(
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
     if pixel is None and raw.doubt:
         raw.warnings.append(raw.doubt)
-    if size is not None and raw.steps is not None:
-        try:
-            said = raw.steps.disagreement(pixel, size)
-        except SceneError as error:
-            raise SceneError(f"{called}: {error}") from None
-        raw.warnings += [said] if said else []
     for axis, (dim, places) in raw.uneven.items():
         if size is None or pixel is None or not _agree(places, size[axis]):
             near = (
@@ -200,7 +194,9 @@ def _in_metres(
                 if pixel is not None
                 else "; places within half a pixel are taken if pixel (--pixel) is given"
             )
-            raise SceneError(f"{called}: {formats.uneven(dim, places)}{near}")
+            raise SceneError(f"{called}: {declared.uneven(dim, places)}{near}")
+    if pixel is not None and size is not None:
+        raw.warnings += _against_steps(called, raw, pixel, size)
     if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')
@@ -214,13 +210,23 @@ def _in_metres(
             if raw.assumed is None
             else f"pixel: an array does not say {missing[0]}; give {advice[0]}"
         )
-    if (
-        pixel is not None
-        and raw.pixel is not None
-        and not np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0)
-    ):
-        raw.warnings.append(_other_pixel(size, raw))
     return size, scale
+
+
+def _against_steps(called: str, raw: Raw, pixel: Any, size: tuple[float, float]) -> list[str]:
+    """What a pixel of a size, m, that is given has against the steps of the source."""
+    stated = raw.steps
+    if stated is None and raw.pixel is not None and not raw.doubt:
+        stated = lengths.Steps(*raw.pixel, unit="m")
+    if stated is not None:
+        try:
+            stated.refuse_single(pixel, size)
+        except SceneError as error:
+            raise SceneError(f"{called}: {error}") from None
+    if raw.pixel is not None:
+        return [] if np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0) else [_other_pixel(size, raw)]
+    said = None if raw.steps is None else raw.steps.disagreement(size)
+    return [said] if said else []
 
 
 def _agree(places: Any, size: float) -> bool:

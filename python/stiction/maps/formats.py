@@ -461,15 +461,11 @@ def _text_or_instrument(path: Path, channel: str | None) -> Raw:
             copy.write_text(content, encoding="utf-8")
             return _instrument(copy, channel)
     try:
-        found = text.read(content, channel)
+        return text.read(content, channel)
     except text.NoNumbers:
         if path.suffix.lower() in _TEXTS:
             raise
         return _instrument(path, channel)
-    return Raw(
-        found.heights, found.pixel, found.unit, found.channel or "", unsaid=found.unsaid, doubt=found.doubt,
-        steps=found.steps, warnings=found.warnings,
-    )  # fmt: skip
 
 
 def _instrument(path: Path, channel: str | None) -> Raw:

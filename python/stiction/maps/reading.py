@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
-from . import declared, formats, lengths, text
+from . import declared, formats, lengths, places, text
 from .channels import named
 from .declared import Raw
 
@@ -115,6 +115,7 @@ def read_map(
     ((192, 192), (3e-08, 3e-08), 'polished.txt')
     """
     called, raw = _read(source, None if channel is None else str(channel))
+    _from_points(called, raw)
     if lines and sum(length > 1 for length in np.shape(raw.heights)) == 1:
         raw.heights = np.reshape(raw.heights, (1, -1))
     elif np.ndim(raw.heights) != 2 or min(raw.heights.shape) < 2:
@@ -157,6 +158,26 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     return "map", raw
 
 
+def _from_points(called: str, raw: Raw) -> None:
+    """Makes a map of N x 3 numbers, which are points x, y, z, and refuses points with more columns."""
+    if np.ndim(raw.heights) != 2 or raw.pixel is not None or raw.steps is not None:
+        return
+    count, columns = raw.heights.shape
+    if columns == 3 and count > 3:
+        unit = raw.unit if raw.fixed and raw.unit else ""
+        try:
+            found = places.points(raw.heights, (unit, unit))
+        except SceneError as error:
+            raise SceneError(f"{called}: {error}") from None
+        raw.heights, raw.pixel, raw.steps, raw.unsaid = found.heights, found.pixel, found.steps, found.unsaid
+        raw.warnings += found.warnings
+    elif places.begin_with_grid(raw.heights):
+        raise SceneError(
+            f"{called}: looks like a list of points x, y, z with more columns: it has {columns}, and the places of a "
+            "grid are in it; keep the columns x, y, z, or name all in the first line of a text, as `x y z phase`"
+        )
+
+
 def _not_two(shape: tuple[int, ...]) -> str:
     if sum(length > 1 for length in shape) < 2:
         return text.LINE_SCAN if shape else "a single number is no map"
@@ -187,14 +208,14 @@ def _in_metres(
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
     if pixel is None and raw.doubt:
         raw.warnings.append(raw.doubt)
-    for axis, (dim, places) in raw.uneven.items():
-        if size is None or pixel is None or not _agree(places, size[axis]):
+    for axis, (dim, along) in raw.uneven.items():
+        if size is None or pixel is None or not _agree(along, size[axis]):
             near = (
                 ""
                 if pixel is not None
                 else "; places within half a pixel are taken if pixel (--pixel) is given"
             )
-            raise SceneError(f"{called}: {declared.uneven(dim, places)}{near}")
+            raise SceneError(f"{called}: {declared.uneven(dim, along)}{near}")
     if pixel is not None and size is not None:
         raw.warnings += _against_steps(called, raw, pixel, size)
     if size is None or (pixel is None and raw.unsaid):

@@ -349,7 +349,7 @@ def test_rounded_places_name_their_mean_step(tmp_path):
 
 def test_a_column_below_width_and_height_is_no_line_scan(tmp_path):
     column = "\n".join(f"{height:g}" for height in ROUGH.ravel())
-    said = "its header has a width and a height.*one column: save it as a matrix"
+    said = "its header has width and height of a map, .*one column: save it as a matrix"
     refused(tmp_path, HEADER + column, said, lines=True)
     refused(tmp_path, HEADER + column, said)
     read = read_map(written(tmp_path, "# Number of rows: 1\n" + HEADER + column), lines=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..errors import SceneError
 from .declared import Raw
 from .lengths import Steps, metres
 
-__all__ = ["BLOCK", "MOST_AXES", "Places", "begin_with_grid", "on_grid", "placed", "points"]
+__all__ = ["BLOCK", "MOST_AXES", "Places", "axes_of", "begin_with_grid", "on_grid", "placed", "points"]
 
 # What messages say of points that are no grid.
 _REGULAR = "only regular lists of points are read"
@@ -22,7 +23,18 @@ BLOCK = 3
 # The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
 _OFF, _OFF_ROUNDED = 0.02, 0.5
 
+_AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
+_NAMED = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
+
 _Array = NDArray[np.float64]
+
+
+@dataclass
+class Axes:
+    """Columns of a list of points: the axis of each, an empty text for others, and the unit of each axis."""
+
+    names: list[str]
+    units: dict[str, str]
 
 
 @dataclass
@@ -40,6 +52,18 @@ class Places:
     def count(self) -> int:
         """How many rows or columns there are."""
         return int(self.index.max()) + 1
+
+
+def axes_of(columns: list[str], *, line_scans: bool = False) -> Axes | None:
+    """What names of columns such as ``X[nm]`` or ``height (nm)`` are; None if they are not of points x, y, z.
+
+    With `line_scans` columns x and z alone are, too.
+    """
+    found = [_NAMED.fullmatch(name.strip()) for name in columns]
+    names = [_AXES.get(one[1].lower(), "") if one else "" for one in found]
+    if not ({"x", "y", "z"} <= set(names) or (line_scans and names == ["x", "z"])):
+        return None
+    return Axes(names, {name: one[2] or "" for name, one in zip(names, found, strict=True) if name and one})
 
 
 def on_grid(values: _Array, name: str) -> Places:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray
 from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
-from . import declared, formats, lengths, places, text
+from . import declared, formats, frames, lengths, places, text
 from .channels import named
 from .declared import Raw
 
@@ -77,7 +80,7 @@ def read_map(
 
     Parameters
     ----------
-    source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+    source : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
         Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
         MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by
         gzip, bz2 or xz, or alone in a zip file. NaN and masked heights are missing.
@@ -147,6 +150,9 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
         raise SceneError(f"channel = {channel!r}: only files and datasets have channels")
     elif hasattr(source, "physical_sizes") and callable(getattr(source, "heights", None)):
         return "map", formats.from_topography("map", source)
+    elif isinstance(source, pd.DataFrame):
+        with _blamed("map"):
+            raw = frames.from_frame(source)
     elif isinstance(source, xarray.DataArray):
         raw = declared.from_data_array("map", source)
         raw.channel = "" if source.name is None else str(source.name)
@@ -158,6 +164,15 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     return "map", raw
 
 
+@contextmanager
+def _blamed(called: str) -> Iterator[None]:
+    """Blames what goes wrong in a block on a source."""
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{called}: {error}") from None
+
+
 def _from_points(called: str, raw: Raw) -> None:
     """Makes a map of N x 3 numbers, which are points x, y, z, and refuses points with more columns."""
     if np.ndim(raw.heights) != 2 or raw.pixel is not None or raw.steps is not None:
@@ -165,10 +180,8 @@ def _from_points(called: str, raw: Raw) -> None:
     count, columns = raw.heights.shape
     if columns == 3 and count > 3:
         unit = raw.unit if raw.fixed and raw.unit else ""
-        try:
+        with _blamed(called):
             found = places.points(raw.heights, (unit, unit))
-        except SceneError as error:
-            raise SceneError(f"{called}: {error}") from None
         raw.heights, raw.pixel, raw.steps, raw.unsaid = found.heights, found.pixel, found.steps, found.unsaid
         raw.warnings += found.warnings
     elif places.begin_with_grid(raw.heights):
@@ -240,10 +253,8 @@ def _against_steps(called: str, raw: Raw, pixel: Any, size: tuple[float, float])
     if stated is None and raw.pixel is not None and not raw.doubt:
         stated = lengths.Steps(*raw.pixel, unit="m")
     if stated is not None:
-        try:
+        with _blamed(called):
             stated.refuse_single(pixel, size)
-        except SceneError as error:
-            raise SceneError(f"{called}: {error}") from None
     if raw.pixel is not None:
         return [] if np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0) else [_other_pixel(size, raw)]
     said = None if raw.steps is None else raw.steps.disagreement(size)

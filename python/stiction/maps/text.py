@@ -20,7 +20,7 @@ from .declared import Raw, unpacked
 from .dialect import MISSING, NUMBER, any_number, dialect_of, hint, is_value
 from .labels import counting, without_labels, wrapped
 from .lengths import Steps, length
-from .places import BLOCK, MOST_AXES, on_grid, placed, points
+from .places import BLOCK, MOST_AXES, axes_of, on_grid, placed, points
 
 __all__ = ["LINE_SCAN", "NoNumbers", "read"]
 
@@ -66,8 +66,8 @@ _HEADER = {
     for known, colon in ((_LABELS, "[:=：]"), (_KEYS, "[:=：\\s]"))
     for name, labels in known.items()
 }
-_AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
-_AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
+# A name of a column with its unit.
+_AXIS = re.compile(r'"?[A-Za-z]+"?\s*(?:[\[(]\s*[^\])]*?\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRI_MISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
@@ -216,18 +216,15 @@ class _Reader:
 
     def _is_axes(self, line: str, block: _Block) -> bool:
         """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
-        found = _AXIS.findall(line)
-        axes = [_AXES.get(name.lower()) for name, _ in found]
-        units = [unit for _, unit in found]
-        if not ({"x", "y", "z"} <= set(axes) or axes == ["x", "z"]) or block.lines:
+        found = axes_of(_AXIS.findall(line), line_scans=True)
+        if found is None or block.lines:
             return False
         # The column of names of rows of pandas has none itself.
-        unnamed = self.dialect.columns - len(axes)
-        if unnamed not in (0, 1) or len(axes) > MOST_AXES:
+        unnamed = self.dialect.columns - len(found.names)
+        if unnamed not in (0, 1) or len(found.names) > MOST_AXES:
             return False
-        named = zip(axes, units, strict=True)
-        block.header |= {("unit" if axis == "z" else axis): unit for axis, unit in named if axis}
-        block.axes = [*(["name of the row"] * unnamed), *axes]
+        block.header |= {("unit" if axis == "z" else axis): unit for axis, unit in found.units.items()}
+        block.axes = [*(["name of the row"] * unnamed), *found.names]
         return True
 
     def map(self, block: _Block) -> Raw:

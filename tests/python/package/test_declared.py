@@ -226,7 +226,7 @@ def nexus(path, kind, x, y, attrs):
 
 
 UNITLESS = ["xyz.npz", "turned.npz", "grids.npz", "ij.npz", "xyz.mat", "grids.mat", "geo.tif", "print.tif", "scan.nc", "group.h5",
-            "signal.h5", "array"]  # fmt: skip
+            "signal.h5", "array", "esri.asc", "frame", "texts", "points"]  # fmt: skip
 WITH_UNIT = ["nm.tif", "ome.tif", "scan.nc", "group.h5", "signal.h5", "array"]
 
 

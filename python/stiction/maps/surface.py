@@ -191,7 +191,8 @@ def found_on(height_map: HeightMap, steps: Steps, called: str = "map", *, keep: 
     try:
         return _found(height_map, steps, keep)
     except SceneError as error:
-        raise SceneError(f"{called}: {error}") from None
+        # What is wrong with the map may be what was warned of.
+        raise SceneError("; ".join([f"{called}: {error}", *height_map.warnings])) from None
 
 
 def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:

@@ -35,6 +35,13 @@ _TEXT_OF_INSTRUMENTS = re.compile(
 )
 # Formats of SurfaceTopography that fit any bytes.
 _WITHOUT_MARK = {"hgt", "nms"}
+# Formats that nothing here reads, by their first bytes, and what would do.
+_OTHERS = {
+    b"Gwyddion Simple Field": "is a Gwyddion Simple Field, which is not read: open it in Gwyddion and save it as .gwy",
+    b"DSCOMPRESSED": "is a compressed surface of Digital Surf, which is not read: save it without compression, or as .gwy "
+    "by Gwyddion",
+    b":NANONIS_VERSION:": "is a scan of Nanonis, which is not read: open it in Gwyddion and save it as .gwy",
+}
 # Files that are texts, and nothing else.
 _TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
 _WORKBOOKS = {".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"}
@@ -78,6 +85,13 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
         raise SceneError("is empty")
     if what := tables.no_numbers(beginning):
         raise SceneError(what)
+    for mark, what in _OTHERS.items():
+        if beginning.startswith(mark):
+            raise SceneError(what)
+    if suffix == ".nms":
+        raise SceneError(
+            "is a map of NanoFocus, whose pixels SurfaceTopography reads in a wrong unit: export it as .sdf or as a text"
+        )
     if suffix in _WORKBOOKS and beginning.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
         raise SceneError("is a workbook; save the sheet as CSV")
     if beginning.startswith(b"\x93NUMPY"):
@@ -484,26 +498,27 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         # Channels whose data have no unit that is known have two of them, the other one of lengths.
         heights = [one for one in channels if one.is_height_channel and not isinstance(one.unit, tuple)]
         names = [one.channel_id for one in channels]
-        if channel is not None:
-            return _of_channel(channels[numbered(channel, names, "channel")])
         default = reader.default_channel.index
-        one = next((one for one in heights if one.index == default), (heights or channels)[0])
-        raw = _of_channel(one)
+        one = (
+            channels[numbered(channel, names, "channel")]
+            if channel is not None
+            else next((one for one in heights if one.index == default), (heights or channels)[0])
+        )
+        raw = _of_channel(one, has_masks=reader.format() == "gwy")
         others = ", ".join(other.channel_id for other in heights if other.index != one.index)
-        if others:
+        if others and channel is None:
             raw.warnings.append(
                 f"of its heights the channel {one.channel_id} is read; there are {others}, too"
             )
         return raw
 
 
-def _of_channel(channel: Any) -> Raw:
-    """The map of a channel of SurfaceTopography."""
+def _of_channel(channel: Any, *, has_masks: bool) -> Raw:
+    """The map of a channel of SurfaceTopography, which leaves out what a mask marks, be it missing or not."""
     # A size is needed to ask for the heights of a file that does not say it.
     unknown = channel.physical_sizes is None
-    raw = from_topography(
-        "its map", channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
-    )
+    topography = channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
+    raw = from_topography("its map", topography)
     raw.channel, raw.pixel, raw.unsaid = channel.channel_id, None, ""
     if isinstance(channel.unit, tuple):
         lateral, raw.unit = channel.unit
@@ -513,6 +528,11 @@ def _of_channel(channel: Any) -> Raw:
     scale = metres(str(lateral))
     if scale is not None and not unknown:
         raw.pixel = _pixel(channel, scale)
+    if has_masks and (count := int(np.count_nonzero(np.ma.getmaskarray(topography.heights())))):
+        raw.warnings.append(
+            f"the mask in the file leaves {count} of {raw.heights.size} heights out: if it marks grains, and no missing "
+            "heights, remove it in Gwyddion (Data Process, Mask, Remove Mask) and save the file again"
+        )
     return raw
 
 

@@ -374,3 +374,18 @@ def test_the_mean_radius_is_that_of_the_scene(radius, command):
     scene = scene.replace('sample = "bootstrap"', f'sample = "bootstrap", radius = "{radius}"')
     Path("scene.toml").write_text(scene, encoding="utf-8")
     assert f"mean radius {shown[1]} µm" in unbroken(call(["check", "scene.toml"]))
+
+
+@pytest.mark.parametrize("coding", ["gbk", "ascii", "cp932", "latin-1"])
+def test_an_output_without_a_micro_sign_has_another_one(coding, command, monkeypatch):
+    """The file is written, and the summary has the numbers that it has in UTF-8."""
+    said = command(MAP)
+    monkeypatch.setenv("PYTHONIOENCODING", coding)
+    words = [sys.executable, "-m", "stiction.maps", str(MAP), "-o", "out.h5"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(words, capture_output=True, env=environment)
+    assert (done.returncode, done.stderr) == (0, b"") and "µm" in said and Path("out.h5").is_file()
+    plain = said if coding == "latin-1" else said.replace("µ", "u")
+    assert done.stdout.decode(coding).splitlines()[: len(said.splitlines())] == plain.splitlines()
+    done = subprocess.run([*words[:3], "µ-σ-Ж.txt"], capture_output=True, env=environment)
+    assert done.returncode == 2 and b"Traceback" not in done.stderr and done.stderr.count(b"\n") == 1

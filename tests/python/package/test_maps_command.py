@@ -183,10 +183,13 @@ def test_a_smoothed_map_is_told_as_such(command):
 
 def test_rows_are_levelled_before_the_plane(command):
     """Offsets of rows make false summits and are warned of; levelled, the summits are the ones of the map
-    before them, less its rows' own medians, and the warning is gone."""
+    before them, less the medians of its rows above the plane, and the warning is gone."""
     z = heights()
+    rows, columns = np.indices(z.shape)
+    terms = np.stack([np.ones(z.size), rows.ravel(), columns.ravel()], axis=1)
+    plane = (terms @ np.linalg.lstsq(terms, z.ravel(), rcond=None)[0]).reshape(z.shape)
     np.save("map.npy", z + np.random.default_rng(1).normal(scale=2.0, size=(z.shape[0], 1)))
-    np.save("levelled.npy", z - np.median(z, axis=1, keepdims=True))
+    np.save("levelled.npy", z - np.median(z - plane, axis=1, keepdims=True))
     assert "rows are offset against each other" in unbroken(command("map.npy", *UNITS, "-o", "offset.h5"))
     said = command("map.npy", *UNITS, "--level-rows", "median", "-o", "rows.h5")
     assert "rows levelled     less the median of each row" in said and "offset" not in said

@@ -37,8 +37,9 @@ class Raw:
 
     `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
     is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
-    be wrong, and `fixed` that the unit belongs to the numbers. `steps` are of places without a unit. `uneven` has names and places, m, of coordinates that
-    are not even: under 0 of those along the width of a pixel, under 1 along its height.
+    be wrong, and `fixed` that the unit belongs to the numbers. `steps` are of places without a unit. `uneven` has names
+    and places, m, of coordinates that are not even: under 0 of those along the width of a pixel, under 1 along its
+    height.
     """
 
     heights: Any

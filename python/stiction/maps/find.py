@@ -32,7 +32,7 @@ def find_asperities(
 
     Parameters
     ----------
-    map : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+    map : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or topography
         Heights: files of texts, NumPy, HDF5, netCDF and, with the extra ``stiction[maps]``, TIFF and some forty
         formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...). In an array the first index is y and
         the second x, as in images; masked heights and NaN are missing. The coordinates `x` and `y` of a

@@ -38,8 +38,8 @@ _WITHOUT_MARK = {"hgt", "nms"}
 # Formats that nothing here reads, by their first bytes, and what would do.
 _OTHERS = {
     b"Gwyddion Simple Field": "is a Gwyddion Simple Field, which is not read: open it in Gwyddion and save it as .gwy",
-    b"DSCOMPRESSED": "is a compressed surface of Digital Surf, which is not read: save it without compression, or as .gwy "
-    "by Gwyddion",
+    b"DSCOMPRESSED": "is a compressed surface of Digital Surf, which is not read: save it without compression, or as "
+    ".gwy by Gwyddion",
     b":NANONIS_VERSION:": "is a scan of Nanonis, which is not read: open it in Gwyddion and save it as .gwy",
 }
 # Files that are texts, and nothing else.
@@ -90,7 +90,7 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
             raise SceneError(what)
     if suffix == ".nms":
         raise SceneError(
-            "is a map of NanoFocus, whose pixels SurfaceTopography reads in a wrong unit: export it as .sdf or as a text"
+            "is a map of NanoFocus, whose pixels SurfaceTopography reads in a wrong unit: export it as .sdf or as text"
         )
     if suffix in _WORKBOOKS and beginning.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
         raise SceneError("is a workbook; save the sheet as CSV")
@@ -429,7 +429,8 @@ def _unescaped(unit: str) -> str:
 def _pixel_of_page(page: Any, unit: str | None) -> tuple[tuple[float, float] | None, str | None]:
     """The steps of pixels and their unit, by the tags of GeoTIFF, which have none, or of resolution.
 
-    A resolution is in the unit of ImageJ, or in inches or centimetres; one without a unit counts where it is not square.
+    A resolution is in the unit of ImageJ, or in inches or centimetres; one without a unit counts where pixels are not
+    square.
     """
     tags = page.tags
     if _SCALE in tags:
@@ -530,8 +531,8 @@ def _of_channel(channel: Any, *, has_masks: bool) -> Raw:
         raw.pixel = _pixel(channel, scale)
     if has_masks and (count := int(np.count_nonzero(np.ma.getmaskarray(topography.heights())))):
         raw.warnings.append(
-            f"the mask in the file leaves {count} of {raw.heights.size} heights out: if it marks grains, and no missing "
-            "heights, remove it in Gwyddion (Data Process, Mask, Remove Mask) and save the file again"
+            f"the mask in the file leaves {count} of {raw.heights.size} heights out: if it marks grains, and no "
+            "missing heights, remove it in Gwyddion (Data Process, Mask, Remove Mask) and save the file again"
         )
     return raw
 

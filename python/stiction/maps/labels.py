@@ -19,8 +19,8 @@ _MOST, _ALIKE = 64, 0.25
 _NTH = {2: "second", 3: "third"}
 # Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
 _ROUNDED, _SINGLE = 8, 1e-7
-# The part of steps that rise in a row of heights next to one that only rises, and in most rows of a tilted map; how much
-# farther apart rows may be, squared.
+# The part of steps that rise in a row of heights next to one that only rises, and in most rows of a tilted map; how
+# much farther apart rows may be, squared.
 _RISING, _MOSTLY, _APART = 0.75, 0.6, 9.0
 
 

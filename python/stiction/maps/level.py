@@ -12,7 +12,18 @@ from scipy import ndimage
 from .. import quantities
 from ..errors import SceneError
 
-__all__ = ["LEVELS", "ROWS", "SMALLEST", "Grid", "fitted", "flaws", "levelled", "offset_lines", "raised_by_rows", "rows_levelled"]
+__all__ = [
+    "LEVELS",
+    "ROWS",
+    "SMALLEST",
+    "Grid",
+    "fitted",
+    "flaws",
+    "levelled",
+    "offset_lines",
+    "raised_by_rows",
+    "rows_levelled",
+]
 
 #: The surface that is subtracted, by the name of the levelling.
 LEVELS = {

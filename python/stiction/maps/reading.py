@@ -80,7 +80,7 @@ def read_map(
 
     Parameters
     ----------
-    source : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+    source : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or topography
         Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
         MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by
         gzip, bz2 or xz, or alone in a zip file. NaN and masked heights are missing.

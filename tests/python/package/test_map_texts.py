@@ -444,7 +444,10 @@ def test_the_step_of_a_missing_line_is_named(axis, attrs):
 
 # Headers of instruments.
 
-KEYENCE = '"Measured date","2025/03/02"\n"XY calibration","10.0","nm/pixel"\n"Horizontal","9"\n"Vertical","9"\n"Unit","um"\n\n"Height"\n'
+KEYENCE = (
+    '"Measured date","2025/03/02"\n"XY calibration","10.0","nm/pixel"\n"Horizontal","9"\n"Vertical","9"\n'
+    '"Unit","um"\n\n"Height"\n'
+)
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
@@ -462,7 +465,8 @@ def test_a_header_in_cells_has_pixel_and_unit(tmp_path, separator):
 
 def test_steps_of_a_header_are_the_pixel_or_need_both(tmp_path):
     """With a unit for each they are the pixel, as numbers they have to agree with it."""
-    for header in ("# dx: 10 nm\n# dy: 0.02 um\n", "x-step = 10 nm\ny-step = 20 nm\n", "X spacing: 10 nm\nY spacing: 20 nm\n"):
+    headers = "# dx: 10 nm\n# dy: 0.02 um\n", "x-step = 10 nm\ny-step = 20 nm\n", "X spacing: 10 nm\nY spacing: 20 nm\n"
+    for header in headers:
         assert read_map(written(tmp_path, header + rows()), height_unit="nm").pixel == pytest.approx((1e-8, 2e-8))
         refused(tmp_path, header + rows(), 'leave pixel.*give pixel="10 nm,20 nm"')
     refused(tmp_path, "dx 10\ndy 20\n" + rows(), r"its steps 10 and 20 have no unit\)", height_unit="nm")
@@ -478,13 +482,15 @@ def test_a_factor_of_a_header_is_used(tmp_path):
 
 @pytest.mark.parametrize(
     "header",
-    ["ncols 12\nnrows 10\ncellsize 10\n", "x-pixels = 12\ny-pixels = 10\n", "Number of rows: 12\nNumber of columns: 10\n",
+    ["ncols 12\nnrows 10\ncellsize 10\n", "x-pixels = 12\ny-pixels = 10\n",
+     "Number of rows: 12\nNumber of columns: 10\n",
      '"Horizontal";"12"\n"Vertical";"10"\n', "Samps/line: 12\nNumber of lines: 10\n"],
 )  # fmt: skip
 def test_a_column_below_rows_and_columns_is_no_line_scan(tmp_path, header):
     column = "\n".join(f"{height:g};" if ";" in header else f"{height:g}" for height in ROUGH.ravel())
     for lines in (True, False):
-        refused(tmp_path, header + column, "rows and columns of a map, .*one column: save it as a matrix", **GIVEN, lines=lines)
+        said = "rows and columns of a map, .*one column: save it as a matrix"
+        refused(tmp_path, header + column, said, **GIVEN, lines=lines)
     one = " ".join(f"{height:g}" for height in ROUGH.ravel())
     refused(tmp_path, "ncols 12\nnrows 10\n" + one, "rows and columns of a map", **GIVEN, lines=True)
 
@@ -544,7 +550,7 @@ def test_arrays_of_points_are_maps(tmp_path):
 @pytest.mark.parametrize("mark", ["# New slice\n", "% 2\n", "\n# frame 2\n\n", "// b\n"])
 def test_maps_of_one_size_between_comments_are_channels(tmp_path, mark):
     path = written(tmp_path, f"# Array shape: (2, 12, 10)\n{rows(ROUGH)}{mark}{rows(ROUGH + 1.0)}# the end\n")
-    with pytest.raises(SceneError, match="has 2 channels that may be maps; name the channel, one of 0: map 0, 1: map 1"):
+    with pytest.raises(SceneError, match="has 2 channels that may be maps; .*, one of 0: map 0, 1: map 1"):
         read_map(path, **GIVEN)
     for channel, z in enumerate((ROUGH, ROUGH + 1.0)):
         np.testing.assert_allclose(read_map(path, **GIVEN, channel=channel).heights, 1e-9 * z)
@@ -561,7 +567,8 @@ def test_arrays_of_numpy_and_octave_are_channels(tmp_path):
     lines = octave.splitlines()
     wide = written(tmp_path, "\n".join(lines[: lines.index("# name: b")]))
     np.testing.assert_allclose(read_map(wide, **GIVEN).heights, 1e-9 * ROUGH)
-    two = written(tmp_path, octave.replace(of.format("b", 9, 9, rows(Z, " ")), of.format("b", 8, 10, rows(ROUGH[:8], " "))))
+    fits = of.format("b", 8, 10, rows(ROUGH[:8], " "))
+    two = written(tmp_path, octave.replace(of.format("b", 9, 9, rows(Z, " ")), fits))
     np.testing.assert_allclose(read_map(two, channel="b", **GIVEN).heights, 1e-9 * ROUGH[:8])
     refused(tmp_path, two.read_text(), "one of 0: a, 1: b")
 

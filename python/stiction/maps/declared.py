@@ -29,6 +29,8 @@ __all__ = [
 # Attributes of CF that scale numbers, that mark missing ones, and all that are read.
 _SCALES, _MARKS = ("scale_factor", "add_offset"), ("_FillValue", "missing_value")
 _READ = {*_SCALES, *_MARKS, "_Unsigned", "valid_range", "valid_min", "valid_max"}
+# Words that names of places have beside x and y.
+_OF_PLACES = {"pos", "position", "positions", "coord", "coords", "coordinate", "coordinates", "axis", "grid", "mesh"}
 
 
 @dataclass
@@ -199,9 +201,11 @@ def _places(
 
 
 def axis_of(name: str) -> str | None:
-    """The axis that an array is named after, such as ``x``, ``X_nm`` or ``pos_x``; None if it is no such name."""
-    words = {word for word in re.split(r"[^a-z]+", name.lower()) if word in ("x", "y")}
-    return words.pop() if len(words) == 1 else None
+    """The axis that an array is named after, such as ``x``, ``X_um`` or ``pos_x``; None if it is no such name."""
+    words = [word for word in re.split(r"[^a-z]+", name.lower()) if word]
+    axes = [word for word in words if word in ("x", "y")]
+    others = [word for word in words if word not in axes and word not in _OF_PLACES and metres(word) is None]
+    return axes[0] if len(axes) == 1 and not others else None
 
 
 def _unit(attrs: Any) -> str | None:

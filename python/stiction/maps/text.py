@@ -53,8 +53,8 @@ _LABELS = {
 }
 # Keys that blanks may separate from their values, as in grids of ESRI.
 _KEYS = {
-    "columns": "ncols|Number of columns|x-pixels|Horizontal|columns|Samps/line",
-    "rows": "nrows|Number of rows|y-pixels|Vertical|rows|Number of lines",
+    "columns": r"ncols|Number of columns|x-pixels|Horizontal|columns(?=\s*[:=])|Samps/line",
+    "rows": r"nrows|Number of rows|y-pixels|Vertical|rows(?=\s*[:=])|Number of lines",
     "missing": "no_?data(?:[_ ]?value)?|missing_value|_FillValue",
     "cell": "cellsize|pixel size|XY calibration",
     "step x": "dx|x[ -](?:step|spacing|pixel size)",

@@ -246,6 +246,26 @@ def test_a_single_pixel_is_refused_where_the_source_has_two_steps(tmp_path, name
         assert_long_radius(source, height_unit="nm")
 
 
+def test_x_and_y_beside_a_map_in_a_dataset_are_its_places():
+    grids = dict(zip(("pos_x", "pos_y"), np.meshgrid(10.0 * np.arange(16), 20.0 * np.arange(14)), strict=True))
+    opened = xarray.Dataset({"z": (("b", "a"), LONG), **{name: (("b", "a"), grid) for name, grid in grids.items()}})
+    with pytest.raises(SceneError, match="steps of 10 along x and 20 along y"):
+        read_map(opened, channel="z", **GIVEN)
+    for name in grids:
+        opened[name].attrs["units"] = "nm"
+    assert_long_radius(opened, channel="z", height_unit="nm")
+
+
+def test_names_with_x_and_y_need_not_be_places(tmp_path):
+    """Slopes along x are a map of their own."""
+    np.savez(tmp_path / "scan.npz", slope_x=ROUGH, height=ROUGH)
+    with h5py.File(tmp_path / "scan.h5", "w") as file:
+        file["slope_x"], file["height"] = ROUGH, ROUGH
+    for name in ("scan.npz", "scan.h5"):
+        with pytest.raises(SceneError, match=r"2 .*s that may be maps; name the channel"):
+            read_map(tmp_path / name, **GIVEN)
+
+
 def test_x_that_is_no_place_is_none(tmp_path):
     """As long as no side, or of two dimensions and constant along none."""
     np.savez(tmp_path / "scan.npz", x=np.arange(5.0), y=np.arange(7.0), z=ROUGH)

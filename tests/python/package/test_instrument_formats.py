@@ -201,6 +201,13 @@ def test_a_channel_is_chosen_by_name_or_number(tmp_path):
         read_map(path, channel="Z")
 
 
+def test_a_single_pixel_is_refused_of_an_instrument_with_two_steps(tmp_path):
+    gwy(tmp_path / "scan.gwy")
+    for source in (tmp_path / "scan.gwy", topography()):
+        with pytest.raises(stiction.SceneError, match=r"steps of 20\.00 nm along x and 25\.00 nm along y.*leave pixel"):
+            read_map(source, pixel="20 nm")
+
+
 def test_a_mask_of_grains_is_said_to_leave_heights_out(tmp_path):
     path = tmp_path / "scan.gwy"
     masked(path)

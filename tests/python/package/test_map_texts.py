@@ -550,7 +550,7 @@ def test_arrays_of_points_are_maps(tmp_path):
 @pytest.mark.parametrize("mark", ["# New slice\n", "% 2\n", "\n# frame 2\n\n", "// b\n"])
 def test_maps_of_one_size_between_comments_are_channels(tmp_path, mark):
     path = written(tmp_path, f"# Array shape: (2, 12, 10)\n{rows(ROUGH)}{mark}{rows(ROUGH + 1.0)}# the end\n")
-    with pytest.raises(SceneError, match="has 2 channels that may be maps; .*, one of 0: map 0, 1: map 1"):
+    with pytest.raises(SceneError, match=r"has 2 channels that may be maps; .*, one of 0: map 0, 1: map 1"):
         read_map(path, **GIVEN)
     for channel, z in enumerate((ROUGH, ROUGH + 1.0)):
         np.testing.assert_allclose(read_map(path, **GIVEN, channel=channel).heights, 1e-9 * z)

@@ -29,8 +29,19 @@ __all__ = [
 # Attributes of CF that scale numbers, that mark missing ones, and all that are read.
 _SCALES, _MARKS = ("scale_factor", "add_offset"), ("_FillValue", "missing_value")
 _READ = {*_SCALES, *_MARKS, "_Unsigned", "valid_range", "valid_min", "valid_max"}
-# Words that names of places have beside x and y.
-_OF_PLACES = {"pos", "position", "positions", "coord", "coords", "coordinate", "coordinates", "axis", "grid", "mesh"}
+# Words that names of places have next to x and y.
+_OF_PLACES = {
+    "pos",
+    "position",
+    "positions",
+    "coord",
+    "coords",
+    "coordinate",
+    "coordinates",
+    "axis",
+    "grid",
+    "mesh",
+}
 
 
 @dataclass
@@ -157,20 +168,20 @@ def grid(
     return xarray.DataArray(heights, dims=("y", "x"), coords=places, attrs=dict(attrs))
 
 
-def placed(array: xarray.DataArray, beside: Mapping[str, xarray.Variable]) -> xarray.DataArray:
-    """Numbers of two dimensions, with x and y that are beside them in a file as their coordinates.
+def placed(array: xarray.DataArray, nearby: Mapping[str, xarray.Variable]) -> xarray.DataArray:
+    """Numbers of two dimensions, with x and y that a file has next to them as their coordinates.
 
     Parameters
     ----------
     array : xarray.DataArray (any, any)
         The numbers. Coordinates that they have are kept.
-    beside : mapping of str to xarray.Variable
+    nearby : mapping of str to xarray.Variable
         Other arrays of the file. Those that are named after x and y count if they are as long as a side, or of the
         shape of the numbers and constant along one of its sides.
     """
     if array.ndim != 2 or any(dim in array.coords for dim in array.dims):
         return array
-    along_of = {axis: _places(axis, beside, array) for axis in "xy"}
+    along_of = {axis: _places(axis, nearby, array) for axis in "xy"}
     for dims in (("y", "x"), ("x", "y")):
         if all(along in along_of[axis] for along, axis in enumerate(dims)):
             places = [along_of[axis][along] for along, axis in enumerate(dims)]
@@ -184,11 +195,11 @@ def placed(array: xarray.DataArray, beside: Mapping[str, xarray.Variable]) -> xa
 
 
 def _places(
-    axis: str, beside: Mapping[str, xarray.Variable], array: xarray.DataArray
+    axis: str, nearby: Mapping[str, xarray.Variable], array: xarray.DataArray
 ) -> dict[int, xarray.Variable]:
     """The places of an axis, by the dimension of an array that they may go along."""
     for one in (
-        xarray.DataArray(one).squeeze().variable for name, one in beside.items() if axis_of(name) == axis
+        xarray.DataArray(one).squeeze().variable for name, one in nearby.items() if axis_of(name) == axis
     ):
         if one.shape == array.shape:
             along = [side for side in (0, 1) if not np.ptp(one.values, axis=1 - side).any()]

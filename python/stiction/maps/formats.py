@@ -211,12 +211,12 @@ def _one_of(channel: str | None, shapes: dict[str, tuple[int, ...]], load: Calla
     maps = _no_places([name for name, shape in shapes.items() if _has_two(shape)]) or list(shapes)
     name = channel if channel in shapes else named(channel, maps, "array")
     _within(shapes[name])
-    beside = {
+    nearby = {
         other: xarray.Variable([f"{other} {axis}" for axis in range(len(shape))], load(other))
         for other, shape in shapes.items()
         if other != name and axis_of(other) and 0 < np.prod(shape) <= np.prod(shapes[name])
     }
-    raw = from_data_array(f"its array {name}", placed(xarray.DataArray(load(name)).squeeze(), beside))
+    raw = from_data_array(f"its array {name}", placed(xarray.DataArray(load(name)).squeeze(), nearby))
     raw.channel = name
     others = ", ".join(other for other in shapes if other != name)
     if channel is None and others:
@@ -231,7 +231,7 @@ def _has_two(shape: tuple[int, ...]) -> bool:
 
 
 def _no_places(names: list[str]) -> list[str]:
-    """The names of arrays without those of places x and y, unless nothing else is there."""
+    """Names of arrays that are not named after places x and y; all, if nothing else is there."""
     return [name for name in names if axis_of(name.rpartition("/")[2]) is None] or names
 
 
@@ -245,12 +245,12 @@ def _hdf5(path: Path, channel: str | None) -> Raw:
     with h5py.File(path, "r") as file:
         name = _dataset(file, channel)
         group, _, leaf = name.rpartition("/")
-        beside = {
+        nearby = {
             other: _variable(path, file[group or "/"][other])
             for other in file[group or "/"]
             if other != leaf and axis_of(other) and _is_numbers(file[group or "/"], other)
         }
-        raw = from_data_array(name, placed(_with_axes(path, file[name]), beside))
+        raw = from_data_array(name, placed(_with_axes(path, file[name]), nearby))
         raw.pixel = raw.pixel or _topostats(file, raw)
     raw.channel = name
     return raw
@@ -293,7 +293,7 @@ def _texts(given: Any) -> list[str]:
 
 
 def _topostats(file: h5py.File, raw: Raw) -> tuple[float, float] | None:
-    """The pixel that TopoStats writes as a number of nm beside its image, whose heights are in nm."""
+    """The pixel that TopoStats writes as a number of nm next to its image, whose heights are in nm."""
     if "topostats_file_version" not in file or "pixel_to_nm_scaling" not in file:
         return None
     size = 1e-9 * float(file["pixel_to_nm_scaling"][()])
@@ -328,7 +328,7 @@ def _is_numbers(group: h5py.Group, name: str) -> bool:
     item = group[name]
     if not isinstance(item, h5py.Dataset) or item.shape is None or item.dtype.kind not in "iuf":
         return False
-    return not np.bytes_(item.attrs.get("NAME", b"")).startswith(b"This is a netCDF dimension but not")
+    return "This is a netCDF dimension but not" not in str(item.attrs.get("NAME"))
 
 
 def _netcdf3(path: Path, channel: str | None) -> Raw:
@@ -417,7 +417,7 @@ def _ome(file: Any) -> tuple[tuple[float, float], str] | None:
             for axis, unit in zip("XY", units, strict=True)
         )
         found.add((x, y))
-    (x, y), *others = found
+    (x, y), *others = found or {(np.nan, np.nan)}
     return ((x, y), "m") if x > 0.0 and y > 0.0 and not others else None
 
 

@@ -87,7 +87,7 @@ def without_labels(values: _Array, first: str, named: bool = False) -> tuple[_Ar
     first : str
         What messages call the first row, such as ``line 4``.
     named : bool
-        Whether names of columns were left out before, so that the first column has those of rows.
+        Whether names of columns were left out before, so that the first column has names of rows.
 
     Raises
     ------

@@ -144,8 +144,8 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     if isinstance(source, xarray.Dataset):
         maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
         name = named(channel, maps, "variable", "map: ")
-        beside = {str(other): one for other, one in source.variables.items() if other != name}
-        raw = declared.from_data_array("map", declared.placed(source[name].squeeze(), beside))
+        nearby = {str(other): one for other, one in source.variables.items() if other != name}
+        raw = declared.from_data_array("map", declared.placed(source[name].squeeze(), nearby))
         raw.channel = name
     elif channel is not None:
         raise SceneError(f"channel = {channel!r}: only files and datasets have channels")

@@ -101,6 +101,13 @@ def test_images_of_ome_with_other_pixels_say_none(tmp_path):
         read_map(path, channel=0, height_unit="nm")
 
 
+def test_metadata_of_ome_without_pixels_say_none(tmp_path):
+    """Files of a set have a reference to another one in the place of their own metadata."""
+    text = '<OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06"><BinaryOnly MetadataFile="a.ome"/></OME>'
+    tifffile.imwrite(tmp_path / "scan.ome.tif", Z.astype("f4"), description=text, metadata=None)
+    assert_read(tmp_path / "scan.ome.tif", **GIVEN)
+
+
 def test_numbers_of_pictures_are_no_heights(tmp_path):
     """Numbers that fall where a picture is brighter, and places in a palette."""
     path, grey = tmp_path / "scan.tif", np.rint(40 * (Z + 5)).astype("u1")
@@ -246,7 +253,7 @@ def test_a_single_pixel_is_refused_where_the_source_has_two_steps(tmp_path, name
         assert_long_radius(source, height_unit="nm")
 
 
-def test_x_and_y_beside_a_map_in_a_dataset_are_its_places():
+def test_x_and_y_of_a_dataset_are_places_of_its_map():
     grids = dict(zip(("pos_x", "pos_y"), np.meshgrid(10.0 * np.arange(16), 20.0 * np.arange(14)), strict=True))
     opened = xarray.Dataset({"z": (("b", "a"), LONG), **{name: (("b", "a"), grid) for name, grid in grids.items()}})
     with pytest.raises(SceneError, match="steps of 10 along x and 20 along y"):

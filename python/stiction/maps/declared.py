@@ -303,13 +303,20 @@ def _check_spacing(name: str, coordinate: xarray.Variable | None) -> None:
 
 
 def _steps(coordinates: list[xarray.Variable | None]) -> Steps | None:
-    """The steps of two coordinates that are even and have no unit of length; None if they are others."""
-    places = [_unitless(one) for one in coordinates]
-    if any(one is None or not _is_even(one) for one in places):
+    """The steps of two coordinates that are even, of which one or both have no unit of length; None if they are others.
+
+    One without a unit is taken to have that of the other.
+    """
+    if any(one is None or not _is_even(one.values.astype(float)) for one in coordinates):
         return None
-    width, height = (float(abs(one[-1] - one[0]) / (one.size - 1)) for one in places)
-    units = {_unit(one.attrs) for one in coordinates if one is not None}
-    return Steps(width, height, units.pop()) if len(units) == 1 else None
+    known = [one for one in coordinates if one is not None]
+    width, height = (float(abs(one.values[-1] - one.values[0]) / (one.size - 1)) for one in known)
+    units = [_unit(one.attrs) for one in known]
+    named = {unit for unit in units if unit}
+    if len(named) > 1 or all(metres(unit or "") for unit in units):
+        return None
+    unit = named.pop() if named else None
+    return Steps(width, height, None if metres(unit or "") else unit)
 
 
 def _limits(attrs: Any) -> tuple[Any, Any]:

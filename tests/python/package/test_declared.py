@@ -253,6 +253,18 @@ def test_a_single_pixel_is_refused_where_the_source_has_two_steps(tmp_path, name
         assert_long_radius(source, height_unit="nm")
 
 
+@pytest.mark.parametrize("units", [("nm", None), (None, "nm"), ("px", "px"), ("px", None)])
+def test_steps_of_which_one_has_a_unit_are_two_steps(units):
+    coordinates = {
+        axis: (axis, step * np.arange(count), {"units": unit} if unit else {})
+        for axis, step, count, unit in zip("xy", (10.0, 20.0), (16, 14), units, strict=True)
+    }
+    z = xarray.DataArray(LONG, dims=("y", "x"), coords=coordinates)
+    with pytest.raises(SceneError, match="steps of 10 along x and 20 along y, and a single pixel is square"):
+        read_map(z, **GIVEN)
+    assert_long_radius(z, pixel="10 nm,20 nm", height_unit="nm")
+
+
 def test_x_and_y_of_a_dataset_are_places_of_its_map():
     grids = dict(zip(("pos_x", "pos_y"), np.meshgrid(10.0 * np.arange(16), 20.0 * np.arange(14)), strict=True))
     opened = xarray.Dataset({"z": (("b", "a"), LONG), **{name: (("b", "a"), grid) for name, grid in grids.items()}})

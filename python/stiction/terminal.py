@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import codecs
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -13,6 +15,16 @@ __all__ = ["ended"]
 
 # The exit code of a command that was interrupted.
 _INTERRUPTED = 130
+# What is printed for characters that an output has not, as GBK has no micro sign; for others a question mark.
+_PLAIN = {"\u00b5": "u", "\u2212": "-", "\u2013": "-", "\u00d7": "x", "\u03b1": "a", "\u03c3": "s"}
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    return "".join(_PLAIN.get(one, "?") for one in error.object[error.start : error.end]), error.end
+
+
+codecs.register_error("stiction", _plain)
 
 
 def ended(name: str, work: Callable[[], None]) -> int:
@@ -26,6 +38,9 @@ def ended(name: str, work: Callable[[], None]) -> int:
         Prints its results; they are lost to nobody unless an error says so.
     """
     progress.of_command(name)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors != "surrogateescape":
+            stream.reconfigure(errors="stiction")
     try:
         if sys.stdout is None:
             raise OSError("standard output is closed")

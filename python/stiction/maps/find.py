@@ -32,7 +32,7 @@ def find_asperities(
 
     Parameters
     ----------
-    map : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+    map : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or topography
         Heights: files of texts, NumPy, HDF5, netCDF and, with the extra ``stiction[maps]``, TIFF and some forty
         formats of instruments (``.gwy``, ``.spm``, ``.ibw``, ``.nid``, ...). In an array the first index is y and
         the second x, as in images; masked heights and NaN are missing. The coordinates `x` and `y` of a
@@ -52,8 +52,8 @@ def find_asperities(
     mask : array_like (ny, nx) or path, optional
         Where it is not 0 heights count as missing.
     level_rows : {"median", "differences"}, optional
-        What is subtracted from each row before the plane: its median, or the sum of the median differences
-        from row to row. By default nothing is.
+        What is subtracted from each row before: its median, or the sum of the median differences from row to row,
+        both of heights above the surface of `level`. By default nothing is.
     level : {"plane", "quadratic", "none"}
         What is subtracted from the heights.
     smooth : float, str, optional

@@ -8,31 +8,23 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
 import xarray
 from scipy import io
 
-from .. import files, quantities, stored, tables
+from .. import files, stored, tables
 from ..errors import SceneError, StictionError
 from . import text
 from .channels import named, numbered
-from .lengths import Steps, metres
+from .declared import Raw, attributes, axis_of, from_array, from_data_array, grid, placed
+from .lengths import metres
 
-__all__ = [
-    "MOST_PIXELS",
-    "Raw",
-    "from_array",
-    "from_data_array",
-    "from_path",
-    "from_pint",
-    "from_topography",
-    "uneven",
-]
+__all__ = ["MOST_PIXELS", "from_path", "from_topography"]
 
 # Most pixels of a map that is read.
 MOST_PIXELS = 1 << 26
@@ -43,6 +35,13 @@ _TEXT_OF_INSTRUMENTS = re.compile(
 )
 # Formats of SurfaceTopography that fit any bytes.
 _WITHOUT_MARK = {"hgt", "nms"}
+# Formats that nothing here reads, by their first bytes, and what would do.
+_OTHERS = {
+    b"Gwyddion Simple Field": "is a Gwyddion Simple Field, which is not read: open it in Gwyddion and save it as .gwy",
+    b"DSCOMPRESSED": "is a compressed surface of Digital Surf, which is not read: save it without compression, or as "
+    ".gwy by Gwyddion",
+    b":NANONIS_VERSION:": "is a scan of Nanonis, which is not read: open it in Gwyddion and save it as .gwy",
+}
 # Files that are texts, and nothing else.
 _TEXTS = {"", ".txt", ".csv", ".tsv", ".asc", ".dat", ".xyz"}
 _WORKBOOKS = {".xlsx", ".xlsm", ".xlsb", ".xls", ".ods"}
@@ -52,30 +51,15 @@ _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bz2", b"\xfd7zXZ": "lzma"}
 _BEGINNING = 1 << 12
 # Pixels of images, m: a resolution for printing makes larger ones.
 _LARGEST_OF_IMAGES = 1e-5
-_PARK, _NODATA = 50432, 42113
-
-
-@dataclass
-class Raw:
-    """What a source says of a map.
-
-    `heights` are over y and x, NaN where they are missing, in `unit`; `pixel` is (width, height) in m. `assumed`
-    is the unit of heights that come without one, `unsaid` why a pixel has to be given, `doubt` why the one here may
-    be wrong, and `fixed` that the unit belongs to the numbers. `steps` are of places without a unit. `uneven` has names and places, m, of coordinates that
-    are not even: under 0 of those along the width of a pixel, under 1 along its height.
-    """
-
-    heights: Any
-    pixel: tuple[float, float] | None = None
-    unit: str | None = None
-    channel: str = ""
-    assumed: str | None = None
-    unsaid: str = ""
-    doubt: str = ""
-    fixed: bool = False
-    steps: Steps | None = None
-    uneven: dict[int, tuple[str, Any]] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
+_PARK, _NODATA, _GDAL, _SCALE = 50432, 42113, 42112, 33550
+# What the numbers of pictures are, by their PhotometricInterpretation, and what would do.
+_PICTURES = {
+    0: "its numbers fall where it is brighter (MinIsWhite)",
+    3: "its numbers are places in a palette of colours",
+}
+_GREY = "save heights as grey values that rise where it is brighter (MinIsBlack), or as a text"
+# Attributes of CF by the roles that GDAL has for them.
+_ROLES = {"scale": "scale_factor", "offset": "add_offset", "unittype": "units"}
 
 
 def from_path(path: Path, channel: str | None) -> Raw:
@@ -101,6 +85,13 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
         raise SceneError("is empty")
     if what := tables.no_numbers(beginning):
         raise SceneError(what)
+    for mark, what in _OTHERS.items():
+        if beginning.startswith(mark):
+            raise SceneError(what)
+    if suffix == ".nms":
+        raise SceneError(
+            "is a map of NanoFocus, whose pixels SurfaceTopography reads in a wrong unit: export it as .sdf or as text"
+        )
     if suffix in _WORKBOOKS and beginning.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
         raise SceneError("is a workbook; save the sheet as CSV")
     if beginning.startswith(b"\x93NUMPY"):
@@ -217,15 +208,20 @@ def _matlab(path: Path, channel: str | None) -> Raw:
 
 def _one_of(channel: str | None, shapes: dict[str, tuple[int, ...]], load: Callable[[str], Any]) -> Raw:
     """The array of a name or number, or the only one of two dimensions, of arrays of some shapes."""
-    maps = [name for name, shape in shapes.items() if _has_two(shape)] or list(shapes)
+    maps = _no_places([name for name, shape in shapes.items() if _has_two(shape)]) or list(shapes)
     name = channel if channel in shapes else named(channel, maps, "array")
     _within(shapes[name])
-    raw = from_array(f"its array {name}", load(name))
+    nearby = {
+        other: xarray.Variable([f"{other} {axis}" for axis in range(len(shape))], load(other))
+        for other, shape in shapes.items()
+        if other != name and axis_of(other) and 0 < np.prod(shape) <= np.prod(shapes[name])
+    }
+    raw = from_data_array(f"its array {name}", placed(xarray.DataArray(load(name)).squeeze(), nearby))
     raw.channel = name
     others = ", ".join(other for other in shapes if other != name)
     if channel is None and others:
         raw.warnings.append(f"of its arrays {name} is read; there are {others}, too")
-        raw.unsaid = f"its arrays {others} have no units"
+        raw.unsaid = raw.unsaid or f"its arrays {others} have no units"
     return raw
 
 
@@ -234,54 +230,82 @@ def _has_two(shape: tuple[int, ...]) -> bool:
     return sum(length > 1 for length in shape) == 2
 
 
+def _no_places(names: list[str]) -> list[str]:
+    """Names of arrays that are not named after places x and y; all, if nothing else is there."""
+    return [name for name in names if axis_of(name.rpartition("/")[2]) is None] or names
+
+
 def _no_channel(channel: str | None) -> None:
     if channel is not None:
         raise SceneError(f"channel = {channel!r}: this file has a single map, without a name")
 
 
-def from_array(name: str, values: Any) -> Raw:
-    """Numbers without a unit as a map.
-
-    Raises
-    ------
-    SceneError
-        They are no real numbers.
-    """
-    try:
-        return Raw(quantities.reals(name, values))
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-
-
 def _hdf5(path: Path, channel: str | None) -> Raw:
-    """A dataset of HDF5 or netCDF4, which xarray reads by the conventions of CF."""
+    """A dataset of HDF5 or netCDF4, which are read by h5py: attributes may be references, which xarray refuses."""
     with h5py.File(path, "r") as file:
         name = _dataset(file, channel)
-        stored.check_dataset(path, name, file[name])
-        _within(file[name].shape)
         group, _, leaf = name.rpartition("/")
-        others = [
-            other
+        nearby = {
+            other: _variable(path, file[group or "/"][other])
             for other in file[group or "/"]
-            if other != leaf and not _is_coordinate(path, file[group or "/"], other)
-        ]
-    with xarray.open_dataset(
-        path,
-        group=group or "/",
-        engine="h5netcdf",
-        phony_dims="access",
-        decode_times=False,
-        drop_variables=others,
-    ) as opened:
-        raw = from_data_array(name, _placed(opened, leaf))
+            if other != leaf and axis_of(other) and _is_numbers(file[group or "/"], other)
+        }
+        raw = from_data_array(name, placed(_with_axes(path, file[name]), nearby))
+        raw.pixel = raw.pixel or _topostats(file, raw)
     raw.channel = name
     return raw
+
+
+def _variable(path: Path, item: h5py.Dataset) -> xarray.Variable:
+    """A dataset with its dimensions, by the names of their scales, and the attributes that can be read.
+
+    MATLAB has its columns first in HDF5.
+    """
+    stored.check_dataset(path, item.name, item)
+    _within(item.shape)
+    dims = [
+        axis[0].name.rpartition("/")[2] if len(axis) else f"{item.name} {place}"
+        for place, axis in enumerate(item.dims)
+    ]
+    variable = xarray.Variable(dims, item[()], attributes(item.attrs), {"dtype": item.dtype})
+    return variable.transpose() if "MATLAB_class" in item.attrs else variable
+
+
+def _with_axes(path: Path, item: h5py.Dataset) -> xarray.DataArray:
+    """A dataset with the coordinates that its scales of dimensions are, or that the axes of NeXus name."""
+    variable = _variable(path, item)
+    array = xarray.DataArray(variable)
+    array.encoding = variable.encoding
+    names = _texts(item.attrs.get("axes", item.parent.attrs.get("axes")))
+    names = names if len(names) == array.ndim else [""] * array.ndim
+    for dim, axis, name in zip(array.dims, item.dims, names, strict=True):
+        group, leaf = (axis[0].parent, axis[0].name.rpartition("/")[2]) if len(axis) else (item.parent, name)
+        if leaf and _is_numbers(group, leaf) and group[leaf].shape == (array.sizes[dim],):
+            one = _variable(path, group[leaf])
+            array = array.assign_coords({dim: (dim, one.values, one.attrs)})
+    return array.squeeze()
+
+
+def _texts(given: Any) -> list[str]:
+    """The names of an attribute, which are an array, or one text with colons between them."""
+    names = [one.decode() if isinstance(one, bytes) else str(one) for one in np.ravel(np.asarray(given))]
+    return re.split(r"[:,]", names[0].strip("[]")) if len(names) == 1 else names
+
+
+def _topostats(file: h5py.File, raw: Raw) -> tuple[float, float] | None:
+    """The pixel that TopoStats writes as a number of nm next to its image, whose heights are in nm."""
+    if "topostats_file_version" not in file or "pixel_to_nm_scaling" not in file:
+        return None
+    size = 1e-9 * float(file["pixel_to_nm_scaling"][()])
+    raw.unit = raw.unit or "nm"
+    return size, size
 
 
 def _dataset(file: h5py.File, channel: str | None) -> str:
     """The path of a dataset in a file: one of two dimensions in the root, or in any group."""
     found: list[str] = []
     file.visititems(lambda name, item: found.append(name) if _is_map(item) else None)
+    found = _no_places(found)
     if channel is None or channel.isdecimal():
         return named(channel, [name for name in found if "/" not in name] or found, "dataset")
     name = channel.strip("/")
@@ -297,21 +321,18 @@ def _is_map(item: Any) -> bool:
     return _has_two(item.shape) and item.dtype.kind in "iuf"
 
 
-def _is_coordinate(path: Path, group: h5py.Group, name: str) -> bool:
-    """Whether a dataset may say where pixels are."""
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
-        group[name], h5py.Dataset
-    ):
+def _is_numbers(group: h5py.Group, name: str) -> bool:
+    """Whether a name is that of a dataset of numbers in this file; netCDF has dimensions without any, too."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
         return False
     item = group[name]
-    if item.shape is None or len(item.shape) != 1 or item.dtype.kind not in "iuf":
+    if not isinstance(item, h5py.Dataset) or item.shape is None or item.dtype.kind not in "iuf":
         return False
-    stored.check_dataset(path, name, item)
-    return True
+    return "This is a netCDF dimension but not" not in str(item.attrs.get("NAME"))
 
 
 def _netcdf3(path: Path, channel: str | None) -> Raw:
-    with xarray.open_dataset(path, engine="scipy", decode_times=False) as opened:
+    with xarray.open_dataset(path, engine="scipy", decode_cf=False) as opened:
         if "heights" in opened and "length" in opened.variables.get("x", xarray.Variable((), 0)).attrs:
             return _instrument(path, channel)
         name = named(
@@ -320,169 +341,11 @@ def _netcdf3(path: Path, channel: str | None) -> Raw:
             "variable",
         )
         _within(opened[name].shape)
-        raw = from_data_array(name, _placed(opened, name))
+        raw = from_data_array(
+            name,
+            placed(opened[name].load().squeeze(), {str(one): of for one, of in opened.variables.items()}),
+        )
     raw.channel = name
-    return raw
-
-
-def _placed(opened: xarray.Dataset, name: str) -> xarray.DataArray:
-    """A variable, and x and y of its file where they are no coordinates of it but as long as its sides.
-
-    MATLAB has its columns first in HDF5.
-    """
-    array = opened[name].load().squeeze()
-    if "MATLAB_class" in array.attrs:
-        array = array.transpose()
-    x, y = (opened.variables.get(axis) for axis in "xy")
-    if x is None or y is None or array.ndim != 2 or any(dim in array.coords for dim in array.dims):
-        return array
-    if x.dims != y.dims and (*x.dims, *y.dims) == array.dims:
-        array = array.transpose()
-    if (*y.shape, *x.shape) != array.shape:
-        return array
-    places = {axis: (axis, one.values, one.attrs) for axis, one in (("y", y), ("x", x))}
-    return xarray.DataArray(array.values, dims=("y", "x"), coords=places, attrs=array.attrs)
-
-
-def _unit(attrs: Any) -> str | None:
-    """The unit among attributes, whatever wrote it: bytes, an array of one element, a NumPy string."""
-    for name, given in attrs.items():
-        if str(name).lower() in ("units", "unit"):
-            value = np.ravel(np.asarray(given))
-            one = value[0] if value.size else ""
-            said = one.decode("utf-8", "replace") if isinstance(one, bytes) else str(one)
-            if said.strip("\0 "):
-                return said.strip("\0 ")
-    return None
-
-
-def from_data_array(name: str, array: xarray.DataArray) -> Raw:
-    """A map whose coordinates with units say where its pixels are.
-
-    Raises
-    ------
-    SceneError
-        It has no two dimensions, or coordinates without units that are off even places by half a step.
-    """
-    array = array.squeeze()
-    if array.ndim == 2 and set(array.dims) == {"x", "y"}:
-        array = array.transpose("y", "x")
-    magnitudes = array.data if quantities.is_pint(array.data) else None
-    raw = from_pint(name, magnitudes) if magnitudes is not None else from_array(name, array.values)
-    raw.unit = raw.unit or _unit(array.attrs)
-    for limit, sign in zip(_limits(array.attrs), (1.0, -1.0), strict=True):
-        if limit is not None and "dtype" in array.encoding:
-            raw.heights = np.where(_is_below(sign, raw.heights, limit, array.encoding), np.nan, raw.heights)
-    if array.ndim != 2:
-        return raw
-    sizes: list[float] = []
-    for dim in array.dims:
-        _check_spacing(name, array.coords.get(dim))
-    coordinates = [(dim, array.coords.get(dim)) for dim in reversed(array.dims)]
-    raw.steps = _steps([coordinate for _, coordinate in coordinates])
-    for dim, coordinate in coordinates:
-        if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
-            return raw
-        unit, places = _unit(coordinate.attrs), coordinate.values.astype(float)
-        scale, is_even = metres(unit or ""), _is_even(places)
-        step = abs(places[-1] - places[0]) / (places.size - 1)
-        if scale is None:
-            if unit is not None:
-                raw.unsaid = f"its coordinate {dim} is in {unit}"
-            elif step != 1.0:
-                raw.unsaid = f'its coordinate {dim} has steps of {step:g}, but no attribute units such as "m"'
-            return raw
-        if not is_even:
-            raw.uneven[len(sizes)] = (str(dim), scale * places)
-        sizes.append(step * scale)
-    raw.pixel = (sizes[0], sizes[1])
-    return raw
-
-
-def _unitless(coordinate: xarray.DataArray | None) -> Any:
-    """The places of a coordinate without a unit of length; None if it has one, or there are none."""
-    if coordinate is None or coordinate.size < 2 or coordinate.dtype.kind not in "iuf":
-        return None
-    return coordinate.values.astype(float) if metres(_unit(coordinate.attrs) or "") is None else None
-
-
-def _check_spacing(name: str, coordinate: xarray.DataArray | None) -> None:
-    """Refuses a coordinate without a unit of length that is off even places by half a step or more."""
-    places = _unitless(coordinate)
-    if places is None or _is_even(places):
-        return
-    step = float(np.median(np.diff(places)))
-    if not np.all(np.abs(places - places[0] - step * np.arange(places.size)) < 0.5 * abs(step)):
-        assert coordinate is not None
-        raise SceneError(f"{name}: {uneven(coordinate.name, places)}")
-
-
-def _steps(coordinates: list[xarray.DataArray | None]) -> Steps | None:
-    """The steps of two coordinates that are even and have no unit of length; None if they are others."""
-    places = [_unitless(one) for one in coordinates]
-    if any(one is None or not _is_even(one) for one in places):
-        return None
-    width, height = (float(abs(one[-1] - one[0]) / (one.size - 1)) for one in places)
-    units = {_unit(one.attrs) for one in coordinates if one is not None}
-    return Steps(width, height, units.pop()) if len(units) == 1 else None
-
-
-def _limits(attrs: Any) -> tuple[Any, Any]:
-    """The least and the largest valid number by the attributes of CF, NumPy's; None where none is said."""
-    of_range = np.ravel(attrs.get("valid_range", ()))
-    given = of_range if of_range.size == 2 else [attrs.get(f"valid_{which}") for which in ("min", "max")]
-    low, high = (np.ravel(one)[0] if np.asarray(one).dtype.kind in "iuf" else None for one in given)
-    return low, high
-
-
-def _is_below(sign: float, values: Any, limit: Any, encoding: Any) -> Any:
-    """Where values of a file are below a limit of CF, or above it for a sign of −1.
-
-    A limit is of numbers as they are stored, but one with a point for whole numbers is of scaled ones.
-    """
-    stored = np.dtype(encoding["dtype"])
-    scale, offset = (
-        float(np.ravel(encoding.get(name, default))[0])
-        for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
-    )
-    if str(encoding.get("_Unsigned")).lower() == "true" and limit.dtype.kind == "i":
-        limit = limit.astype(f"i{stored.itemsize}").view(f"u{stored.itemsize}")
-    is_scaled = stored.kind in "iu" and limit.dtype.kind == "f"
-    bound = float(limit) if is_scaled else offset + scale * float(limit)
-    if scale < 0.0 and not is_scaled:
-        sign = -sign
-    # Less than a step, and more than the rounding of scaling.
-    margin = 0.01 * abs(scale) if stored.kind in "iu" else 1e-6 * abs(bound - offset)
-    return sign * (values - bound) < -margin
-
-
-def uneven(dim: Any, places: Any) -> str:
-    """Where the steps of a coordinate are others first, and what would do."""
-    steps = np.diff(places)
-    usual = float(np.median(steps))
-    at = int(np.argmax(np.abs(steps - usual) > 1e-3 * abs(usual)))
-    return (
-        f"its coordinate {dim} is not evenly spaced: from {places[at]:g} to {places[at + 1]:g} it has a step of "
-        f"{steps[at]:g}, and the usual one is {usual:g}; write rows and columns that are missing as NaN"
-    )
-
-
-def _is_even(places: Any) -> bool:
-    """Whether places rise or fall evenly, but for the rounding of single precision."""
-    steps = np.diff(places)
-    mean = float(np.mean(steps))
-    rounding = min(float(np.finfo("f4").eps * np.abs(places).max()), 0.5 * abs(mean))
-    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= max(1e-3 * abs(mean), rounding)))
-
-
-def from_pint(name: str, values: Any) -> Raw:
-    """A pint quantity as a map: a length in m, or what it is in its own unit."""
-    if values.is_compatible_with("meter"):
-        raw = from_array(name, values.to("meter").magnitude)
-        raw.unit, raw.fixed = "m", True
-    else:
-        raw = from_array(name, values.magnitude)
-        raw.unit = f"{values.units:~}" or None
     return raw
 
 
@@ -499,30 +362,91 @@ def _tiff(path: Path, channel: str | None) -> Raw:
                 f"is a picture of {sizes} values, as colours are; heights are one number per pixel"
             )
         _within(page.shape)
-        raw = from_array("its page", page.asarray())
-        missing = page.tags.get(_NODATA)
-        if missing is not None:
-            raw.heights[raw.heights == float(str(missing.value).strip("\0 "))] = np.nan
-        raw.pixel = _pixel_of_page(page, (file.imagej_metadata or {}).get("unit"))
+        if (kind := int(page.tags["PhotometricInterpretation"].value)) != 1:
+            raise SceneError(f"is a picture: {_PICTURES.get(kind, 'its numbers are colours')}; {_GREY}")
+        raw = from_data_array("its page", _page(file, page))
     raw.channel = f"page {page.index}"
     return raw
 
 
-def _pixel_of_page(page: Any, unit: str | None) -> tuple[float, float] | None:
-    """The pixel by the tags of resolution, in the unit of ImageJ, or in inches or centimetres."""
-    tags = page.tags
-    if "XResolution" not in tags or "YResolution" not in tags:
+def _page(file: Any, page: Any) -> xarray.DataArray:
+    """The numbers of a page with what GDAL, ImageJ and OME declare of them."""
+    ours = file.imagej_metadata or {}
+    attrs = _gdal(page) | _imagej(ours)
+    steps, unit = _ome(file) or _pixel_of_page(page, ours.get("unit"))
+    return grid(page.asarray(), attrs, steps, unit)
+
+
+def _gdal(page: Any) -> dict[str, Any]:
+    """Scale, offset, unit and missing number of a page, as attributes of CF."""
+    attrs: dict[str, Any] = {}
+    if _NODATA in page.tags:
+        attrs["missing_value"] = str(page.tags[_NODATA].value).strip("\0 ")
+    if _GDAL in page.tags:
+        for item in ElementTree.fromstring(str(page.tags[_GDAL].value).strip("\0 ")).iter("Item"):
+            role = item.get("role", item.get("name", "")).lower()
+            if role in _ROLES and item.get("sample", "0") == "0":
+                attrs[_ROLES[role]] = (item.text or "").strip()
+    return attrs
+
+
+def _imagej(ours: dict[str, Any]) -> dict[str, Any]:
+    """The straight line and the unit of ImageJ's calibration, as attributes of CF."""
+    if "c0" not in ours:
+        return {}
+    if int(ours.get("cf", 0)) != 0:
+        raise SceneError(
+            f"its calibration by ImageJ (cf={ours['cf']}) is no straight line; apply it there and save 32-bit numbers"
+        )
+    unit = str(ours.get("vunit", "")).strip()
+    named = {} if unit.lower() in ("", "gray value", "pixel", "pixels") else {"units": _unescaped(unit)}
+    return {"scale_factor": ours.get("c1", 1.0), "add_offset": ours["c0"]} | named
+
+
+def _ome(file: Any) -> tuple[tuple[float, float], str] | None:
+    """The steps of pixels by OME, and their unit; of images with other pixels none."""
+    if not file.ome_metadata:
         return None
-    scale = metres(str(unit).encode().decode("unicode_escape")) if unit else None
+    found = set()
+    for one in (
+        one for one in ElementTree.fromstring(file.ome_metadata).iter() if one.tag.endswith("}Pixels")
+    ):
+        units = [metres(one.get(f"PhysicalSize{axis}Unit", "\u00b5m")) for axis in "XY"]
+        x, y = (
+            float(one.get(f"PhysicalSize{axis}", "nan")) * (unit or np.nan)
+            for axis, unit in zip("XY", units, strict=True)
+        )
+        found.add((x, y))
+    (x, y), *others = found or {(np.nan, np.nan)}
+    return ((x, y), "m") if x > 0.0 and y > 0.0 and not others else None
+
+
+def _unescaped(unit: str) -> str:
+    """A unit of ImageJ, which writes other characters than ASCII as escapes."""
+    return unit.encode("ascii", "backslashreplace").decode("unicode_escape")
+
+
+def _pixel_of_page(page: Any, unit: str | None) -> tuple[tuple[float, float] | None, str | None]:
+    """The steps of pixels and their unit, by the tags of GeoTIFF, which have none, or of resolution.
+
+    A resolution is in the unit of ImageJ, or in inches or centimetres; one without a unit counts where pixels are not
+    square.
+    """
+    tags = page.tags
+    if _SCALE in tags:
+        return tuple(tags[_SCALE].value[:2]), None
+    if "XResolution" not in tags or "YResolution" not in tags:
+        return None, None
+    scale = metres(_unescaped(str(unit))) if unit else None
     if scale is None:
         scale = {2: 0.0254, 3: 0.01}.get(int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1)
-    sizes = []
-    for name in ("XResolution", "YResolution"):
-        numerator, denominator = tags[name].value
-        if scale is None or numerator == 0 or scale * denominator / numerator > _LARGEST_OF_IMAGES:
-            return None
-        sizes.append(scale * denominator / numerator)
-    return sizes[0], sizes[1]
+    (x, of_x), (y, of_y) = (tags[name].value for name in ("XResolution", "YResolution"))
+    if x == 0 or y == 0:
+        return None, None
+    steps = (of_x / x, of_y / y)
+    if scale is not None and scale * max(steps) <= _LARGEST_OF_IMAGES:
+        return (scale * steps[0], scale * steps[1]), "m"
+    return (steps, None) if steps[0] != steps[1] else (None, None)
 
 
 def extra(module: str) -> Any:
@@ -552,15 +476,11 @@ def _text_or_instrument(path: Path, channel: str | None) -> Raw:
             copy.write_text(content, encoding="utf-8")
             return _instrument(copy, channel)
     try:
-        found = text.read(content, channel)
+        return text.read(content, channel)
     except text.NoNumbers:
         if path.suffix.lower() in _TEXTS:
             raise
         return _instrument(path, channel)
-    return Raw(
-        found.heights, found.pixel, found.unit, found.channel or "", unsaid=found.unsaid, doubt=found.doubt,
-        steps=found.steps, warnings=found.warnings,
-    )  # fmt: skip
 
 
 def _instrument(path: Path, channel: str | None) -> Raw:
@@ -579,26 +499,27 @@ def _instrument(path: Path, channel: str | None) -> Raw:
         # Channels whose data have no unit that is known have two of them, the other one of lengths.
         heights = [one for one in channels if one.is_height_channel and not isinstance(one.unit, tuple)]
         names = [one.channel_id for one in channels]
-        if channel is not None:
-            return _of_channel(channels[numbered(channel, names, "channel")])
         default = reader.default_channel.index
-        one = next((one for one in heights if one.index == default), (heights or channels)[0])
-        raw = _of_channel(one)
+        one = (
+            channels[numbered(channel, names, "channel")]
+            if channel is not None
+            else next((one for one in heights if one.index == default), (heights or channels)[0])
+        )
+        raw = _of_channel(one, has_masks=reader.format() == "gwy")
         others = ", ".join(other.channel_id for other in heights if other.index != one.index)
-        if others:
+        if others and channel is None:
             raw.warnings.append(
                 f"of its heights the channel {one.channel_id} is read; there are {others}, too"
             )
         return raw
 
 
-def _of_channel(channel: Any) -> Raw:
-    """The map of a channel of SurfaceTopography."""
+def _of_channel(channel: Any, *, has_masks: bool) -> Raw:
+    """The map of a channel of SurfaceTopography, which leaves out what a mask marks, be it missing or not."""
     # A size is needed to ask for the heights of a file that does not say it.
     unknown = channel.physical_sizes is None
-    raw = from_topography(
-        "its map", channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
-    )
+    topography = channel.topography(physical_sizes=channel.nb_grid_pts if unknown else None)
+    raw = from_topography("its map", topography)
     raw.channel, raw.pixel, raw.unsaid = channel.channel_id, None, ""
     if isinstance(channel.unit, tuple):
         lateral, raw.unit = channel.unit
@@ -608,6 +529,11 @@ def _of_channel(channel: Any) -> Raw:
     scale = metres(str(lateral))
     if scale is not None and not unknown:
         raw.pixel = _pixel(channel, scale)
+    if has_masks and (count := int(np.count_nonzero(np.ma.getmaskarray(topography.heights())))):
+        raw.warnings.append(
+            f"the mask in the file leaves {count} of {raw.heights.size} heights out: if it marks grains, and no "
+            "missing heights, remove it in Gwyddion (Data Process, Mask, Remove Mask) and save the file again"
+        )
     return raw
 
 

@@ -34,9 +34,9 @@ class Factor:
 
 @dataclass
 class Steps:
-    """Steps of the places of a file, whose unit it does not say, along the width and the height of a pixel.
+    """Steps of the places of a file along the width and the height of a pixel.
 
-    `unit` is one that is none of length, and `off` by which relative part the ratio of the steps may be wrong.
+    `unit` is m, or one that is none of length, and `off` by which relative part the ratio of the steps may be wrong.
     """
 
     width: float
@@ -44,25 +44,38 @@ class Steps:
     unit: str | None = None
     off: float = 0.0
 
-    def disagreement(self, given: Any, size: tuple[float, float]) -> str | None:
-        """What is wrong with a pixel of a size, m, that is given; None if nothing is, or steps only count.
+    def refuse_single(self, given: Any, size: tuple[float, float]) -> None:
+        """Refuses a pixel of a size, m, that is given as a single number, where the steps are not square.
 
         Raises
         ------
         SceneError
-            The pixel that is given is a single number, and the steps are not square.
+            It has the pixel that would do.
         """
-        ratio, tolerance = self.height / self.width, _OTHER + self.off
+        ratio = self.height / self.width
         single = (
             "," not in given if isinstance(given, str) else np.size(getattr(given, "magnitude", given)) == 1
         )
-        if single and abs(ratio - 1.0) > tolerance:
-            along = size[0] / ratio if self._is(size[0], self.height) else size[0]
-            shown = ",".join(f"{1e9 * one:.6g} nm" for one in (along, along * ratio))
-            raise SceneError(
-                f"its places have steps of {self.width:g} along x and {self.height:g} along y, and a single pixel "
-                f'is square; give pixel="{shown}", which is of such pixels, width and height'
+        if not single or abs(ratio - 1.0) <= _OTHER + self.off:
+            return
+        along = size[0] / ratio if self._is(size[0], self.height) else size[0]
+        sizes, steps = (along, along * ratio), [f"{step:g}" for step in (self.width, self.height)]
+        advice = "give"
+        if self.unit == "m":
+            sizes, steps = (
+                (self.width, self.height),
+                [quantities.si(one, "m") for one in (self.width, self.height)],
             )
+            advice = "leave pixel (--pixel) out, or give"
+        shown = ",".join(f"{1e9 * one:.6g} nm" for one in sizes)
+        raise SceneError(
+            f"its places have steps of {steps[0]} along x and {steps[1]} along y, and a single pixel is square; "
+            f'{advice} pixel="{shown}", which is of such pixels, width and height'
+        )
+
+    def disagreement(self, size: tuple[float, float]) -> str | None:
+        """What is wrong with a pixel of a size, m; None if nothing is, or steps only count."""
+        ratio, tolerance = self.height / self.width, _OTHER + self.off
         is_known = self._is(size[0], self.width) and self._is(size[1], self.height)
         if self.unit or self.width == self.height == 1.0:
             return None

@@ -9,9 +9,21 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
+from .. import quantities
 from ..errors import SceneError
 
-__all__ = ["LEVELS", "ROWS", "SMALLEST", "Grid", "flaws", "levelled", "offset_lines", "rows_levelled"]
+__all__ = [
+    "LEVELS",
+    "ROWS",
+    "SMALLEST",
+    "Grid",
+    "fitted",
+    "flaws",
+    "levelled",
+    "offset_lines",
+    "raised_by_rows",
+    "rows_levelled",
+]
 
 #: The surface that is subtracted, by the name of the levelling.
 LEVELS = {
@@ -31,6 +43,8 @@ _COUNTS = {"none": 1, "plane": 3, "quadratic": 6}
 _DETERMINED = 1e-9
 # Share of pixels, or of pairs of them, from which a flaw is said.
 _NOTED = 0.01
+# Relative rise of the standard deviation from which on it is said.
+_RAISED = 1e-3
 # Steps of a row over their typical size, and over the scatter of its pixels' own steps: of one, and of most.
 _OUTLYING, _JUMP, _UNSTEADY = 5.0, 1.0, 0.5
 # Standard deviation of a Gaussian over its median absolute deviation.
@@ -81,7 +95,7 @@ class Grid:
         return down, along
 
 
-def rows_levelled(heights: Any, how: str) -> Any:
+def rows_levelled(heights: Any, how: str, slopes: Any = 0.0) -> Any:
     """Heights less an offset of each row: its median, or the sum of the median steps from row to row.
 
     Parameters
@@ -90,17 +104,33 @@ def rows_levelled(heights: Any, how: str) -> Any:
         Heights, m; NaN where one is missing.
     how : {"median", "differences"}
         Which offset.
+    slopes : array (ny, nx), optional
+        Surface, m, that offsets are measured from: the median of a tilted row is no offset, but the height of about
+        one pixel in its middle.
 
     Returns
     -------
     array (ny, nx)
         A row without a height stays as it is; a step next to one counts as none.
     """
+    flat = heights - slopes
     if how == "median":
-        offsets = _medians(heights)
+        offsets = _medians(flat)
     else:
-        offsets = np.concatenate([[0.0], np.cumsum(np.nan_to_num(_medians(np.diff(heights, axis=0))))])
+        offsets = np.concatenate([[0.0], np.cumsum(np.nan_to_num(_medians(np.diff(flat, axis=0))))])
     return heights - np.nan_to_num(offsets)[:, np.newaxis]
+
+
+def raised_by_rows(before: Any, after: Any) -> list[str]:
+    """That levelling of rows has raised the standard deviation of levelled heights, m, which it is to lower."""
+    was, now = (float(np.nanstd(heights)) for heights in (before, after))
+    if not now > (1.0 + _RAISED) * was:
+        return []
+    shown = " to ".join(quantities.si(one, "m") for one in (was, now))
+    return [
+        f"levelling of rows raises the standard deviation of the heights, from {shown}: it adds offsets that the rows "
+        "do not have; leave it out, or level rows in another way"
+    ]
 
 
 def _medians(values: Any) -> Any:
@@ -130,7 +160,7 @@ def levelled(grid: Grid, level: str) -> Grid:
     heights = grid.heights.copy()
     # The second fit, of what the first has left, takes its rounding away.
     for _ in range(2):
-        heights -= _fitted(heights, level)
+        heights -= fitted(heights, level)
     if not np.nanmax(np.abs(heights)) > grid.resolution:
         raise SceneError("the levelled map is flat: no height differs from the others by more than rounding")
     in_steps = _tilt(grid.heights - heights) < _step(grid)
@@ -151,9 +181,15 @@ def _step(grid: Grid) -> float:
     return least
 
 
-def _fitted(heights: Any, level: str) -> Any:
-    """The surface of least squares, by the normal equations; u and v go from −1 to 1 over columns and
-    rows."""
+def fitted(heights: Any, level: str) -> Any:
+    """The surface of least squares through the known heights (ny, nx), m, in their unit and shape.
+
+    Raises
+    ------
+    SceneError
+        The known heights do not determine it.
+    """
+    # By the normal equations; u and v go from −1 to 1 over columns and rows.
     terms = _TERMS[: _COUNTS[level]]
     v, u = (np.vander(np.linspace(-1.0, 1.0, count), 5, increasing=True) for count in heights.shape)
     known = ~np.isnan(heights)

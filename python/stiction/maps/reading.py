@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray
 from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
-from . import formats, lengths, text
+from . import declared, formats, frames, lengths, places, text
 from .channels import named
-from .formats import Raw
+from .declared import Raw
 
 __all__ = ["HeightMap", "read_map"]
 
@@ -77,7 +80,7 @@ def read_map(
 
     Parameters
     ----------
-    source : path, array_like, pint.Quantity, xarray.DataArray, xarray.Dataset or SurfaceTopography topography
+    source : path, array_like, pandas.DataFrame, pint.Quantity, xarray.DataArray, xarray.Dataset or topography
         Heights, the first index y and the second x, as in images. Files are ``.npy``, ``.npz``, HDF5, netCDF,
         MATLAB, TIFF, texts, and all formats of instruments that SurfaceTopography knows; they may be packed by
         gzip, bz2 or xz, or alone in a zip file. NaN and masked heights are missing.
@@ -115,6 +118,7 @@ def read_map(
     ((192, 192), (3e-08, 3e-08), 'polished.txt')
     """
     called, raw = _read(source, None if channel is None else str(channel))
+    _from_points(called, raw)
     if lines and sum(length > 1 for length in np.shape(raw.heights)) == 1:
         raw.heights = np.reshape(raw.heights, (1, -1))
     elif np.ndim(raw.heights) != 2 or min(raw.heights.shape) < 2:
@@ -140,21 +144,52 @@ def _read(source: Any, channel: str | None) -> tuple[str, Raw]:
     if isinstance(source, xarray.Dataset):
         maps = [str(name) for name, one in source.data_vars.items() if one.squeeze().ndim == 2]
         name = named(channel, maps, "variable", "map: ")
-        raw = formats.from_data_array("map", source[name])
+        nearby = {str(other): one for other, one in source.variables.items() if other != name}
+        raw = declared.from_data_array("map", declared.placed(source[name].squeeze(), nearby))
         raw.channel = name
     elif channel is not None:
         raise SceneError(f"channel = {channel!r}: only files and datasets have channels")
     elif hasattr(source, "physical_sizes") and callable(getattr(source, "heights", None)):
         return "map", formats.from_topography("map", source)
+    elif isinstance(source, pd.DataFrame):
+        with _blamed("map"):
+            raw = frames.from_frame(source)
     elif isinstance(source, xarray.DataArray):
-        raw = formats.from_data_array("map", source)
+        raw = declared.from_data_array("map", source)
         raw.channel = "" if source.name is None else str(source.name)
     elif quantities.is_pint(source):
-        raw = formats.from_pint("map", source)
+        raw = declared.from_pint("map", source)
     else:
-        raw = formats.from_array("map", source)
+        raw = declared.from_array("map", source)
     raw.assumed = "m"
     return "map", raw
+
+
+@contextmanager
+def _blamed(called: str) -> Iterator[None]:
+    """Blames what goes wrong in a block on a source."""
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{called}: {error}") from None
+
+
+def _from_points(called: str, raw: Raw) -> None:
+    """Makes a map of N x 3 numbers, which are points x, y, z, and refuses points with more columns."""
+    if np.ndim(raw.heights) != 2 or raw.pixel is not None or raw.steps is not None:
+        return
+    count, columns = raw.heights.shape
+    if columns == 3 and count > 3:
+        unit = raw.unit if raw.fixed and raw.unit else ""
+        with _blamed(called):
+            found = places.points(raw.heights, (unit, unit))
+        raw.heights, raw.pixel, raw.steps, raw.unsaid = found.heights, found.pixel, found.steps, found.unsaid
+        raw.warnings += found.warnings
+    elif places.begin_with_grid(raw.heights):
+        raise SceneError(
+            f"{called}: looks like a list of points x, y, z with more columns: it has {columns}, and the places of a "
+            "grid are in it; keep the columns x, y, z, or name all in the first line of a text, as `x y z phase`"
+        )
 
 
 def _not_two(shape: tuple[int, ...]) -> str:
@@ -169,7 +204,7 @@ def _mask(mask: Any, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     if isinstance(mask, str | Path):
         values = formats.from_path(Path(mask), None).heights
     else:
-        values = formats.from_array("mask", mask).heights
+        values = declared.from_array("mask", mask).heights
     if shape == (1, values.size):
         values = values.reshape(shape)
     if values.shape != shape:
@@ -187,20 +222,16 @@ def _in_metres(
     size = raw.pixel if pixel is None else lengths.pixel_size(pixel)
     if pixel is None and raw.doubt:
         raw.warnings.append(raw.doubt)
-    if size is not None and raw.steps is not None:
-        try:
-            said = raw.steps.disagreement(pixel, size)
-        except SceneError as error:
-            raise SceneError(f"{called}: {error}") from None
-        raw.warnings += [said] if said else []
-    for axis, (dim, places) in raw.uneven.items():
-        if size is None or pixel is None or not _agree(places, size[axis]):
+    for axis, (dim, along) in raw.uneven.items():
+        if size is None or pixel is None or not _agree(along, size[axis]):
             near = (
                 ""
                 if pixel is not None
                 else "; places within half a pixel are taken if pixel (--pixel) is given"
             )
-            raise SceneError(f"{called}: {formats.uneven(dim, places)}{near}")
+            raise SceneError(f"{called}: {declared.uneven(dim, along)}{near}")
+    if pixel is not None and size is not None:
+        raw.warnings += _against_steps(called, raw, pixel, size)
     if size is None or (pixel is None and raw.unsaid):
         missing.append("how large its pixels are" + (f" ({raw.unsaid})" if raw.unsaid else ""))
         advice.append('pixel="10 nm"')
@@ -214,13 +245,21 @@ def _in_metres(
             if raw.assumed is None
             else f"pixel: an array does not say {missing[0]}; give {advice[0]}"
         )
-    if (
-        pixel is not None
-        and raw.pixel is not None
-        and not np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0)
-    ):
-        raw.warnings.append(_other_pixel(size, raw))
     return size, scale
+
+
+def _against_steps(called: str, raw: Raw, pixel: Any, size: tuple[float, float]) -> list[str]:
+    """What a pixel of a size, m, that is given has against the steps of the source."""
+    stated = raw.steps
+    if stated is None and raw.pixel is not None and not raw.doubt:
+        stated = lengths.Steps(*raw.pixel, unit="m")
+    if stated is not None:
+        with _blamed(called):
+            stated.refuse_single(pixel, size)
+    if raw.pixel is not None:
+        return [] if np.allclose(size, raw.pixel, rtol=_ALIKE, atol=0.0) else [_other_pixel(size, raw)]
+    said = None if raw.steps is None else raw.steps.disagreement(size)
+    return [said] if said else []
 
 
 def _agree(places: Any, size: float) -> bool:

@@ -14,7 +14,18 @@ from .. import files, quantities
 from ..errors import SceneError
 from .ellipsoids import Shape, shape
 from .lengths import PIXELS, length
-from .level import LEVELS, ROWS, SMALLEST, Grid, flaws, levelled, offset_lines, rows_levelled
+from .level import (
+    LEVELS,
+    ROWS,
+    SMALLEST,
+    Grid,
+    fitted,
+    flaws,
+    levelled,
+    offset_lines,
+    raised_by_rows,
+    rows_levelled,
+)
 from .reading import HeightMap
 from .smooth import cutoff_series, smoothed
 from .spectrum import Equivalent, Moments, equivalent, moments
@@ -191,7 +202,8 @@ def found_on(height_map: HeightMap, steps: Steps, called: str = "map", *, keep: 
     try:
         return _found(height_map, steps, keep)
     except SceneError as error:
-        raise SceneError(f"{called}: {error}") from None
+        # What is wrong with the map may be what was warned of.
+        raise SceneError("; ".join([f"{called}: {error}", *height_map.warnings])) from None
 
 
 def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
@@ -199,11 +211,15 @@ def _found(height_map: HeightMap, steps: Steps, keep: bool) -> Surface:
     warnings = flaws(grid.heights)
     stages = {"as measured": grid} if keep else {}
     if steps.level_rows is not None:
-        grid = _with(grid, rows_levelled(grid.heights, steps.level_rows))
+        slopes = fitted(grid.heights, steps.level)
+        before = grid.heights - slopes
+        grid = _with(grid, rows_levelled(grid.heights, steps.level_rows, slopes))
         if keep:
             stages["rows levelled"] = grid
     warnings += offset_lines(grid.heights, ("rows", "columns") if steps.level_rows is None else ("columns",))
     grid = levelled(grid, steps.level)
+    if steps.level_rows is not None:
+        warnings += raised_by_rows(before, grid.heights)
     if keep:
         stages["levelled"] = grid
     series = _series(grid, steps)

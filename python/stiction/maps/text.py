@@ -6,21 +6,23 @@ import csv
 import io
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from decimal import Decimal
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
+import xarray
 from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
 from .channels import numbered
+from .declared import Raw, unpacked
 from .dialect import MISSING, NUMBER, any_number, dialect_of, hint, is_value
-from .lengths import Steps, length, metres
-from .places import BLOCK, MOST_AXES, REGULAR, Places, begin_with_grid, on_grid
+from .labels import counting, without_labels, wrapped
+from .lengths import Steps, length
+from .places import BLOCK, MOST_AXES, axes_of, on_grid, placed, points
 
-__all__ = ["LINE_SCAN", "NoNumbers", "TextMap", "read"]
+__all__ = ["LINE_SCAN", "NoNumbers", "read"]
 
 _Array = NDArray[np.float64]
 
@@ -42,19 +44,21 @@ LINE_SCAN = "a line scan has a spectrum, but no asperities; a map has two dimens
 
 # Labels of headers. Gwyddion translates its own.
 _LABELS = {
-    "channel": "Channel|Kanál|Kanal|Canal|Canale|チャネル|채널|Канал",
+    "channel": "name|Channel|Kanál|Kanal|Canal|Canale|チャネル|채널|Канал",
     "width": "Width|Šířka|Breite|Anchura|Largeur|Larghezza|幅|폭|Largura|Ширина|X Amplitude|x-length",
     "height": "Height|Výška|Höhe|Altura|Hauteur|Altezza|高さ|높이|Высота|Y Amplitude|y-length",
-    "unit": "Value units|Jednotky hodnot|Einheiten|Unités|unità valore|値の単位|값 단위|Unidades de valor"
+    "unit": "Units?|Value units|Jednotky hodnot|Einheiten|Unités|unità valore|値の単位|값 단위|Unidades de valor"
     "|Единицы измерения|z-unit|data unit",
     "lateral": "Lateral units",
 }
 # Keys that blanks may separate from their values, as in grids of ESRI.
 _KEYS = {
-    "columns": "ncols|Number of columns|x-pixels",
-    "rows": "nrows|Number of rows|y-pixels",
+    "columns": r"ncols|Number of columns|x-pixels|Horizontal|columns(?=\s*[:=])|Samps/line",
+    "rows": r"nrows|Number of rows|y-pixels|Vertical|rows(?=\s*[:=])|Number of lines",
     "missing": "no_?data(?:[_ ]?value)?|missing_value|_FillValue",
-    "cell": "cellsize|pixel size",
+    "cell": "cellsize|pixel size|XY calibration",
+    "step x": "dx|x[ -](?:step|spacing|pixel size)",
+    "step y": "dy|y[ -](?:step|spacing|pixel size)",
     "scale": r"height conversion factor \(-> *m\)",
 }
 _HEADER = {
@@ -62,37 +66,18 @@ _HEADER = {
     for known, colon in ((_LABELS, "[:=：]"), (_KEYS, "[:=：\\s]"))
     for name, labels in known.items()
 }
-_AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
-_AXIS = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
+# A name of a column with its unit.
+_AXIS = re.compile(r'"?[A-Za-z]+"?\s*(?:[\[(]\s*[^\])]*?\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRI_MISSING = -9999.0
 # Numbers to their last bit, which pandas gives from 3 on by itself.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # Pixels of other sides than that are not square.
 _SQUARE = 0.01
-# Values from which on they may rise evenly but for their rounding, and how far single precision rounds.
-_ROUNDED, _SINGLE = 8, 1e-7
 
 
 class NoNumbers(SceneError):
     """A text has no row of numbers."""
-
-
-@dataclass
-class TextMap:
-    """What a text says: heights in `unit` and the pixel in m, as far as it says them.
-
-    `unsaid` is why a pixel has to be given, `doubt` why the one here may be wrong; `steps` have no unit.
-    """
-
-    heights: _Array
-    pixel: tuple[float, float] | None = None
-    unit: str | None = None
-    channel: str | None = None
-    warnings: list[str] = field(default_factory=list)
-    unsaid: str = ""
-    doubt: str = ""
-    steps: Steps | None = None
 
 
 @dataclass
@@ -109,7 +94,7 @@ class _Block:
         self.said_on |= dict.fromkeys(said, line)
 
 
-def read(text: str, channel: str | None = None) -> TextMap:
+def read(text: str, channel: str | None = None) -> Raw:
     """The map, or the one of the channel, that a text has.
 
     Parameters
@@ -147,6 +132,7 @@ class _Reader:
         blocks = [_Block()]
         # Lines without a number, which are rows if one follows: borders of a sheet are none.
         empty: list[int] = []
+        comments: list[int] = []
         for number, line in enumerate(self.lines):
             block = blocks[-1]
             comment = _COMMENT.fullmatch(line)
@@ -154,17 +140,18 @@ class _Reader:
                 if line.strip() or self.dialect.count(line) == self.dialect.columns:
                     empty.append(number)
             elif comment and self._is_comment(number, comment[1], bool(block.lines)):
-                said = _said(comment[1])
+                said = self._said(comment[1])
                 if "channel" in said and block.lines:
                     blocks.append(_Block())
                 self._is_axes(comment[1], blocks[-1])
                 blocks[-1].says(said, number + 1)
+                comments.append(number)
             elif not block.lines and self._is_header(line, block):
-                block.says(_said(line), number + 1)
+                block.says(self._said(line), number + 1)
             else:
                 block.lines += [*(empty if block.lines else []), number]
                 empty = []
-        blocks = [block for block in blocks if block.lines]
+        blocks = [part for block in blocks if block.lines for part in self._slices(block, comments)]
         if not blocks:
             first = next((line.strip() for line in self.lines if line.strip()), "")
             begins = f"; it begins with `{_shown(first)}`" if first else ", but blanks"
@@ -173,6 +160,33 @@ class _Reader:
             )
             raise NoNumbers(f"holds no row of numbers{begins}: {written}")
         return blocks
+
+    def _slices(self, block: _Block, comments: list[int]) -> list[_Block]:
+        """The maps of one size into which comments part rows, as numpy.savetxt is used; others are named."""
+        part = np.searchsorted(comments, block.lines)
+        sizes = np.unique(part, return_counts=True)[1]
+        if sizes.size == 1 or sizes.min() < BLOCK or block.axes is not None or self.dialect.columns <= BLOCK:
+            return [block]
+        if np.ptp(sizes) > 0:
+            listed = ", ".join(str(size) for size in sizes[:12])
+            self.warnings.append(
+                f"comments part its rows into {sizes.size} blocks of {listed} rows, which are read as one map: if each "
+                "block is a map, save it in a file of its own"
+            )
+            return [block]
+        ends = np.cumsum(sizes).tolist()
+        return [replace(block, lines=block.lines[end - sizes[0] : end]) for end in ends]
+
+    def _said(self, line: str) -> dict[str, str]:
+        """What counts of a line of a header, without the separators that spreadsheets fill it up with.
+
+        A key and its value may be cells, as `"Unit","um"`, or have a colon between them."""
+        line = line.strip(" \t;,")
+        cells = [cell for cell in self.dialect.cells(line) if cell] if self.dialect.separator else []
+        if len(cells) > 1 and not re.search("[:=：]", cells[0]):
+            line = f"{cells[0]}: {' '.join(cells[1:])}"
+        found = {name: pattern.fullmatch(line) for name, pattern in _HEADER.items()}
+        return {name: value[1].strip() for name, value in found.items() if value is not None}
 
     def _is_comment(self, number: int, comment: str, below: bool) -> bool:
         """Whether a line is a comment; `below` the first row one with the cells of a row is none, and refused."""
@@ -202,20 +216,18 @@ class _Reader:
 
     def _is_axes(self, line: str, block: _Block) -> bool:
         """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
-        found = _AXIS.findall(line)
-        axes = [_AXES.get(name.lower()) for name, _ in found]
-        units = [unit for _, unit in found]
-        if not ({"x", "y", "z"} <= set(axes) or axes == ["x", "z"]) or block.lines:
+        found = axes_of(_AXIS.findall(line), line_scans=True)
+        if found is None or block.lines:
             return False
         # The column of names of rows of pandas has none itself.
-        unnamed = self.dialect.columns - len(axes)
-        if unnamed not in (0, 1) or len(axes) > MOST_AXES:
+        unnamed = self.dialect.columns - len(found.names)
+        if unnamed not in (0, 1) or len(found.names) > MOST_AXES:
             return False
-        block.header |= {"lateral": units[axes.index("x")], "unit": units[axes.index("z")]}
-        block.axes = [*([None] * unnamed), *axes]
+        block.header |= {("unit" if axis == "z" else axis): unit for axis, unit in found.units.items()}
+        block.axes = [*(["name of the row"] * unnamed), *found.names]
         return True
 
-    def map(self, block: _Block) -> TextMap:
+    def map(self, block: _Block) -> Raw:
         """The map of a block: a grid, or points on one."""
         numbers, header = list(block.lines), block.header
         names_of_columns = self._short_names(numbers)
@@ -226,28 +238,29 @@ class _Reader:
         columns = values.shape[1]
         is_line = len(numbers) == 1 or columns == 1 or (columns == 2 and "width" not in header)
         are_points = not is_line and (block.axes is not None or (columns == 3 and "width" not in header))
-        if not is_line and not are_points and "width" not in header and begin_with_grid(values):
-            raise SceneError(
-                f"looks like a list of points x, y, z with more columns: it has {columns}, and the first two are the "
-                "places of a grid; keep the columns x, y, z, or name all in a first line, as `x y z phase`"
-            )
         if "scale" in header:
-            values *= _number_of(header["scale"])
+            scale = {"scale_factor": header["scale"].split()[0]}
+            values = unpacked("its header", xarray.Variable(("y", "x"), values, scale)).values
             header["unit"] = "m"
         if is_line or are_points:
             values = values[[not _EMPTY.fullmatch(self.lines[number]) for number in numbers]]
         else:
-            values, said = _without_labels(values, numbers[0] + 1, names_of_columns)
+            said = wrapped(values)
+            if not said:
+                values, said = without_labels(values, f"line {numbers[0] + 1}", names_of_columns)
             self.warnings += [*said, *self._parted(numbers)]
         if header.get("missing") or "cell" in header:
             missing = _number_of(header.get("missing", "")) if "missing" in header else _ESRI_MISSING
             values[np.isclose(values, missing, rtol=1e-6, atol=0.0)] = np.nan
         if block.axes is not None and are_points:
-            if block.axes[0] is None and not _counting(values[:, 0]):
+            if block.axes[0] == "name of the row" and not counting(values[:, 0]):
                 raise SceneError(f"its header names {columns - 1} columns, and there are {columns}")
             values = values[:, [block.axes.index(axis) for axis in ("x", "y", "z")]]
-        found = (_line if is_line else _points if are_points else _grid)(values, block)
-        found.unit, found.channel = header.get("unit") or None, header.get("channel")
+        if are_points:
+            found = points(values, _units(block))
+        else:
+            found = (_line if is_line else _grid)(values, block)
+        found.unit, found.channel = header.get("unit") or None, header.get("channel", "")
         found.warnings = self.warnings + found.warnings
         return found
 
@@ -280,11 +293,11 @@ class _Reader:
         """Takes away a first line that has a cell fewer than the rows and counts: the names of columns."""
         cells = self.dialect.cells(self.lines[numbers[0]])
         counts = [_number_of(cell) for cell in cells]
-        if len(numbers) > 1 and len(cells) == self.dialect.columns - 1 and _counting(np.array(counts)):
+        if len(numbers) > 1 and len(cells) == self.dialect.columns - 1 and counting(np.array(counts)):
             first = [
                 _number_of(next(iter(self.dialect.cells(self.lines[number])), "")) for number in numbers[1:]
             ]
-            if _counting(np.array(first)):
+            if counting(np.array(first)):
                 del numbers[0]
                 return True
         return False
@@ -378,101 +391,15 @@ def _number_of(text: str) -> float:
     return float(found[1].replace(",", ".")) if found else np.nan
 
 
-def _said(line: str) -> dict[str, str]:
-    """What counts of a line of a header, without the separators that spreadsheets fill it up with."""
-    found = {name: pattern.fullmatch(line.strip(" \t;,")) for name, pattern in _HEADER.items()}
-    return {name: value[1].strip() for name, value in found.items() if value is not None}
-
-
-def _counting(values: _Array) -> bool:
-    """Whether values count by one from 0 or 1."""
-    return values.size > 1 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
-
-
-def _half_digits(values: _Array) -> _Array:
-    """Half a unit of the last digit of each value, by the value with the most digits."""
-    numbers = [Decimal(int(one)) if one.is_integer() else Decimal(repr(one)) for one in values.tolist()]
-    decimals = max(-int(number.as_tuple().exponent) for number in numbers)
-    digits = max(len(number.as_tuple().digits) for number in numbers)
-    units = [
-        max(10.0**-decimals, 10.0 ** (number.adjusted() - digits + 1)) if number else 10.0**-decimals
-        for number in numbers
-    ]
-    return 0.5 * np.array(units)
-
-
-def _even(values: _Array) -> float | None:
-    """The step of values that rise or fall evenly, exactly or but for the rounding to their last digits."""
-    steps = np.diff(values)
-    if values.size < 4 or not np.all(np.isfinite(steps)) or steps[0] == 0.0:
-        return None
-    if np.all(np.abs(steps - steps[0]) <= 1e-6 * abs(steps[0])):
-        return float(steps[0])
-    # A few heights of a few digits may rise so by chance.
-    if values.size < _ROUNDED or not np.all(steps * np.sign(steps[0]) > 0.0):
-        return None
-    order = np.arange(values.size, dtype=float)
-    step, start = np.polyfit(order, values, 1)
-    off = np.abs(start + step * order - values)
-    return (
-        float(step)
-        if np.all(off <= np.maximum(1.2 * _half_digits(values), _SINGLE * np.abs(values)))
-        else None
-    )
-
-
-def _names(values: _Array) -> bool:
-    """Whether the first row rises or falls evenly, as names and places do, and no other row does."""
-    step = _even(values[0])
-    if step is None:
-        return False
-    likely = np.all(np.diff(values[1:], axis=1) * np.sign(step) > 0.0, axis=1)
-    for row in values[1:][likely]:
-        other = _even(row)
-        rounding = 2.0 * (_half_digits(values[0]).max() + _half_digits(row).max()) / values.shape[1]
-        if other is not None and abs(other - step) <= max(1e-6 * abs(step), rounding):
-            return False
-    return True
-
-
-def _without_labels(values: _Array, line: int, named: bool) -> tuple[_Array, list[str]]:
-    """The heights without names of columns and rows that count, as pandas writes them, and what was left out.
-
-    Others that rise or fall evenly are refused: they may be places, and may be heights.
-    """
-    if min(values.shape) < 4:
-        return values, []
-    said = []
-    if not named and _counting(values[0, 1:]) and _counting(values[1:, 0]):
-        values, named = values[1:], True
-        said = [f"line {line} has the names of columns: left out"]
-    if named:
-        return values[:, 1:], [*said, f"column 1 has the names of rows, from {values[0, 0]:g} on: left out"]
-    for part, where in ((values, f"line {line}"), (values.T, "column 1")):
-        if _counting(part[0]) and _names(part):
-            said = [f"{where} counts from {part[0, 0]:g} to {part[0, -1]:g}, as names do: left out"]
-            rest, more = _without_labels(values[1:] if part is values else values[:, 1:], line + 1, False)
-            return rest, said + more
-        if _names(part) or _names(part[:, 1:]):
-            first = part[0, 0 if _names(part) else 1]
-            raise SceneError(
-                f"{where} goes evenly from {first:g} to {part[0, -1]:g}, "
-                "as names or places do and heights do not; "
-                "take it out, "
-                + ("or begin it with `# `" if part is values else "or write the map with numpy.save")
-            )
-    return values, []
-
-
-def _grid(values: _Array, block: _Block) -> TextMap:
+def _grid(values: _Array, block: _Block) -> Raw:
     rows, columns = values.shape
     header, on = block.header, block.said_on
     for name, count in (("rows", rows), ("columns", columns)):
         stated = _number_of(header.get(name, ""))
         if not np.isnan(stated) and stated != count:
             raise SceneError(f"its header says {stated:g} {name}, and there are {count}")
-    found = TextMap(values)
-    cell, width, height = (_length_of(header.get(name, "")) for name in ("cell", "width", "height"))
+    found = Raw(values)
+    width, height = (_length_of(header.get(name, "")) for name in ("width", "height"))
     if width is not None and height is not None:
         sides = (width / columns, height / rows)
         found.pixel = sides
@@ -483,35 +410,47 @@ def _grid(values: _Array, block: _Block) -> TextMap:
                 f"not square, of {columns} columns and {rows} rows: if the scan was aborted, pixel (--pixel) has to "
                 "say the true ones; rows that are wrapped have to be joined; an instrument may have such pixels"
             )
-    elif cell is not None:
-        found.pixel = (cell, cell)
-    elif "cell" in header:
-        found.unsaid = f"its cellsize {header['cell']} has no unit"
+    else:
+        _of_cells(found, header)
     return found
 
 
-def _line(values: _Array, block: _Block) -> TextMap:
+def _of_cells(found: Raw, header: dict[str, str]) -> None:
+    """The pixel or the steps that a header gives for cells: one for both sides, or one for each."""
+    said = [header.get(f"step {axis}") or header.get("cell", "") for axis in "xy"]
+    if not all(said):
+        return
+    width, height = (_length_of(re.sub(r"/ *(?:pixels?|px)$", "", one)) for one in said)
+    if width is not None and height is not None:
+        found.pixel = (width, height)
+        return
+    what = f"cellsize {said[0]} has" if said[0] == said[1] else f"steps {said[0]} and {said[1]} have"
+    found.unsaid = f"its {what} no unit"
+    x, y = (_number_of(one) for one in said)
+    if x > 0.0 and y > 0.0:
+        found.steps = Steps(x, y)
+
+
+def _line(values: _Array, block: _Block) -> Raw:
     """A line scan: heights in one column or on one line, or two columns, places with even steps and heights."""
     if len(values) == 1 or values.shape[1] == 1:
-        header = block.header
-        if (
-            len(values) > 1
-            and {"width", "height"} <= set(header)
-            and _number_of(header.get("rows", "")) != 1.0
-        ):
+        header, rows = block.header, _number_of(block.header.get("rows", ""))
+        sizes = [{"width", "height"}, {"rows", "columns"}]
+        stated = next((sorted(pair) for pair in sizes if pair <= set(header)), None)
+        if stated and rows != 1.0 and (len(values) > 1 or rows > 1.0):
             raise SceneError(
-                "its header has a width and a height, as of a map, and its numbers are one column: save it as a "
+                f"its header has {stated[1]} and {stated[0]} of a map, and its numbers are one column: save it as a "
                 "matrix, a row of the map on each line"
             )
         width = _length_of(block.header.get("width", ""))
         step = None if width is None else width / values.size
-        return TextMap(values.ravel(), None if step is None else (step, step))
+        return Raw(values.ravel(), None if step is None else (step, step))
     x = on_grid(values[:, 0], "x")
     heights = np.full(x.count, np.nan)
     if np.unique(x.index).size < x.index.size or x.index.size < heights.size / 2:
         raise SceneError("its points x, z have no even steps: only regular line scans are read")
     heights[x.index] = values[:, 1]
-    return _placed(heights, block, x, x)
+    return placed(heights, x, x, _units(block))
 
 
 def _length_of(text: str) -> float | None:
@@ -523,37 +462,7 @@ def _length_of(text: str) -> float | None:
     return value if value > 0.0 else None
 
 
-def _points(values: _Array, block: _Block) -> TextMap:
-    """Points x, y, z on a grid as a map: y from row to row, x along the rows, both rising."""
-    x, y = (on_grid(values[:, axis], name) for axis, name in enumerate("xy"))
-    shape = (y.count, x.count)
-    points, places = len(values), x.count * y.count
-    if points < places / 2 or min(shape) < 2:
-        raise SceneError(
-            f"its {points} points x, y, z are no grid: there would be {shape[0]} x {shape[1]} places; {REGULAR}"
-        )
-    for axis in (x, y):
-        if axis.rounded and points != places:
-            raise SceneError(f"its points x, y, z are no grid: {axis.name} has no even steps; {REGULAR}")
-    heights = np.full(shape, np.nan)
-    taken = np.zeros(shape, dtype=bool)
-    taken[y.index, x.index] = True
-    if taken.sum() != points:
-        raise SceneError(f"{points - int(taken.sum())} of its points x, y, z have the place of another one")
-    heights[y.index, x.index] = values[:, 2]
-    found = _placed(heights, block, x, y)
-    if points < places:
-        found.warnings.append(f"{places - points} of {places} places of the grid have no point: missing")
-    return found
-
-
-def _placed(heights: _Array, block: _Block, x: Places, y: Places) -> TextMap:
-    """Heights with the steps of their places as pixel, if these have a unit."""
-    unit = metres(block.header.get("lateral", ""))
-    found = TextMap(heights, None if unit is None else (x.step * unit, y.step * unit))
-    if unit is None:
-        found.steps = Steps(x.step, y.step, block.header.get("lateral") or None, x.off + y.off)
-    found.unsaid = x.rounded or y.rounded
-    if found.unsaid:
-        found.warnings.append(f"{found.unsaid}: taken as even")
-    return found
+def _units(block: _Block) -> tuple[str, str]:
+    """The units of x and y of points; a column without one has that of the other."""
+    x, y = (block.header.get(axis) or block.header.get("lateral", "") for axis in "xy")
+    return x or y, y or x

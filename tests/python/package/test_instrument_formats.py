@@ -72,6 +72,17 @@ def sdf(path):
     path.write_text("\n".join([*lines, "*", ""]))
 
 
+def masked(path):
+    """A container of Gwyddion with a mask that marks the bumps as grains."""
+    gwy(path)
+    data = path.read_bytes()
+    first = data[data.index(b"/0/data\0o") : data.index(b"/0/data/title")]
+    grains = (heights() > 1e-9).astype("<f8").tobytes()
+    mask = first.replace(b"/0/data", b"/0/mask").replace(heights().astype("<f8").tobytes(), grains)
+    rest = data[data.index(b"/0/data\0o") :] + mask
+    path.write_bytes(b"GWYPGwyContainer\0" + struct.pack("<I", len(rest)) + rest)
+
+
 FORMATS = {
     "gwy": gwy,
     "sdf": sdf,
@@ -188,6 +199,42 @@ def test_a_channel_is_chosen_by_name_or_number(tmp_path):
         assert second.pixel == pytest.approx((2.0 * DX, 2.0 * DY))
     with pytest.raises(stiction.SceneError, match="has no channel Z; it has 0: Height, 1: Second"):
         read_map(path, channel="Z")
+
+
+def test_a_single_pixel_is_refused_of_an_instrument_with_two_steps(tmp_path):
+    gwy(tmp_path / "scan.gwy")
+    for source in (tmp_path / "scan.gwy", topography()):
+        with pytest.raises(stiction.SceneError, match=r"steps of 20\.00 nm along x and 25\.00 nm along y.*leave pixel"):
+            read_map(source, pixel="20 nm")
+
+
+def test_a_mask_of_grains_is_said_to_leave_heights_out(tmp_path):
+    path = tmp_path / "scan.gwy"
+    masked(path)
+    count = int(np.count_nonzero(heights() > 1e-9))
+    (said,) = read_map(path).warnings
+    assert said.startswith(f"the mask in the file leaves {count} of {NX * NY} heights out") and "Remove Mask" in said
+    assert np.isnan(read_map(path, channel=0).heights).sum() == count and len(read_map(path, channel=0).warnings) == 1
+    gwy(path)
+    assert read_map(path).warnings == []
+    with pytest.raises(stiction.SceneError, match="has no summit; the mask in the file leaves"):
+        masked(path)
+        stiction.find_asperities(path, level="none")
+
+
+@pytest.mark.parametrize(
+    ("name", "begins", "said"),
+    [
+        ("scan.gsf", b"Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\n" + bytes(20), "Gwyddion Simple Field.*as .gwy"),
+        ("scan.sur", b"DSCOMPRESSED" + bytes(500), "compressed surface of Digital Surf.*without compression"),
+        ("scan.sxm", b":NANONIS_VERSION:\n2\n:SCANIT_END:\n\x1a\x04" + bytes(500), "scan of Nanonis.*as .gwy"),
+        ("scan.nms", bytes(4000), "NanoFocus, whose pixels.*wrong unit: export it"),
+    ],
+)
+def test_formats_that_are_not_read_have_advice(tmp_path, name, begins, said):
+    (tmp_path / name).write_bytes(begins)
+    with pytest.raises(stiction.SceneError, match=said):
+        read_map(tmp_path / name, pixel=1e-8, height_unit="nm")
 
 
 class Voltages(SurfaceTopography.IO.ReaderBase):

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray
+from scipy import ndimage
 from test_reading import GIVEN, HEADERS, PIXEL, ROUGH, Z, assert_read, points, rows, written
 
 from stiction import SceneError
@@ -349,7 +350,7 @@ def test_rounded_places_name_their_mean_step(tmp_path):
 
 def test_a_column_below_width_and_height_is_no_line_scan(tmp_path):
     column = "\n".join(f"{height:g}" for height in ROUGH.ravel())
-    said = "its header has a width and a height.*one column: save it as a matrix"
+    said = "its header has width and height of a map, .*one column: save it as a matrix"
     refused(tmp_path, HEADER + column, said, lines=True)
     refused(tmp_path, HEADER + column, said)
     read = read_map(written(tmp_path, "# Number of rows: 1\n" + HEADER + column), lines=True)
@@ -439,3 +440,185 @@ def test_the_step_of_a_missing_line_is_named(axis, attrs):
     for pixel in (None, "20 nm"):
         with pytest.raises(SceneError, match=f"{axis} is not evenly spaced: from 8.* it has a step of 4.*as NaN"):
             read_map(z, pixel=pixel, height_unit="nm")
+
+
+# Headers of instruments.
+
+KEYENCE = (
+    '"Measured date","2025/03/02"\n"XY calibration","10.0","nm/pixel"\n"Horizontal","9"\n"Vertical","9"\n'
+    '"Unit","um"\n\n"Height"\n'
+)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_header_in_cells_has_pixel_and_unit(tmp_path, separator):
+    body = "\n".join(separator.join(f'"{height / 1e3:.5f}"' for height in row) for row in Z)
+    path = written(tmp_path, KEYENCE.replace(",", separator) + body, "scan.csv")
+    assert_read(path)
+    (said,) = read_map(path, height_unit="nm").warnings
+    assert said == "height_unit is nm, and the map says um: taken as height_unit says"
+    (said,) = read_map(path, pixel="20 nm").warnings
+    assert "pixel is 20.00 nm x 20.00 nm, and the map says 10.00 nm x 10.00 nm" in said
+    wrong = KEYENCE.replace('"Vertical","9"', '"Vertical","8"').replace(",", separator)
+    refused(tmp_path, wrong + body, "its header says 8 rows, and there are 9")
+
+
+def test_steps_of_a_header_are_the_pixel_or_need_both(tmp_path):
+    """With a unit for each they are the pixel, as numbers they have to agree with it."""
+    headers = "# dx: 10 nm\n# dy: 0.02 um\n", "x-step = 10 nm\ny-step = 20 nm\n", "X spacing: 10 nm\nY spacing: 20 nm\n"
+    for header in headers:
+        assert read_map(written(tmp_path, header + rows()), height_unit="nm").pixel == pytest.approx((1e-8, 2e-8))
+        refused(tmp_path, header + rows(), 'leave pixel.*give pixel="10 nm,20 nm"')
+    refused(tmp_path, "dx 10\ndy 20\n" + rows(), r"its steps 10 and 20 have no unit\)", height_unit="nm")
+    refused(tmp_path, "dx 10\ndy 20\n" + rows(), 'single pixel is square; give pixel="10 nm,20 nm"')
+    (said,) = read_map(written(tmp_path, "cellsize 20\n" + rows()), **GIVEN).warnings
+    assert "places have steps of 20 along x and 20 along y, which no unit makes so large" in said
+
+
+def test_a_factor_of_a_header_is_used(tmp_path):
+    header = "height conversion factor (->m): 1e-9\npixel size: 10 nm\n"
+    assert_read(written(tmp_path, header + rows()))
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["ncols 12\nnrows 10\ncellsize 10\n", "x-pixels = 12\ny-pixels = 10\n",
+     "Number of rows: 12\nNumber of columns: 10\n",
+     '"Horizontal";"12"\n"Vertical";"10"\n', "Samps/line: 12\nNumber of lines: 10\n"],
+)  # fmt: skip
+def test_a_column_below_rows_and_columns_is_no_line_scan(tmp_path, header):
+    column = "\n".join(f"{height:g};" if ";" in header else f"{height:g}" for height in ROUGH.ravel())
+    for lines in (True, False):
+        said = "rows and columns of a map, .*one column: save it as a matrix"
+        refused(tmp_path, header + column, said, **GIVEN, lines=lines)
+    one = " ".join(f"{height:g}" for height in ROUGH.ravel())
+    refused(tmp_path, "ncols 12\nnrows 10\n" + one, "rows and columns of a map", **GIVEN, lines=True)
+
+
+# Points.
+
+
+def test_each_column_of_points_has_its_unit(tmp_path):
+    """x in mm, y in um, z in nm; a place without a unit has that of the other."""
+    lines = [f"{1e-5 * i:g},{0.02 * j:g},{Z[j, i]:g}" for j in range(9) for i in range(9)]
+    path = written(tmp_path, "X (mm),Y (um),Z (nm)\n" + "\n".join(lines))
+    read = read_map(path)
+    assert read.pixel == pytest.approx((1e-8, 2e-8))
+    np.testing.assert_allclose(read.heights, 1e-9 * Z)
+    for header in ("X (nm),Y,Z (nm)\n", "X,Y (nm),Z (nm)\n"):
+        assert_read(written(tmp_path, header + "\n".join(points()).replace(" ", ",")))
+
+
+def test_a_first_column_of_points_may_be_named_otherwise(tmp_path):
+    lines = [f"{100 + 3 * n},{line.replace(' ', ',')}" for n, line in enumerate(points())]
+    for name in ("id", "Point", '"No"'):
+        assert_read(written(tmp_path, f"{name},x (nm),y (nm),z (nm)\n" + "\n".join(lines)))
+    refused(tmp_path, "x,y,z\n" + "\n".join(lines), "its header names 3 columns, and there are 4")
+
+
+def test_points_with_gaps_and_more_columns_are_known(tmp_path):
+    """Behind a number of the point, too; one or a line of them may be missing."""
+    whole = [f"{line} {n % 7}" for n, line in enumerate(places(10, 10).splitlines())]
+    said = "looks like a list of points x, y, z with more columns.*keep the columns x, y, z"
+    for lines in (whole, whole[1:], whole[:50] + whole[53:], whole[:20] + whole[30:]):
+        refused(tmp_path, "\n".join(lines), said)
+        np.save(tmp_path / "points.npy", np.genfromtxt(lines))
+        with pytest.raises(SceneError, match=said):
+            read_map(tmp_path / "points.npy", **GIVEN)
+    counted = [f"{{}} {line}" for line in places(10, 10).splitlines()]
+    np.save(tmp_path / "points.npy", np.genfromtxt([line.format(7 + n) for n, line in enumerate(counted)]))
+    with pytest.raises(SceneError, match=said):
+        read_map(tmp_path / "points.npy", **GIVEN)
+    read = read_map(written(tmp_path, "\n".join(line.format(n) for n, line in enumerate(counted))), **GIVEN)
+    np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+
+
+def test_arrays_of_points_are_maps(tmp_path):
+    """In any order, with a gap, in a file or as a list."""
+    listed = np.array([[float(cell) for cell in line.split()] for line in points()])
+    np.save(tmp_path / "points.npy", listed)
+    for source in (tmp_path / "points.npy", listed, listed.tolist(), np.random.default_rng(3).permutation(listed)):
+        assert_read(source, **GIVEN)
+    assert read_map(listed[1:], **GIVEN).warnings == ["1 of 81 places of the grid have no point: missing"]
+    with pytest.raises(SceneError, match=r"^map: 1 of its points x, y, z have the place of another one"):
+        read_map(np.concatenate([listed, listed[:1]]), **GIVEN)
+
+
+# Several maps, wrapped rows, times of lines.
+
+
+@pytest.mark.parametrize("mark", ["# New slice\n", "% 2\n", "\n# frame 2\n\n", "// b\n"])
+def test_maps_of_one_size_between_comments_are_channels(tmp_path, mark):
+    path = written(tmp_path, f"# Array shape: (2, 12, 10)\n{rows(ROUGH)}{mark}{rows(ROUGH + 1.0)}# the end\n")
+    with pytest.raises(SceneError, match=r"has 2 channels that may be maps; .*, one of 0: map 0, 1: map 1"):
+        read_map(path, **GIVEN)
+    for channel, z in enumerate((ROUGH, ROUGH + 1.0)):
+        np.testing.assert_allclose(read_map(path, **GIVEN, channel=channel).heights, 1e-9 * z)
+
+
+def test_arrays_of_numpy_and_octave_are_channels(tmp_path):
+    with (tmp_path / "slices.txt").open("w") as file:
+        for n in range(3):
+            np.savetxt(file, ROUGH + n)
+            file.write("# New slice\n")
+    np.testing.assert_allclose(read_map(tmp_path / "slices.txt", **GIVEN, channel=2).heights, 1e-9 * (ROUGH + 2.0))
+    of = "# name: {}\n# type: matrix\n# rows: {}\n# columns: {}\n{}\n\n"
+    octave = "# Created by Octave\n" + of.format("a", 12, 10, rows(ROUGH, " ")) + of.format("b", 9, 9, rows(Z, " "))
+    lines = octave.splitlines()
+    wide = written(tmp_path, "\n".join(lines[: lines.index("# name: b")]))
+    np.testing.assert_allclose(read_map(wide, **GIVEN).heights, 1e-9 * ROUGH)
+    fits = of.format("b", 8, 10, rows(ROUGH[:8], " "))
+    two = written(tmp_path, octave.replace(of.format("b", 9, 9, rows(Z, " ")), fits))
+    np.testing.assert_allclose(read_map(two, channel="b", **GIVEN).heights, 1e-9 * ROUGH[:8])
+    refused(tmp_path, two.read_text(), "one of 0: a, 1: b")
+
+
+def test_comments_that_part_rows_unevenly_are_warned_of(tmp_path):
+    lines = rows(ROUGH).splitlines()
+    for first, warned in ((5, 1), (2, 0), (11, 0)):
+        read = read_map(written(tmp_path, "\n".join([*lines[:first], "# B", *lines[first:]])), **GIVEN)
+        np.testing.assert_allclose(read.heights, 1e-9 * ROUGH)
+        assert [said[:47] for said in read.warnings] == ["comments part its rows into 2 blocks of 5, 7 ro"] * warned
+
+
+def correlated(shape=(48, 64), seed=3):
+    return ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=shape), 3.0) * 10.0
+
+
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+def test_wrapped_rows_are_warned_of(tmp_path, count, offset):
+    """Rows on two and four lines, as grids of Surfer have them, and with offsets of rows."""
+    z = correlated() + offset * np.random.default_rng(4).normal(size=(48, 1))
+    for content, warned in ((z, []), (z.reshape(48 * count, -1), [f"each row of the map may be on {count} lines"])):
+        read = read_map(written(tmp_path, rows(content, " ")), **GIVEN)
+        assert read.heights.shape == content.shape and [said[:37] for said in read.warnings] == warned
+    assert "join them to 48 lines of 64 numbers" in read.warnings[0]
+
+
+def test_surfaces_that_repeat_are_not_wrapped(tmp_path):
+    """Gratings along both sides and across, with noise: every n-th line is alike, and none goes on with the next."""
+    y, x = np.mgrid[0:48, 0:64].astype(float)
+    for u in (x, y, x + y, 0.5 * x - y):
+        z = np.sin(2.0 * np.pi * u / 8.0) + 0.1 * np.random.default_rng(5).normal(size=u.shape)
+        assert read_map(written(tmp_path, rows(z, " ")), **GIVEN).warnings == []
+
+
+def test_an_error_of_a_wrapped_map_names_the_warning(tmp_path, capsys):
+    """The one summit is on the border of the lines, so the map has none."""
+    y, x = np.mgrid[0:14, 0:16]
+    path = written(tmp_path, rows((5.0 - ((x - 7) ** 2 + (y - 6) ** 2) / 4.0).reshape(28, 8), " "))
+    assert main([str(path), "--pixel", "10 nm", "--height-unit", "nm"]) == 2
+    said = capsys.readouterr().err
+    assert "the map has no summit; each row of the map may be on 2 lines" in said
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3.0])
+def test_lines_that_only_rise_are_refused(tmp_path, tilt):
+    """Times of lines, and places with uneven steps, on level and tilted maps; rising heights are read."""
+    z = correlated() + tilt * np.arange(48)[:, np.newaxis]
+    assert read_map(written(tmp_path, rows(z)), **GIVEN).heights.shape == (48, 64)
+    times = np.cumsum(1.0 + 0.2 * np.random.default_rng(6).random(48))
+    for column in (times, -times, 1e3 + 5.0 * times):
+        refused(tmp_path, rows(np.column_stack([column, z])), "column 1 only rises or falls, from .* times do")
+    refused(tmp_path, rows(np.vstack([np.cumsum(times[:40]), z.T[:, :40]])), "line 1 only rises or falls")

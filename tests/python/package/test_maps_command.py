@@ -183,10 +183,13 @@ def test_a_smoothed_map_is_told_as_such(command):
 
 def test_rows_are_levelled_before_the_plane(command):
     """Offsets of rows make false summits and are warned of; levelled, the summits are the ones of the map
-    before them, less its rows' own medians, and the warning is gone."""
+    before them, less the medians of its rows above the plane, and the warning is gone."""
     z = heights()
+    rows, columns = np.indices(z.shape)
+    terms = np.stack([np.ones(z.size), rows.ravel(), columns.ravel()], axis=1)
+    plane = (terms @ np.linalg.lstsq(terms, z.ravel(), rcond=None)[0]).reshape(z.shape)
     np.save("map.npy", z + np.random.default_rng(1).normal(scale=2.0, size=(z.shape[0], 1)))
-    np.save("levelled.npy", z - np.median(z, axis=1, keepdims=True))
+    np.save("levelled.npy", z - np.median(z - plane, axis=1, keepdims=True))
     assert "rows are offset against each other" in unbroken(command("map.npy", *UNITS, "-o", "offset.h5"))
     said = command("map.npy", *UNITS, "--level-rows", "median", "-o", "rows.h5")
     assert "rows levelled     less the median of each row" in said and "offset" not in said
@@ -374,3 +377,18 @@ def test_the_mean_radius_is_that_of_the_scene(radius, command):
     scene = scene.replace('sample = "bootstrap"', f'sample = "bootstrap", radius = "{radius}"')
     Path("scene.toml").write_text(scene, encoding="utf-8")
     assert f"mean radius {shown[1]} µm" in unbroken(call(["check", "scene.toml"]))
+
+
+@pytest.mark.parametrize("coding", ["gbk", "ascii", "cp932", "latin-1"])
+def test_an_output_without_a_micro_sign_has_another_one(coding, command, monkeypatch):
+    """The file is written, and the summary has the numbers that it has in UTF-8."""
+    said = command(MAP)
+    monkeypatch.setenv("PYTHONIOENCODING", coding)
+    words = [sys.executable, "-m", "stiction.maps", str(MAP), "-o", "out.h5"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(words, capture_output=True, env=environment)
+    assert (done.returncode, done.stderr) == (0, b"") and "µm" in said and Path("out.h5").is_file()
+    plain = said if coding == "latin-1" else said.replace("µ", "u")
+    assert done.stdout.decode(coding).splitlines()[: len(said.splitlines())] == plain.splitlines()
+    done = subprocess.run([*words[:3], "µ-σ-Ж.txt"], capture_output=True, env=environment)
+    assert done.returncode == 2 and b"Traceback" not in done.stderr and done.stderr.count(b"\n") == 1

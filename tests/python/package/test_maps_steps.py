@@ -113,6 +113,38 @@ def test_differences_keep_what_is_high_along_a_row():
     assert np.abs(kept).max() < 0.1 < 4.0 < np.abs(moved).min()
 
 
+@pytest.mark.parametrize("how", ["median", "differences"])
+@pytest.mark.parametrize(("level", "bow"), [("plane", 0.0), ("quadratic", 1e-11)])
+def test_offsets_of_rows_do_not_depend_on_the_slopes_of_a_map(how, level, bow):
+    """A tilt of the sample, and a bow of the scanner: what is left has the heights that the level map has."""
+    z, rng = 2e-9 * smooth_surface(), np.random.default_rng(1)
+    y, x = np.mgrid[0:128, 0:96].astype(float)
+    offsets = 1e-9 * rng.normal(size=(128, 1))
+
+    def left(heights):
+        of = HeightMap(heights, (1e-8, 1e-8), "map", "array")
+        return found_on(of, Steps(level=level, level_rows=how)).grid.heights
+
+    flat = left(z)
+    assert np.std(flat) < np.std(z)
+    for other in (z + offsets, z + 2e-9 * x - 1e-9 * y + bow * (x - 20.0) ** 2, z + offsets - 5e-10 * x + bow * x * x):
+        np.testing.assert_allclose(left(other), flat, atol=1e-20)
+
+
+def test_levelling_of_rows_that_raises_heights_is_warned_of():
+    """The medians of noise add up from row to row of a narrow map; offsets that are there go without a word."""
+    noise, rng = 1e-9 * np.random.default_rng(7).normal(size=(200, 16)), np.random.default_rng(1)
+    for heights, how, warned in ((noise, "differences", 1), (noise, "median", 0), (1e-9 * smooth_surface(), "median", 0),
+                                 (noise + 1e-7 * rng.normal(size=(200, 1)), "differences", 0)):  # fmt: skip
+        surface = found_on(HeightMap(heights, (1e-8, 1e-8), "map", "array"), Steps(level_rows=how))
+        said = [line for line in surface.warnings if line.startswith("levelling of rows raises the standard deviation")]
+        assert len(said) == warned
+        before = found_on(HeightMap(heights, (1e-8, 1e-8), "map", "array"), Steps()).moments.m0
+        assert (surface.moments.m0 > before) == bool(warned)
+        for line in said:
+            assert f"from {1e12 * math.sqrt(before):.1f} pm to {1e9 * math.sqrt(surface.moments.m0):.3f} nm" in line
+
+
 def test_offset_and_frozen_lines_are_said():
     z = smooth_surface()
     assert flaws(z) == [] and offset_lines(z) == []

@@ -12,8 +12,8 @@ from ..errors import FileError
 __all__ = ["PullOff", "pull_off"]
 
 Array = NDArray[np.float64]
-# A baseline is sought in the outer half, quarter and eighth of a branch, of so many samples at least.
-_PARTS, _FEWEST = (2, 4, 8), 4
+# A baseline is sought in the outer half, quarter, eighth and sixteenth of a branch, of so many samples at least.
+_PARTS, _FEWEST = (2, 4, 8, 16), 4
 # A force that the baseline's largest deviation hides is up to this many times it; contact rises above a baseline
 # by more than this many times the rise of the baseline itself.
 _SEEN, _STANDS_OUT = 2.0, 3.0
@@ -46,15 +46,20 @@ class PullOff:
 
 @dataclass(frozen=True)
 class _Baseline:
-    """A line through the outer samples of a branch, and what its deviations hide at some place, N."""
+    """A line through the outer samples of a branch, by their mean and slope, and their largest deviation, N."""
 
+    outer: Array
     level: float
     slope: float
-    centre: float
-    noise: float
+    deviation: float
 
     def at(self, x: Array) -> Array:
-        return self.level + self.slope * (x - self.centre)
+        return self.level + self.slope * (x - self.outer.mean())
+
+    def noise(self, place: float) -> float:
+        """What deviations hide at a place: beyond its length a curved baseline leaves a line as the distance squared."""
+        reach = float(np.abs(place - self.outer).min() / np.ptp(self.outer))
+        return _SEEN * max(1.0, reach) ** 2 * self.deviation
 
 
 def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
@@ -73,39 +78,36 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
     FileError
         A branch has no baseline.
     """
-    x, force = retraction
-    own = _baseline(x[::-1], force[::-1], is_sloped=is_sloped)
-    if own is None:
+    x, force = retraction[:, ::-1]
+    lines = _baselines(x, force, is_sloped=is_sloped)
+    if not lines:
         raise FileError("has no baseline on retraction; let it end farther from the surface")
-    over = force - own.at(x)
-    lowest, mismatch = int(over.argmin()), 0.0
+    # A steep line hides the pull-off that another one shows.
+    place = float(x[max(int((force - line.at(x)).argmin()) for line in lines)])
+    own = min(lines, key=lambda line: line.noise(place))
+    over, mismatch = force - own.at(x), 0.0
     if is_sloped:
-        other = _baseline(*approach, is_sloped=True, place=float(x[lowest]))
-        if other is None:
+        others = _baselines(*approach, is_sloped=True)
+        if not others:
             raise FileError("has no baseline on approach, which its slope needs; or take slope none")
-        change = abs(own.slope - other.slope) * abs(float(x[lowest]) - own.centre)
-        mismatch = max(0.0, change - other.noise)
-    return PullOff(-float(over[lowest]), own.noise, mismatch)
+        other = min(others, key=lambda line: line.noise(place))
+        change = abs(own.slope - other.slope) * abs(place - float(own.outer.mean()))
+        mismatch = max(0.0, change - other.noise(place))
+    return PullOff(-float(over.min()), own.noise(place), mismatch)
 
 
-def _baseline(x: Array, force: Array, *, is_sloped: bool, place: float | None = None) -> _Baseline | None:
-    """The baseline of a branch, farthest samples first: of lines through outer parts the one that hides least at a
-    place, by default that of the lowest force. None where the force in contact does not stand out of it."""
+def _baselines(x: Array, force: Array, *, is_sloped: bool) -> list[_Baseline]:
+    """Lines through outer parts of a branch, farthest samples first, that the force in contact stands out of."""
     found = []
     for part in _PARTS:
         outer, forces = x[: x.size // part], force[: x.size // part]
-        length = float(np.ptp(outer)) if outer.size >= _FEWEST else 0.0
-        if length == 0.0:
+        if outer.size < _FEWEST or np.ptp(outer) == 0.0:
             continue
-        centre, level = float(outer.mean()), float(forces.mean())
-        slope = float((outer - centre) @ (forces - level) / ((outer - centre) @ (outer - centre)))
-        fitted = _Baseline(level, slope, centre, 0.0)
-        if float((force - fitted.at(x)).max()) <= _STANDS_OUT * abs(slope) * length:
+        away, level = outer - outer.mean(), float(forces.mean())
+        slope = float(away @ (forces - level) / (away @ away))
+        contact = float((force - level - slope * (x - outer.mean())).max())
+        if contact <= _STANDS_OUT * abs(slope) * float(np.ptp(outer)):
             continue
-        line = fitted if is_sloped else _Baseline(level, 0.0, centre, 0.0)
-        beyond = (float(x[(force - line.at(x)).argmin()]) if place is None else place) - outer
-        # Beyond its length a curved baseline leaves its line as the square of the distance.
-        reach = max(1.0, float(np.abs(beyond).min()) / length)
-        noise = _SEEN * reach**2 * float(np.abs(forces - line.at(outer)).max())
-        found.append(_Baseline(level, line.slope, centre, noise))
-    return min(found, key=lambda line: line.noise, default=None)
+        kept = slope if is_sloped else 0.0
+        found.append(_Baseline(outer, level, kept, float(np.abs(forces - level - kept * away).max())))
+    return found

@@ -37,8 +37,8 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
     """The pull-off force of each force curve in a file or folder.
 
     afmformats reads the files (JPK, Asylum, NT-MDT, AFM workshop and others). The pull-off is the lowest force on
-    retraction under the baseline of the retraction, a line through its outer half, quarter or eighth: in a liquid
-    the baseline of the approach is higher by twice the drag.
+    retraction under the baseline of the retraction, a line through its outer half or less: in a liquid the
+    baseline of the approach is higher by twice the drag.
 
     Parameters
     ----------
@@ -82,15 +82,15 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
         rows.append([name, *_row(curve, slope, library)])
     table = pd.DataFrame(rows, columns=_COLUMNS).astype({"curve": "Int64"})
     if table["pull_off_force"].isna().all():
-        where = "no curve gives a number; " if path.is_dir() else ""
-        raise FileError(f"{path}: {where}{noted(table)[0]}")
+        others = f"; {len(table)} curves and files give no number" if len(table) > 1 else ""
+        raise FileError(noted(table.assign(file=[str(one) for one, _ in curves])[:1])[0] + others)
     table.attrs["left_out"] = left_out
     return table
 
 
 def noted(table: pd.DataFrame) -> list[str]:
     """The notes of a table of pull-offs, each with the curves and files that have it."""
-    where = table["file"] + table["curve"].map(lambda curve: f" curve {curve}", na_action="ignore").fillna("")
+    where = table["file"] + ["" if pd.isna(curve) else f" curve {curve}" for curve in table["curve"]]
     notes = table["note"].where(table["note"] != "")
     return [f"{listed(list(those))}: {note}" for note, those in where.groupby(notes, sort=False)]
 

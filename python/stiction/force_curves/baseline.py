@@ -14,9 +14,8 @@ __all__ = ["PullOff", "pull_off"]
 Array = NDArray[np.float64]
 # A baseline is sought in the outer half, quarter, eighth and sixteenth of a branch, of so many samples at least.
 _PARTS, _FEWEST = (2, 4, 8, 16), 4
-# A force that the baseline's largest deviation hides is up to this many times it; contact rises above a baseline
-# by more than this many times the rise of the baseline itself.
-_SEEN, _STANDS_OUT = 2.0, 3.0
+# Contact rises above a baseline by more than this many times the rise of the baseline itself.
+_STANDS_OUT = 3.0
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class PullOff:
     noise : float
         What deviations of the baseline hide, N.
     mismatch : float
-        By how much the pull-off changes with the slope of the approach in the place of that of the retraction, N,
-        beyond what deviations of the approach hide.
+        By how much the slope of the approach, continued to the turn, differs from that of the retraction, N, beyond
+        what deviations of the approach hide.
     """
 
     force: float
@@ -57,9 +56,9 @@ class _Baseline:
         return self.level + self.slope * (x - self.outer.mean())
 
     def noise(self, place: float) -> float:
-        """What deviations hide at a place: beyond its length a curved baseline leaves a line as the distance squared."""
+        """What deviations hide at a place: twice the largest, and as much again for each length beyond the line."""
         reach = float(np.abs(place - self.outer).min() / np.ptp(self.outer))
-        return _SEEN * max(1.0, reach) ** 2 * self.deviation
+        return 2.0 * (1.0 + reach) * self.deviation
 
 
 def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
@@ -90,9 +89,10 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
         others = _baselines(*approach, is_sloped=True)
         if not others:
             raise FileError("has no baseline on approach, which its slope needs; or take slope none")
-        other = min(others, key=lambda line: line.noise(place))
-        change = abs(own.slope - other.slope) * abs(place - float(own.outer.mean()))
-        mismatch = max(0.0, change - other.noise(place))
+        turn = float(x[-1])
+        other = min(others, key=lambda line: line.noise(turn))
+        change = abs(own.slope - other.slope) * abs(turn - float(own.outer.mean()))
+        mismatch = max(0.0, change - other.noise(turn))
     return PullOff(-float(over.min()), own.noise(place), mismatch)
 
 

@@ -54,11 +54,11 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
     -------
     pandas.DataFrame
         A row for each curve: `file`; `curve`, its number in the file from 0; `pull_off_force` (N); `resolution` (N),
-        below which nothing is seen: twice the largest deviation of the baseline, more where it is continued beyond
-        its length, and twice the change of the pull-off with the slope of the approach; `spring_constant` (N/m),
+        below which nothing is seen: twice the largest deviation of the baseline, as much again for each length that
+        it is continued by, and twice what the slope of the approach would change; `spring_constant` (N/m),
         `position_x` and `position_y` (m), NaN where the file does not say them; `note`. A curve or file that gives
-        no number has NaN, and the reason in `note`; there, too, different slopes of approach and retraction are
-        stated. ``attrs["left_out"]`` has the files of a folder that are no force curves.
+        no number has NaN, and the reason in `note`, which also names different slopes of approach and retraction.
+        ``attrs["left_out"]`` has the files of a folder that are no force curves.
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,8 @@ class PullOff:
     noise : float
         What deviations of the baseline hide, N.
     mismatch : float
-        By how much the slope of the approach, continued to the turn, differs from that of the retraction, N, beyond
-        what deviations of the approach hide.
+        By how much the slope of the approach, or none, differs from that of the retraction at the turn, N, beyond
+        noise.
     """
 
     force: float
@@ -52,13 +52,18 @@ class _Baseline:
     slope: float
     deviation: float
 
-    def at(self, x: Array) -> Array:
-        return self.level + self.slope * (x - self.outer.mean())
+    @property
+    def centre(self) -> float:
+        return float(self.outer.mean())
+
+    def above(self, x: Array, force: Array) -> Array:
+        """Forces less those of the line."""
+        return force - self.level - self.slope * (x - self.centre)
 
     def noise(self, place: float) -> float:
-        """What deviations hide at a place: twice the largest, and as much again for each length beyond the line."""
+        """What deviations hide at a place: a line that they tilt is farther off beyond its length."""
         reach = float(np.abs(place - self.outer).min() / np.ptp(self.outer))
-        return 2.0 * (1.0 + reach) * self.deviation
+        return max(2.0, 1.0 + 2.0 * reach) * self.deviation
 
 
 def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
@@ -69,8 +74,8 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
     approach, retraction : array (2, n)
         What the slope of the baseline follows, and the force, N, in the order of time.
     is_sloped : bool
-        Whether baselines have a slope. The approach is then needed, too: its baseline has to have the slope of that
-        of the retraction, else the latter is no baseline.
+        Whether the baseline has a slope. The approach is then needed, too: its baseline has to have the slope of
+        that of the retraction.
 
     Raises
     ------
@@ -78,36 +83,35 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
         A branch has no baseline.
     """
     x, force = retraction[:, ::-1]
-    lines = _baselines(x, force, is_sloped=is_sloped)
+    lines = _baselines(x, force)
     if not lines:
         raise FileError("has no baseline on retraction; let it end farther from the surface")
     # A steep line hides the pull-off that another one shows.
-    place = float(x[max(int((force - line.at(x)).argmin()) for line in lines)])
+    place, turn = float(x[max(int(line.above(x, force).argmin()) for line in lines)]), float(x[-1])
     own = min(lines, key=lambda line: line.noise(place))
-    over, mismatch = force - own.at(x), 0.0
     if is_sloped:
-        others = _baselines(*approach, is_sloped=True)
+        others = _baselines(*approach)
         if not others:
             raise FileError("has no baseline on approach, which its slope needs; or take slope none")
-        turn = float(x[-1])
-        other = min(others, key=lambda line: line.noise(turn))
-        change = abs(own.slope - other.slope) * abs(turn - float(own.outer.mean()))
-        mismatch = max(0.0, change - other.noise(turn))
-    return PullOff(-float(over.min()), own.noise(place), mismatch)
+        used, other = own, min(others, key=lambda line: line.noise(turn))
+    else:
+        used = other = replace(own, slope=0.0)
+    change = abs(own.slope - other.slope) * abs(turn - own.centre)
+    lowest = float(used.above(x, force).min())
+    return PullOff(-lowest, own.noise(place), max(0.0, change - other.noise(turn)))
 
 
-def _baselines(x: Array, force: Array, *, is_sloped: bool) -> list[_Baseline]:
+def _baselines(x: Array, force: Array) -> list[_Baseline]:
     """Lines through outer parts of a branch, farthest samples first, that the force in contact stands out of."""
     found = []
     for part in _PARTS:
         outer, forces = x[: x.size // part], force[: x.size // part]
-        if outer.size < _FEWEST or np.ptp(outer) == 0.0:
+        length = float(np.ptp(outer)) if outer.size >= _FEWEST else 0.0
+        if length == 0.0:
             continue
         away, level = outer - outer.mean(), float(forces.mean())
         slope = float(away @ (forces - level) / (away @ away))
-        contact = float((force - level - slope * (x - outer.mean())).max())
-        if contact <= _STANDS_OUT * abs(slope) * float(np.ptp(outer)):
-            continue
-        kept = slope if is_sloped else 0.0
-        found.append(_Baseline(outer, level, kept, float(np.abs(forces - level - kept * away).max())))
+        line = _Baseline(outer, level, slope, float(np.abs(forces - level - slope * away).max()))
+        if float(line.above(x, force).max()) > _STANDS_OUT * abs(slope) * length:
+            found.append(line)
     return found

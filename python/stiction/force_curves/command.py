@@ -17,16 +17,30 @@ __all__ = ["main"]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction force-curves",
-        description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction infer. afmformats reads the files. The pull-off is "
-        "measured from the baseline of the retraction. Where noise hides it, the table has an upper limit, such as <0.5. A curve without baseline, and a file that cannot be read, have an empty cell and a note.",
-        epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map --slope drift. "
-        "Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong.",
+        description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction "
+        "infer. afmformats reads the files. The pull-off is measured from the baseline of the retraction. Where "
+        "noise hides it, the table has an upper limit, such as <0.5. A curve without baseline and a file that "
+        "cannot be read have an empty cell and a note with the reason.",
+        epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map "
+        "--slope drift. Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong, or no curve "
+        "gives a number.",
     )
     parser.add_argument("path", type=Path, metavar="PATH", help="a file of force curves, or a folder of such")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.csv", help="the table; by default it is printed")
-    parser.add_argument("--slope", choices=SLOPES, default="shift",
-                        help="what the slope of the baseline follows, and is subtracted by: the height over the surface (shift), the time (drift), or nothing (none); by default shift")  # fmt: skip
-    parser.add_argument("--spring-constant", metavar="K", help="of the cantilever, such as '40 N/m', for files that do not say it")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="OUT.csv", help="the table; by default it is printed"
+    )
+    parser.add_argument(
+        "--slope",
+        choices=SLOPES,
+        default="shift",
+        help="what the slope of the baseline follows: the height over the surface (shift), the time (drift), or "
+        "nothing (none); by default shift. Approach and retraction that disagree get a note",
+    )
+    parser.add_argument(
+        "--spring-constant",
+        metavar="K",
+        help="of the cantilever, such as '40 N/m', for files that do not say it",
+    )
     parser.add_argument("--force", action="store_true", help="overwrite a table that is there")
     return parser
 

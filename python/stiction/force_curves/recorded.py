@@ -30,7 +30,16 @@ _DIRECTIONS = {1.0: _APPROACH, -1.0: _RETRACTION}
 # Names of files and curves that a message has.
 _MOST = 5
 _PLACE = ("spring constant", "position x", "position y")
-_COLUMNS = ["file", "curve", "pull_off_force", "resolution", "spring_constant", "position_x", "position_y", "note"]
+_COLUMNS = [
+    "file",
+    "curve",
+    "pull_off_force",
+    "resolution",
+    "spring_constant",
+    "position_x",
+    "position_y",
+    "note",
+]
 
 
 def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = None) -> pd.DataFrame:
@@ -129,7 +138,9 @@ def _library() -> Any:
     try:
         import afmformats
     except ModuleNotFoundError as error:
-        raise StictionError(f"{error.name} is not installed: pip install 'stiction[afm]' brings it", 2) from None
+        raise StictionError(
+            f"{error.name} is not installed: pip install 'stiction[afm]' brings it", 2
+        ) from None
     return afmformats
 
 
@@ -153,7 +164,9 @@ def _files(path: Path, library: Any) -> tuple[list[Path], list[Path]]:
     if not found:
         known = ", ".join(library.formats.supported_extensions)
         where = "no file in it has force curves" if path.is_dir() else "has no force curves"
-        raise FileError(f"{path}: {where} in a format that afmformats reads ({known}); export it in one of these")
+        raise FileError(
+            f"{path}: {where} in a format that afmformats reads ({known}); export it in one of these"
+        )
     return found, sorted({*every} - {*found})
 
 
@@ -173,7 +186,11 @@ def _quiet() -> Iterator[None]:
 @contextmanager
 def _explained(advice: str, library: Any) -> Iterator[None]:
     """Errors of the library, some of which are no `Exception`, as a `FileError` without the name of the file."""
-    own = (library.errors.AFMFileFormatError, library.errors.MissingMetaDataError, library.meta.MetaDataMissingError)
+    own = (
+        library.errors.AFMFileFormatError,
+        library.errors.MissingMetaDataError,
+        library.meta.MetaDataMissingError,
+    )
     try:
         with _quiet():
             yield
@@ -194,7 +211,9 @@ def _curves(path: Path, override: dict[str, float], library: Any) -> list[Any]:
     advice = "leave the spring constant out, or export it again" if override else "export it again"
     try:
         with _explained(advice, library):
-            curves = sorted(library.load_data(path, meta_override=override or None), key=lambda curve: curve.enum)
+            curves = sorted(
+                library.load_data(path, meta_override=override or None), key=lambda curve: curve.enum
+            )
             if path.suffix == ".ibw":
                 for curve in curves:
                     curve["segment"] = _directions(path, len(curve))
@@ -256,21 +275,29 @@ def _abscissa(curve: Any, force: Array, slope: str) -> Array:
         return values
     if "spring constant" not in curve.metadata:
         raise FileError('has no spring constant; give it, such as "40 N/m", or take slope none')
-    return values + force / curve.metadata["spring constant"]
+    return values + force / float(curve.metadata["spring constant"])
 
 
 def _mismatch(curve: Any, slope: str, found: PullOff) -> str:
-    """What is to be said of slopes of approach and retraction that differ by more than noise."""
+    """What is to be said of slopes that differ by more than noise."""
     if found.mismatch <= found.noise:
         return ""
-    note = f"baselines of approach and retraction differ in their slope over the {_FOLLOWS[slope]}"
-    other = "drift" if slope == "shift" else "shift"
-    try:
-        others = _pull_off(curve, other)
-        if others.mismatch <= others.noise:
-            note += f"; slope {other} fits both"
-    except FileError:
-        pass
+    others = [other for other in SLOPES[:2] if other != slope and _fits(curve, other)]
+    advice = f"; slope {' or '.join(others)} fits" if others else ""
+    if slope == "none":
+        note = f"has a baseline with a slope{advice}"
+    else:
+        note = (
+            f"baselines of approach and retraction differ in their slope over the {_FOLLOWS[slope]}{advice}"
+        )
     if found.force <= found.resolution:
         raise FileError(note)
     return note
+
+
+def _fits(curve: Any, slope: str) -> bool:
+    try:
+        found = _pull_off(curve, slope)
+    except FileError:
+        return False
+    return found.mismatch <= found.noise

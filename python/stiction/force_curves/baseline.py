@@ -103,15 +103,19 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
 
 def _baselines(x: Array, force: Array) -> list[_Baseline]:
     """Lines through outer parts of a branch, farthest samples first, that the force in contact stands out of."""
-    found = []
-    for part in _PARTS:
-        outer, forces = x[: x.size // part], force[: x.size // part]
-        length = float(np.ptp(outer)) if outer.size >= _FEWEST else 0.0
-        if length == 0.0:
+    samples, found = np.arange(x.size, dtype=float), []
+    for count in (x.size // part for part in _PARTS):
+        if count < _FEWEST or np.ptp(x[:count]) == 0.0:
             continue
-        away, level = outer - outer.mean(), float(forces.mean())
-        slope = float(away @ (forces - level) / (away @ away))
-        line = _Baseline(outer, level, slope, float(np.abs(forces - level - slope * away).max()))
-        if float(line.above(x, force).max()) > _STANDS_OUT * abs(slope) * length:
-            found.append(line)
+        # On a stiff surface the tip stays where it is, so contact is known by samples.
+        trend = _line(samples, force, count)
+        if trend.above(samples, force).max() > _STANDS_OUT * abs(trend.slope) * count:
+            found.append(_line(x, force, count))
     return found
+
+
+def _line(x: Array, force: Array, count: int) -> _Baseline:
+    outer, forces = x[:count], force[:count]
+    away, level = outer - outer.mean(), float(forces.mean())
+    slope = float(away @ (forces - level) / (away @ away))
+    return _Baseline(outer, level, slope, float(np.abs(forces - level - slope * away).max()))

@@ -12,7 +12,7 @@ from ..errors import FileError
 __all__ = ["PullOff", "pull_off"]
 
 Array = NDArray[np.float64]
-# A baseline is sought in the outer half, quarter, eighth and sixteenth of a branch, of so many samples at least.
+# A baseline is sought in the outer half, quarter, eighth and sixteenth of a branch, of at least this number of samples.
 _PARTS, _FEWEST = (2, 4, 8, 16), 4
 # Contact rises above a baseline by more than this many times the rise of the baseline itself.
 _STANDS_OUT = 3.0
@@ -92,7 +92,9 @@ def pull_off(approach: Array, retraction: Array, *, is_sloped: bool) -> PullOff:
     if is_sloped:
         others = _baselines(*approach)
         if not others:
-            raise FileError("has no baseline on approach, which its slope needs; or take slope none")
+            raise FileError(
+                "has no baseline on approach that confirms the slope of the retraction; take slope none"
+            )
         used, other = own, min(others, key=lambda line: line.noise(turn))
     else:
         used = other = replace(own, slope=0.0)

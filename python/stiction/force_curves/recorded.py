@@ -269,7 +269,7 @@ def _abscissa(curve: Any, force: Array, slope: str) -> Array:
     known = ["time"] if slope == "drift" else ["tip position", "height (measured)", "height (piezo)"]
     name = next((one for one in known if one in curve), None)
     if name is None:
-        raise FileError(f"has no {_FOLLOWS[slope]}, which slope {slope} needs; or take slope none")
+        raise FileError(f"has no {_FOLLOWS[slope]}, which slope {slope} needs; take slope none")
     values = np.asarray(curve[name], float)
     if not name.startswith("height"):
         return values
@@ -279,7 +279,7 @@ def _abscissa(curve: Any, force: Array, slope: str) -> Array:
 
 
 def _mismatch(curve: Any, slope: str, found: PullOff) -> str:
-    """What is to be said of slopes that differ by more than noise."""
+    """The note on slopes that differ by more than noise; an error where they hide the pull-off."""
     if found.mismatch <= found.noise:
         return ""
     others = [other for other in SLOPES[:2] if other != slope and _fits(curve, other)]

@@ -281,7 +281,7 @@ def test_drag_is_no_pull_off(slope, tmp_path):
 def test_an_approach_without_baseline_confirms_no_slope(slope, tmp_path):
     """Only contact is left of the approach."""
     path = recorded(tmp_path / "one.tab", kept=slice(1350, None))
-    with pytest.raises(FileError, match=r"one.tab curve 0: has no baseline on approach, .*; or take slope none"):
+    with pytest.raises(FileError, match=r"one.tab curve 0: has no baseline on approach .*; take slope none"):
         pull_offs(path, slope=slope)
     assert pull_offs(path, slope="none").pull_off_force[0] == pytest.approx(1.3e-6, abs=1e-8)
 
@@ -290,7 +290,7 @@ def test_an_approach_without_baseline_confirms_no_slope(slope, tmp_path):
 @pytest.mark.parametrize("end", [1600, 1700, 1770])
 def test_a_retraction_that_ends_before_the_pull_off_gives_no_number(slope, end, tmp_path):
     """The lever turns at sample 1500, leaves contact at 1714 and lets go at 1853."""
-    with pytest.raises(FileError, match="one.tab curve 0: "):
+    with pytest.raises(FileError, match=r"one\.tab curve 0: "):
         pull_offs(recorded(tmp_path / "one.tab", kept=slice(end)), slope=slope)
 
 
@@ -433,7 +433,7 @@ def test_an_empty_folder_and_a_missing_spring_constant_are_named(tmp_path):
     with pytest.raises(FileError, match="no file in it has force curves"):
         pull_offs(tmp_path)
     path = recorded(tmp_path / "soft.tab", calibrated=False)
-    with pytest.raises(FileError, match='soft.tab curve 0: has no spring constant; give it, such as "40 N/m"'):
+    with pytest.raises(FileError, match=r'soft\.tab curve 0: has no spring constant; give it, such as "40 N/m"'):
         pull_offs(path)
     for wrong in ("0 N/m", "40 m", "stiff"):
         with pytest.raises(SceneError, match="spring_constant = "):

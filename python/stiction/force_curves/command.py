@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .. import files
 from ..terminal import ended
-from .recorded import SLOPES, listed, noted, pull_offs, written
+from .recorded import SLOPES, listed, pull_offs, remarks, written
 
 __all__ = ["main"]
 
@@ -20,7 +20,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction "
         "infer. afmformats reads the files. The pull-off is measured from the baseline of the retraction. Where "
         "noise hides it, the table has an upper limit, such as <0.5. A curve without baseline and a file that "
-        "cannot be read have an empty cell and a note with the reason.",
+        "cannot be read have an empty cell and a remark with the reason.",
         epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map "
         "--slope drift. Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong, or no curve "
         "gives a number.",
@@ -34,7 +34,7 @@ def _parser() -> argparse.ArgumentParser:
         choices=SLOPES,
         default="shift",
         help="what the slope of the baseline follows: the height over the surface (shift), the time (drift), or "
-        "nothing (none); by default shift. Approach and retraction that disagree get a note",
+        "nothing (none); by default shift. Approach and retraction that disagree get a remark",
     )
     parser.add_argument(
         "--spring-constant",
@@ -58,8 +58,8 @@ def _table(given: argparse.Namespace) -> None:
     left_out = [one.name for one in found.attrs["left_out"]]
     if left_out:
         print(f"left out, as no force curves: {listed(left_out)}", file=sys.stderr)
-    for note in noted(found):
-        print(note, file=sys.stderr)
+    for remark in remarks(found):
+        print(remark, file=sys.stderr)
     text = written(found)
     if given.output is None:
         print(text, end="")

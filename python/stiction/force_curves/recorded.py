@@ -18,7 +18,7 @@ from .. import progress, quantities
 from ..errors import FileError, SceneError, StictionError
 from .baseline import PullOff, pull_off
 
-__all__ = ["SLOPES", "listed", "noted", "pull_offs", "written"]
+__all__ = ["SLOPES", "listed", "pull_offs", "remarks", "written"]
 
 Array = NDArray[np.float64]
 #: What a baseline's slope is taken to follow, and is subtracted by: the height over the surface, the time, or nothing.
@@ -38,7 +38,7 @@ _COLUMNS = [
     "spring_constant",
     "position_x",
     "position_y",
-    "note",
+    "remark",
 ]
 
 
@@ -65,8 +65,8 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
         A row for each curve: `file`; `curve`, its number in the file from 0; `pull_off_force` (N); `resolution` (N),
         below which nothing is seen: twice the largest deviation of the baseline, as much again for each length that
         it is continued by, and twice what the slope of the approach would change; `spring_constant` (N/m),
-        `position_x` and `position_y` (m), NaN where the file does not say them; `note`. A curve or file that gives
-        no number has NaN, and the reason in `note`, which also names different slopes of approach and retraction.
+        `position_x` and `position_y` (m), NaN where the file does not say them; `remark`. A curve or file that gives
+        no number has NaN, and the reason in `remark`, which also names different slopes of approach and retraction.
         ``attrs["left_out"]`` has the files of a folder that are no force curves.
 
     Raises
@@ -92,16 +92,16 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
     table = pd.DataFrame(rows, columns=_COLUMNS).astype({"curve": "Int64"})
     if table["pull_off_force"].isna().all():
         others = f"; {len(table)} curves and files give no number" if len(table) > 1 else ""
-        raise FileError(noted(table.assign(file=[str(one) for one, _ in curves])[:1])[0] + others)
+        raise FileError(remarks(table.assign(file=[str(one) for one, _ in curves])[:1])[0] + others)
     table.attrs["left_out"] = left_out
     return table
 
 
-def noted(table: pd.DataFrame) -> list[str]:
-    """The notes of a table of pull-offs, each with the curves and files that have it."""
+def remarks(table: pd.DataFrame) -> list[str]:
+    """The remarks of a table of pull-offs, each with the curves and files that have it."""
     where = table["file"] + ["" if pd.isna(curve) else f" curve {curve}" for curve in table["curve"]]
-    notes = table["note"].where(table["note"] != "")
-    return [f"{listed(list(those))}: {note}" for note, those in where.groupby(notes, sort=False)]
+    kinds = table["remark"].where(table["remark"] != "")
+    return [f"{listed(list(those))}: {remark}" for remark, those in where.groupby(kinds, sort=False)]
 
 
 def listed(names: list[str]) -> str:
@@ -127,7 +127,7 @@ def written(table: pd.DataFrame) -> str:
         "spring_constant (N/m)": table["spring_constant"],
         "position_x (um)": 1e6 * table["position_x"],
         "position_y (um)": 1e6 * table["position_y"],
-        "note": table["note"].where(table["note"] != ""),
+        "remark": table["remark"].where(table["remark"] != ""),
     })  # fmt: skip
     # Of what no curve knows there is no column.
     known = cells.dropna(axis="columns", how="all")
@@ -243,10 +243,10 @@ def _row(curve: Any, slope: str, library: Any) -> list[Any]:
     try:
         with _explained("export it again", library):
             found = _pull_off(curve, slope)
-            note = _mismatch(curve, slope, found)
+            remark = _mismatch(curve, slope, found)
     except FileError as error:
         return [curve.enum, math.nan, math.nan, *place, str(error)]
-    return [curve.enum, found.force, found.resolution, *place, note]
+    return [curve.enum, found.force, found.resolution, *place, remark]
 
 
 def _pull_off(curve: Any, slope: str) -> PullOff:
@@ -279,20 +279,20 @@ def _abscissa(curve: Any, force: Array, slope: str) -> Array:
 
 
 def _mismatch(curve: Any, slope: str, found: PullOff) -> str:
-    """The note on slopes that differ by more than noise; an error where they hide the pull-off."""
+    """The remark on slopes that differ by more than noise; an error where they hide the pull-off."""
     if found.mismatch <= found.noise:
         return ""
     others = [other for other in SLOPES[:2] if other != slope and _fits(curve, other)]
     advice = f"; slope {' or '.join(others)} fits" if others else ""
     if slope == "none":
-        note = f"has a baseline with a slope{advice}"
+        remark = f"has a baseline with a slope{advice}"
     else:
-        note = (
+        remark = (
             f"baselines of approach and retraction differ in their slope over the {_FOLLOWS[slope]}{advice}"
         )
     if found.force <= found.resolution:
-        raise FileError(note)
-    return note
+        raise FileError(remark)
+    return remark
 
 
 def _fits(curve: Any, slope: str) -> bool:

@@ -28,7 +28,7 @@ _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 # Columns of labels, also where these are numbers; the first of pandas has no name.
 _LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
 # Columns of tables of force curves that say where and with what was measured, and why not.
-_ASIDE = {"curve", "spring_constant", "position_x", "position_y", "note"}
+_ASIDE = {"curve", "spring_constant", "position_x", "position_y", "remark"}
 
 
 @dataclass(frozen=True)

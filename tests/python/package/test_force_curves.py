@@ -266,7 +266,7 @@ def test_pull_offs_are_recovered_from_under_offset_and_slope(baseline, slope, tm
     # The lowest of noisy samples, of 2 nN.
     assert table.pull_off_force[0] == pytest.approx(1.3e-6, abs=1e-8)
     assert table.spring_constant[0] == 40.0 and list(table.file) == ["one.tab"]
-    assert 4e-9 < table.resolution[0] < 3e-8 and table.note[0] == ""
+    assert 4e-9 < table.resolution[0] < 3e-8 and table.remark[0] == ""
 
 
 @pytest.mark.parametrize("slope", ["shift", "drift", "none"])
@@ -303,7 +303,7 @@ def test_a_retraction_that_ends_before_the_pull_off_gives_no_number(slope, end, 
 def test_slopes_of_approach_and_retraction_that_disagree_are_said(baseline, wrong, right, note, tmp_path, capsys):
     path = recorded(tmp_path / "one.tab", **baseline)
     table = pull_offs(path, slope=wrong)
-    assert note in table.note[0] and pull_offs(path, slope=right).note[0] == ""
+    assert note in table.remark[0] and pull_offs(path, slope=right).remark[0] == ""
     assert command.main([str(path), "--slope", wrong]) == 0
     said = capsys.readouterr()
     assert note in said.out and said.err.startswith("one.tab curve 0: ") and note in said.err
@@ -400,7 +400,7 @@ def test_what_cannot_be_read_is_named_and_the_rest_is_read(tmp_path, capsys):
     read_ones = table["pull_off_force (nN)"].notna()
     assert list(table.file[read_ones]) == ["a.tab", "d.h5", "d.h5"] and list(table.curve[read_ones]) == [0, 0, 2]
     np.testing.assert_allclose(table["pull_off_force (nN)"][read_ones], 1300.0, atol=10.0)
-    for note, reason in zip(table.note[~read_ones], reasons.values(), strict=True):
+    for note, reason in zip(table.remark[~read_ones], reasons.values(), strict=True):
         assert note.startswith(reason)
     # `infer` takes the rest where it is asked to.
     data = inference.data.read(output, outcomes={"pull_off_force": "N"}, missing="drop")

@@ -765,6 +765,7 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
         raise FileError(f"{path}: no such file")
     if not path.is_file() or not h5py.is_hdf5(path):
         raise FileError(f"{path}: not an HDF5 file")
+    stored.require_end(path)
     name, version = _format(path)
     known = _KINDS.get(name)
     if known is None:

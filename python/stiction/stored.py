@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,12 +13,14 @@ import h5py
 from . import program
 from .errors import FileError, StictionError
 
-__all__ = ["check", "check_dataset", "reading", "try_first"]
+__all__ = ["check", "check_dataset", "reading", "require_end", "try_first"]
 
 # Groups and datasets together; results have up to two hundred.
 _MOST_OBJECTS = 1000
 # Bytes that a byte of a file can hold at most: deflate makes no more of one.
 _LARGEST_EXPANSION = 1032
+# Words of the program on a file of which libhdf5 does not come to an end.
+_WITHOUT_END = "reads it without an end"
 # Characters of a message of a library that are shown.
 _SHOWN = 200
 
@@ -45,6 +48,30 @@ def reading(path: Path) -> Iterator[None]:
             f"something is missing: {said}" if isinstance(error, KeyError) else said or type(error).__name__
         )
         raise FileError(f"{path}: is damaged or not whole: {said}") from error
+
+
+def require_end(path: Path) -> None:
+    """Refuses a damaged file that libhdf5 reads without an end, as the program finds within a minute of processor time.
+
+    Raises
+    ------
+    FileError
+        With the message of `stiction info`. Without the program nothing is found.
+    """
+    stat = path.stat()
+    problem = _endless(str(path), stat.st_mtime_ns, stat.st_size)
+    if problem:
+        raise FileError(problem)
+
+
+@functools.lru_cache(maxsize=64)
+def _endless(path: str, _changed: int, _length: int) -> str:
+    """The message of the program on a file that is read without an end, or nothing."""
+    try:
+        program.call(["info", path])
+    except StictionError as error:
+        return str(error) if _WITHOUT_END in str(error) else ""
+    return ""
 
 
 def try_first(path: Path) -> None:

@@ -9,27 +9,38 @@ from pathlib import Path
 
 from .. import files
 from ..terminal import ended
-from .recorded import SLOPES, pull_offs, written
+from .recorded import SLOPES, listed, pull_offs, remarks, written
 
 __all__ = ["main"]
-
-# Names of files of a folder that are said to be left out.
-_MOST = 5
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction force-curves",
-        description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction infer. afmformats reads the files, nanite corrects "
-        "baselines. Where noise hides the pull-off, the table has an upper limit, such as <0.5. Without a retraction the cell is empty.",
-        epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map --slope drift. "
-        "Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong.",
+        description="Read the force curves of an AFM and write the pull-off force of each as CSV, for stiction "
+        "infer. afmformats reads the files. The pull-off is measured from the baseline of the retraction. Where "
+        "noise hides it, the table has an upper limit, such as <0.5. A curve without baseline and a file that "
+        "cannot be read have an empty cell and a remark with the reason.",
+        epilog="Examples: stiction force-curves spots -o pull_offs.csv; stiction force-curves map.jpk-force-map "
+        "--slope drift. Exit codes: 0 done; 1 failed while running; 2 the command or a file is wrong, or no curve "
+        "gives a number.",
     )
     parser.add_argument("path", type=Path, metavar="PATH", help="a file of force curves, or a folder of such")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.csv", help="the table; by default it is printed")
-    parser.add_argument("--slope", choices=SLOPES, default="shift",
-                        help="what the slope of the baseline follows, and is subtracted by: the height over the surface (shift), the time (drift), or nothing; by default shift")  # fmt: skip
-    parser.add_argument("--spring-constant", metavar="K", help="of the cantilever, such as '40 N/m', for files that do not say it")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="OUT.csv", help="the table; by default it is printed"
+    )
+    parser.add_argument(
+        "--slope",
+        choices=SLOPES,
+        default="shift",
+        help="what the slope of the baseline follows: the height over the surface (shift), the time (drift), or "
+        "nothing (none); by default shift. Approach and retraction that disagree get a remark",
+    )
+    parser.add_argument(
+        "--spring-constant",
+        metavar="K",
+        help="of the cantilever, such as '40 N/m', for files that do not say it",
+    )
     parser.add_argument("--force", action="store_true", help="overwrite a table that is there")
     return parser
 
@@ -46,8 +57,9 @@ def _table(given: argparse.Namespace) -> None:
     found = pull_offs(given.path, slope=given.slope, spring_constant=given.spring_constant)
     left_out = [one.name for one in found.attrs["left_out"]]
     if left_out:
-        names = ", ".join(left_out[:_MOST]) + (" and others" if len(left_out) > _MOST else "")
-        print(f"left out, as no force curves: {names}", file=sys.stderr)
+        print(f"left out, as no force curves: {listed(left_out)}", file=sys.stderr)
+    for remark in remarks(found):
+        print(remark, file=sys.stderr)
     text = written(found)
     if given.output is None:
         print(text, end="")

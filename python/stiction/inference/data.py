@@ -30,8 +30,8 @@ _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 _LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
 # The outcome after a preload of the scene.
 AFTER_PRELOAD = "pull_off_after_preload"
-# Columns of tables of force curves that say where and with what was measured.
-_ASIDE = {"curve", "spring_constant", "position_x", "position_y"}
+# Columns of tables of force curves that say where and with what was measured, and why not.
+_ASIDE = {"curve", "spring_constant", "position_x", "position_y", "remark"}
 
 
 @dataclass(frozen=True)

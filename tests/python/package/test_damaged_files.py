@@ -164,3 +164,15 @@ def test_texts_of_the_programs_tables_are_no_formulas(result, folder):
         opened["ensemble/scalar"][...] = ["=1+1", "-a", "-1", "b"]
     rows = list(csv.reader(call(["info", "--csv", "--by", "scalar", str(file)]).splitlines()))
     assert [row[0] for row in rows[1:]] == ["'=1+1", "'-a", "-1", "b"]
+
+
+@pytest.mark.slow
+def test_a_file_that_is_read_without_an_end_is_refused(result, folder):
+    """A heap of texts with an object of the length 0: libhdf5 does not come back from it, here or in the program."""
+    with result("run") as run:
+        content = bytearray(run.path.read_bytes())
+    heap = content.index(b"GCOL")
+    content[heap + 16 : heap + 32] = bytes(16)
+    (folder / "endless.h5").write_bytes(content)
+    with pytest.raises(FileError, match=r"^endless.h5: is damaged: libhdf5 reads it without an end$"):
+        stiction.open_run("endless.h5")

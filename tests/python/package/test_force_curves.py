@@ -2,18 +2,25 @@
 
 import io
 import re
+import shutil
+from pathlib import Path
 
 import afmformats
 import numpy as np
 import pandas as pd
 import pytest
+from igor2 import binarywave
 
 import stiction
 from stiction import FileError, SceneError, inference, plot
 from stiction.force_curves import command, force_curve, pull_offs
+from stiction.force_curves.recorded import written
 from stiction.plot import command as plot_command
 from stiction.tables import read
 
+# Files of the tests of afmformats.
+FILES = Path(__file__).parents[2] / "data/force_curves"
+ASYLUM, PAUSED = FILES / "fmt-igor-fd_SiN_FD_plot.ibw", FILES / "fmt-jpk-sr_cell1-0008.jpk-force"
 # A sphere near a flat with van der Waals forces: Hamaker constant, radius, closest distance, and the stiffness of the contact.
 HAMAKER, RADIUS, CLOSEST, CONTACT = 1e-19, 1e-6, 0.3e-9, 2e3
 
@@ -215,8 +222,8 @@ def test_the_figure_shows_the_samples_and_names_the_pull_off(result, tmp_path, c
     assert "force_curve" in capsys.readouterr().out.split()
 
 
-def recorded(path, pull=1.3e-6, *, stiffness=40.0, setpoint=2e-6, offset=3e-7, shift=0.0, drift=0.0, noise=2e-9, both=True, curves=1, calibrated=True):
-    """Writes force curves of a lever against a wall, with a baseline of their own; afmformats writes them."""
+def recorded(path, pull=1.3e-6, *, stiffness=40.0, setpoint=2e-6, offset=3e-7, shift=0.0, drift=0.0, drag=0.0, noise=2e-9, kept=slice(None), curves=1, broken=None, calibrated=True):
+    """Writes force curves of a lever against a wall, with a baseline of their own, of which some samples are `kept`; afmformats writes them."""
     n = 1500
     one = np.linspace(300e-9, -setpoint / stiffness, n)
     piezo, segment = np.concatenate([one, one[::-1]]), np.repeat([0, 1], n)
@@ -230,10 +237,11 @@ def recorded(path, pull=1.3e-6, *, stiffness=40.0, setpoint=2e-6, offset=3e-7, s
     for curve in range(curves):
         shown = force + noise * np.random.default_rng(curve).standard_normal(2 * n)
         # The slope follows the place of the tip.
-        shown = shown + offset + shift * (piezo + force / stiffness) + drift * time
+        shown = shown + offset + shift * (piezo + force / stiffness) + drift * time + np.where(segment == 0, drag, -drag)
+        if curve == broken:
+            shown[100] = np.nan
         columns = {"force": shown, "height (measured)": piezo, "segment": segment.astype(np.uint8), "time": time}
-        if not both:
-            columns = {name: values[:n] for name, values in columns.items()}
+        columns = {name: values[kept] for name, values in columns.items()}
         about = {"path": path, "enum": curve, "imaging mode": "force-distance", "point count": columns["time"].size, "position x": 1e-6 * curve, "position y": 2e-6}
         if calibrated:
             about["spring constant"] = stiffness
@@ -250,14 +258,60 @@ def recorded(path, pull=1.3e-6, *, stiffness=40.0, setpoint=2e-6, offset=3e-7, s
 
 @pytest.mark.parametrize(
     "baseline, slope",
-    [({}, "none"), ({}, "shift"), ({"offset": -9e-7}, "none"), ({"drift": 2e-7}, "drift"), ({"drift": -2e-7}, "drift"), ({"shift": 0.5}, "shift"), ({"shift": -0.5}, "shift")],
+    [({}, "none"), ({}, "shift"), ({"offset": -9e-7}, "none"), ({"drift": 2e-7}, "drift"), ({"drift": -2e-7}, "drift"), ({"shift": 0.5}, "shift"), ({"shift": -0.5}, "shift"),
+     *(({"drag": drag}, slope) for drag in (1e-7, 1e-6) for slope in ("shift", "drift", "none"))],
 )  # fmt: skip
 def test_pull_offs_are_recovered_from_under_offset_and_slope(baseline, slope, tmp_path):
     table = pull_offs(recorded(tmp_path / "one.tab", **baseline), slope=slope)
     # The lowest of noisy samples, of 2 nN.
     assert table.pull_off_force[0] == pytest.approx(1.3e-6, abs=1e-8)
     assert table.spring_constant[0] == 40.0 and list(table.file) == ["one.tab"]
-    assert 4e-9 < table.resolution[0] < 3e-8
+    assert 4e-9 < table.resolution[0] < 3e-8 and table.remark[0] == ""
+
+
+@pytest.mark.parametrize("slope", ["shift", "drift", "none"])
+def test_drag_is_no_pull_off(slope, tmp_path):
+    """In a liquid the lowest force lies twice the drag under the baseline of the approach also where nothing adheres."""
+    table = pull_offs(recorded(tmp_path / "liquid.tab", 0.0, drag=1e-7), slope=slope)
+    assert table.pull_off_force[0] < table.resolution[0] < 3e-8
+    assert float(written(table).splitlines()[1].split(",")[2].removeprefix("<")) < 30.0
+
+
+@pytest.mark.parametrize("slope", ["shift", "drift"])
+def test_an_approach_without_baseline_confirms_no_slope(slope, tmp_path):
+    """Only contact is left of the approach."""
+    path = recorded(tmp_path / "one.tab", kept=slice(1350, None))
+    with pytest.raises(FileError, match=r"one.tab curve 0: has no baseline on approach .*; take slope none"):
+        pull_offs(path, slope=slope)
+    assert pull_offs(path, slope="none").pull_off_force[0] == pytest.approx(1.3e-6, abs=1e-8)
+
+
+@pytest.mark.parametrize("slope", ["shift", "drift", "none"])
+@pytest.mark.parametrize("end", [1600, 1700, 1770])
+def test_a_retraction_that_ends_before_the_pull_off_gives_no_number(slope, end, tmp_path):
+    """The lever turns at sample 1500, leaves contact at 1714 and lets go at 1853."""
+    with pytest.raises(FileError, match=r"one\.tab curve 0: "):
+        pull_offs(recorded(tmp_path / "one.tab", kept=slice(end)), slope=slope)
+
+
+@pytest.mark.parametrize(
+    "baseline, wrong, right, note",
+    [({"drift": 2e-7}, "shift", "drift", "differ in their slope over the height; slope drift fits"),
+     ({"shift": 0.5}, "drift", "shift", "differ in their slope over the time; slope shift fits"),
+     ({"drift": 2e-7}, "none", "drift", "has a baseline with a slope; slope drift fits")],
+)  # fmt: skip
+def test_slopes_of_approach_and_retraction_that_disagree_are_said(baseline, wrong, right, note, tmp_path, capsys):
+    path = recorded(tmp_path / "one.tab", **baseline)
+    table = pull_offs(path, slope=wrong)
+    assert note in table.remark[0] and pull_offs(path, slope=right).remark[0] == ""
+    assert command.main([str(path), "--slope", wrong]) == 0
+    said = capsys.readouterr()
+    assert note in said.out and said.err.startswith("one.tab curve 0: ") and note in said.err
+    # A pull-off that the other slope would change as much gives no number.
+    recorded(path, 0.1e-6, **baseline)
+    with pytest.raises(FileError, match=note):
+        pull_offs(path, slope=wrong)
+    assert pull_offs(path, slope=right).pull_off_force[0] == pytest.approx(0.1e-6, abs=1e-8)
 
 
 def test_a_slope_that_is_left_in_is_in_the_pull_off(tmp_path):
@@ -265,6 +319,22 @@ def test_a_slope_that_is_left_in_is_in_the_pull_off(tmp_path):
     assert abs(pull_offs(path, slope="none").pull_off_force[0] - 1.3e-6) > 5e-8
     with pytest.raises(SceneError, match="slope = tilt: one of shift, drift, none is needed"):
         pull_offs(path, slope="tilt")
+
+
+@pytest.mark.parametrize("slope", ["shift", "none"])
+def test_the_retraction_of_an_asylum_file_is_that_of_its_note(slope, tmp_path):
+    wave = binarywave.load(ASYLUM)["wave"]
+    deflection = wave["wData"][:, 1] * 1.1841
+    # From sample 1008 on it retracts; in air the baseline of the approach is that of the retraction.
+    expected = deflection[:100].mean() - deflection[1008:].min()
+    assert expected == pytest.approx(12.85e-9, rel=1e-3)
+    table = pull_offs(ASYLUM, slope=slope)
+    assert table.pull_off_force[0] == pytest.approx(expected, rel=0.01) and table.resolution[0] < 0.02 * expected
+    # A direction 0 is a pause, and a direction 1 approach.
+    for direction, message in ((b"NaN,1,0 ", "has a pause between"), (b"NaN,1,1 ", "has no retraction")):
+        (tmp_path / "a.ibw").write_bytes(ASYLUM.read_bytes().replace(b"NaN,1,-1", direction))
+        with pytest.raises(FileError, match=message):
+            pull_offs(tmp_path / "a.ibw", slope=slope)
 
 
 def test_a_folder_becomes_a_table_that_infer_reads(tmp_path, capsys):
@@ -297,7 +367,7 @@ def test_a_folder_becomes_a_table_that_infer_reads(tmp_path, capsys):
 
 def test_a_curve_without_retraction_is_an_empty_cell(tmp_path):
     recorded(tmp_path / "a.tab")
-    recorded(tmp_path / "b.tab", both=False)
+    recorded(tmp_path / "b.tab", kept=slice(1500))
     output = tmp_path / "out.csv"
     assert command.main([str(tmp_path), "-o", str(output)]) == 0
     with pytest.raises(FileError, match=r"out.csv, line 3, column 3 \(pull_off_force\): nothing: a gap"):
@@ -307,6 +377,41 @@ def test_a_curve_without_retraction_is_an_empty_cell(tmp_path):
     assert column.cells[1] == ""
 
 
+def test_what_cannot_be_read_is_named_and_the_rest_is_read(tmp_path, capsys):
+    folder, output = tmp_path / "spots", tmp_path / "pull_offs.csv"
+    folder.mkdir()
+    recorded(folder / "a.tab")
+    recorded(folder / "b.tab", calibrated=False)
+    (folder / "c.tab").write_text("# BEGIN METADATA\n# {\n# END METADATA\n# force\ttime\n1\t2\n")
+    recorded(folder / "d.h5", curves=3, broken=1)
+    shutil.copy(PAUSED, folder / "e.jpk-force")
+    reasons = {
+        "b.tab curve 0": "has no spring constant; give it",
+        "c.tab": "cannot be read (",
+        "d.h5 curve 1": "has samples that are no numbers",
+        "e.jpk-force curve 0": "has a pause between approach and retraction",
+    }
+    assert command.main([str(folder), "-o", str(output)]) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("7 curves of 5 files, 3 with a pull-off\n")
+    for line, (where, reason) in zip(said.err.splitlines(), reasons.items(), strict=True):
+        assert line.startswith(f"{where}: {reason}")
+    table = pd.read_csv(output)
+    read_ones = table["pull_off_force (nN)"].notna()
+    assert list(table.file[read_ones]) == ["a.tab", "d.h5", "d.h5"] and list(table.curve[read_ones]) == [0, 0, 2]
+    np.testing.assert_allclose(table["pull_off_force (nN)"][read_ones], 1300.0, atol=10.0)
+    for note, reason in zip(table.remark[~read_ones], reasons.values(), strict=True):
+        assert note.startswith(reason)
+    # `infer` takes the rest where it is asked to.
+    data = inference.data.read(output, outcomes={"pull_off_force": "N"}, missing="drop")
+    assert data.gaps == 4 and data.size == 3
+    for name in ("a.tab", "d.h5"):
+        (folder / name).unlink()
+    assert command.main([str(folder)]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert f"{folder / 'b.tab'} curve 0: has no spring constant" in said and said.endswith("; 3 curves and files give no number")
+
+
 @pytest.mark.parametrize(
     "name, content, message",
     [
@@ -314,7 +419,7 @@ def test_a_curve_without_retraction_is_an_empty_cell(tmp_path):
         ("foreign.xyz", b"1 2 3", r"foreign.xyz: has no force curves in a format that afmformats reads \(.*\.jpk-force.*\); export it in one of these"),
         ("empty.tab", b"", "empty.tab: has no force curves"),
         ("cut.jpk-force", b"PK\3\4 cut off", "cut.jpk-force: (cannot be read|has no force curves)"),
-        ("broken.tab", b"# BEGIN METADATA\n# {\n# END METADATA\n# force\ttime\n1\t2\n", "broken.tab: cannot be read .*; take it out, or export it again"),
+        ("broken.tab", b"# BEGIN METADATA\n# {\n# END METADATA\n# force\ttime\n1\t2\n", "broken.tab: cannot be read .*; export it again"),
     ],
 )  # fmt: skip
 def test_files_that_are_no_force_curves_are_named(name, content, message, tmp_path):
@@ -328,7 +433,7 @@ def test_an_empty_folder_and_a_missing_spring_constant_are_named(tmp_path):
     with pytest.raises(FileError, match="no file in it has force curves"):
         pull_offs(tmp_path)
     path = recorded(tmp_path / "soft.tab", calibrated=False)
-    with pytest.raises(FileError, match=r'soft.tab: .*; give the spring constant, such as "40 N/m"'):
+    with pytest.raises(FileError, match=r'soft\.tab curve 0: has no spring constant; give it, such as "40 N/m"'):
         pull_offs(path)
     for wrong in ("0 N/m", "40 m", "stiff"):
         with pytest.raises(SceneError, match="spring_constant = "):

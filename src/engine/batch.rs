@@ -274,3 +274,26 @@ impl Batch {
         is_whole.then_some(batch)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asperity::{LawParameters, Path, model};
+    use crate::surface::Surface;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// An interruption is looked for before each replica of a batch.
+    #[test]
+    fn a_batch_is_given_up_between_its_replicas() {
+        let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach).unwrap()).unwrap();
+        let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+        let job = Job::new(law.as_ref(), &surface, &[1.0, 2.0], BATCH, 1);
+        let looks = AtomicUsize::new(0);
+        let ends = || looks.fetch_add(1, Ordering::Relaxed) == 3;
+        let mut workspace = Workspace::new(&job);
+        assert!(Batch::compute_until(&job, &mut workspace, 0, &ends).is_none());
+        assert_eq!(looks.into_inner(), 4);
+        let whole = Batch::compute_until(&job, &mut workspace, 0, &|| false).unwrap();
+        assert_eq!(whole.ensemble.replicas.len() as u64, BATCH);
+    }
+}

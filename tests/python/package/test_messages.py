@@ -119,7 +119,7 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
         assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
 def test_the_program_ends_with_python(how, tmp_path):
     """However Python ends: what was done is kept, and the output is free."""
     with begun(INTERRUPTED, tmp_path / "long.h5", QUICK, folder=tmp_path) as process:

@@ -77,6 +77,7 @@ impl Merge<'_> {
         let (shard, piece) = self.run.at(*first);
         let functionals = shard.state(piece, &scene)?.functionals;
         let ground = PreparedRun::new(scene, laws, Some(functionals.clone()), self.session, &mut phases);
+        let ground = ground.ok_or(Error::Interrupted { done: 0, of, kept: false })?;
         let setup = ground.sampling();
         let job = setup.job();
         phases.replicas("ensemble", 0, of);

@@ -12,7 +12,7 @@ use super::sampling::{Sampling, basis_of, cross_check};
 use super::snaps::missed_preloads;
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
-use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, Ways, batches_of};
+use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, Ways, batches_of, replicas_of};
 use crate::estimate::Estimate;
 use crate::integral::{Expectations, MeanField, controls};
 use crate::math::control_variates::controlled_means;
@@ -25,10 +25,15 @@ use crate::validation::Basis;
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
 use std::time::Duration;
+
+/// The time from one look for an interruption to the next, while a scene is prepared.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// A session: all that experiments one after the other have in common.
 pub(crate) struct Session {
@@ -109,7 +114,15 @@ pub(crate) fn run_scene(
         },
     };
     let kept = state.as_ref().map(|state| state.functionals.clone());
-    let ground = PreparedRun::new(scene, laws, kept, session, &mut phases);
+    let asked = replicas_of(task.batches(&scene), scene.replicas);
+    let (done, of) =
+        (state.as_ref().map_or(0, |state| state.tree.replicas.len() as u64), asked.end - asked.start);
+    let interrupted = || {
+        let (kept, partial) = (done > 0, task.lock.partial());
+        let error = Error::Interrupted { done, of, kept };
+        if kept { Error::Kept { error: Box::new(error), replicas: done, partial } } else { error }
+    };
+    let ground = PreparedRun::new(scene, laws, kept, session, &mut phases).ok_or_else(interrupted)?;
     let sampling = ground.sampling();
     let summation = Arc::new(sampling.summation(&session.pool));
     let batches = task.batches(&ground.scene);
@@ -123,6 +136,23 @@ pub(crate) fn run_scene(
         Outcome::Interrupted(mut tree) => {
             keeper.save(&mut tree)?;
             Err(keeper.interrupted())
+        }
+    }
+}
+
+/// What `work` gives on the threads of a session; nothing where that is interrupted meanwhile, and nobody waits for the work any
+/// more.
+fn unless_interrupted<T: Send + 'static>(
+    session: &Session,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Option<T> {
+    let (sender, receiver) = sync_channel(1);
+    session.pool.spawn(move || drop(sender.send(catch_unwind(AssertUnwindSafe(work)))));
+    loop {
+        match receiver.recv_timeout(LOOK) {
+            Ok(done) => return Some(done.unwrap_or_else(|panic| resume_unwind(panic))),
+            Err(_) if session.stop.load(Ordering::Relaxed) => return None,
+            Err(_) => {}
         }
     }
 }
@@ -197,32 +227,37 @@ pub(crate) struct PreparedRun {
 }
 
 impl PreparedRun {
-    /// Prepares a scene, with the functionals that have been kept of it, if any.
+    /// Prepares a scene, with the functionals that have been kept of it, if any; none where the session is interrupted meanwhile.
     pub fn new(
         scene: Scene,
         laws: SceneLaws,
         kept: Option<Functionals>,
         session: &Session,
         phases: &mut Phases<'_>,
-    ) -> Self {
-        let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
+    ) -> Option<Self> {
         phases.phase("integral");
-        let (integral, expected, mean_fields) = pool.install(|| {
+        let (scene, laws, integral, expected, mean_fields) = unless_interrupted(session, move || {
+            let (law, cycle) = (laws.law.view(), laws.cycle.as_ref());
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, law);
             let mean_fields = match scene.replicas {
                 0 => Vec::new(),
                 _ => mean_fields(&scene, law, cycle, &integral),
             };
-            (integral, expected, mean_fields)
-        });
-        let (warnings, yields) = (warnings(&scene, &scene.model, law.typical, &expected), expected.yields);
+            (scene, laws, integral, expected, mean_fields)
+        })?;
+        let typical = laws.law.view().typical;
+        let (warnings, yields) = (warnings(&scene, &scene.model, typical, &expected), expected.yields);
         phases.phase("test functionals");
-        let functionals = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
+        let (scene, laws, integral, functionals) = unless_interrupted(session, move || {
+            let law = (laws.law.view(), laws.cycle.as_ref());
+            let functionals = kept.unwrap_or_else(|| prepared(&scene, law, &integral));
+            (scene, laws, integral, functionals)
+        })?;
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.paths().flat_map(force).collect();
         let expected = functionals.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, warnings, yields, integral, mean_fields, functionals, expected }
+        Some(Self { scene, laws, warnings, yields, integral, mean_fields, functionals, expected })
     }
 
     /// The ensemble.

@@ -111,6 +111,7 @@ impl<'a> Builder<'a> {
         }
         self.with_session(|session, phases| {
             let run = PreparedRun::new(scene.clone(), SceneLaws::new(scene)?, None, session, phases);
+            let run = run.ok_or(Error::Interrupted { done: 0, of: scene.replicas, kept: false })?;
             let setup = run.sampling();
             let mut curves = Curves::new(scene, &std::env::temp_dir());
             let observe = |batch: &_| curves.add(batch);

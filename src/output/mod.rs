@@ -19,6 +19,7 @@ mod scales;
 pub mod schema;
 #[doc(hidden)]
 pub mod watch;
+#[doc(hidden)]
 pub mod writer;
 
 #[doc(hidden)]

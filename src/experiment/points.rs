@@ -93,7 +93,8 @@ impl Points<'_> {
         let mut largest: Option<Estimate> = None;
         for point in 0..self.sweep.count() {
             let scene = self.scene(point)?;
-            let laws = SceneLaws::new(&scene).map_err(|error| self.at(point, error.in_scene(self.source)))?;
+            let laws = SceneLaws::within(&scene, self.session);
+            let laws = laws.map_err(|error| self.at(point, error.in_scene(self.source)))?;
             let estimate = Estimate::new(&scene, laws.law.view(), threads);
             if largest.is_none_or(|known| known.memory() < estimate.memory()) {
                 largest = Some(estimate);

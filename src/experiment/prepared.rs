@@ -177,6 +177,17 @@ impl SceneLaws {
         })
     }
 
+    /// Makes the laws of a scene on the threads of a session.
+    ///
+    /// # Errors
+    /// [`Error::Law`], [`Error::Interrupted`].
+    pub fn within(scene: &Scene, session: &Session) -> Result<Self, Error> {
+        // What a scene computes once, its clones have, too.
+        let (own, of) = (scene.clone(), scene.replicas);
+        let laws = unless_interrupted(session, move || Self::new(&own));
+        laws.unwrap_or(Err(Error::Interrupted { done: 0, of, kept: false }))
+    }
+
     /// The ensemble of the scene that they are of, without control variates and targets.
     pub fn sampling<'a>(&'a self, scene: &'a Scene) -> Sampling<'a> {
         Sampling {
@@ -194,7 +205,7 @@ impl SceneLaws {
     /// of threads.
     ///
     /// # Errors
-    /// [`Error::Law`], [`Error::TooLarge`].
+    /// [`Error::Law`], [`Error::TooLarge`], [`Error::Interrupted`].
     pub fn fitting(
         scene: &Scene,
         replicas: u64,
@@ -202,7 +213,7 @@ impl SceneLaws {
         session: &Session,
         threads: usize,
     ) -> Result<Self, Error> {
-        let laws = Self::new(scene)?;
+        let laws = Self::within(scene, session)?;
         let estimate =
             Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.view(), threads) };
         // What an interrupted run has kept is on the disk already.

@@ -142,6 +142,26 @@ fn long_replicas() -> String {
     scene.replace("count = 16", "count = 48")
 }
 
+/// Laws and integral of surfaces on which liquid spreads take half a minute; an interruption does not wait for them.
+#[test]
+fn a_signal_ends_the_preparation_of_a_run() {
+    let folder = Folder::new(include_str!("../../configs/humidity.toml"));
+    let mut child = begin(&folder, &["--threads", "1"]);
+    wait_while_running(&mut child, || folder.path(".scene.h5.lock").exists());
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    let begun = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
+    assert_exit(&output, 130);
+    assert!(
+        told(&output).contains("interrupted after 0 of 64 replicas; nothing was kept"),
+        "{}",
+        told(&output)
+    );
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
 /// A second signal does not wait for the end of a replica.
 #[test]
 #[ignore = "slow: six seconds"]

@@ -207,8 +207,13 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
 
 def _instead(name: str, known: Mapping[str, str]) -> str:
     """What a column may hold that is named by no outcome of the scene."""
-    if name in OF_WHOLE_LOOP and AFTER_PRELOAD in known:
-        return f", as its preload decides where the surfaces turn: name the column {AFTER_PRELOAD}, or leave out instability.preload"
+    column = "a column instability.preload (uN) has the preload of each patch"
+    if name == AFTER_PRELOAD:
+        return f": it needs one instability.preload in the scene, or {column}"
+    # Every scene without preloads has it.
+    if name in OF_WHOLE_LOOP:
+        several = "" if AFTER_PRELOAD in known else f"; {column}"
+        return f", as its preload decides where the surfaces turn: name the column {AFTER_PRELOAD}, or leave out instability.preload{several}"
     guess = tables.meant(name, known) or f", which has {', '.join(known)}."
     return f"{guess} A key of the scene has its table before it, such as surface.nominal_area (um^2)"
 

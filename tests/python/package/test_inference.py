@@ -186,6 +186,11 @@ def test_the_pull_off_of_the_whole_loop_is_refused_where_the_scene_has_a_preload
     known = emulator.outcomes_of(priors.read(tables), {})
     assert "pull_off_after_preload" in known and "pull_off_force" not in known
     assert "name the column pull_off_after_preload, or leave out instability.preload" in told(data.read, path, outcomes=known)
+    tables["instability"]["preload"] = ["1 uN", "2 uN"]
+    several = emulator.outcomes_of(priors.read(tables), {})
+    assert "; a column instability.preload (uN) has the preload of each patch" in told(data.read, path, outcomes=several)
+    path.write_text("pull_off_after_preload (nN)\n12\n")
+    assert "it needs one instability.preload in the scene, or a column" in told(data.read, path, outcomes=several)
 
 
 @pytest.mark.slow

@@ -313,7 +313,7 @@ class _Curves(Result):
         loop, end in ``_of_whole_loop``. Variables that have another dimension besides are left out; curves are in `curves`.
         """
         whole = self.group("replicas")
-        if "preload" in whole.dims:
+        if self.has_preload:
             names = {name: f"{name}_of_whole_loop" for name in OF_WHOLE_LOOP}
             whole = whole.rename(names).assign(self._of_preloads(whole))
         points = set(self.tree.dims)
@@ -322,6 +322,11 @@ class _Curves(Result):
         return table.drop_vars(
             [name for name, value in table.coords.items() if set(value.dims) - points - {"replica"}]
         )
+
+    @property
+    def has_preload(self) -> bool:
+        """Whether the scene has preloads. Without them numbers after a turn are of the whole loop."""
+        return "instability/preload" in self and bool(self.group("instability")["preload"].notnull().any())
 
     def _of_preloads(self, whole: xarray.Dataset) -> dict[str, xarray.DataArray]:
         """The numbers of replicas after each preload by name and preload."""
@@ -341,11 +346,9 @@ class _Curves(Result):
         replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval. All are NaN
         where no replica reaches a preload.
         """
-        if "instability/preload" not in self or not self.has_replicas:
+        if not self.has_preload or not self.has_replicas:
             return None
         group = self.group("instability")
-        if group["preload"].isnull().all():
-            return None
         of = self._after_largest
         names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval", "std": "std"}
         found = {name: of(group[f"pull_off_after_preload_{own}"]) for name, own in names.items()}

@@ -17,7 +17,7 @@ from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
 from ..results import OF_WHOLE_LOOP, Sweep
-from .data import ABOVE, AFTER_PRELOAD, BELOW, EXACT, MISSING, Group, Measurements
+from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, fit, log_sum_exp
 
 __all__ = ["FORCE_SCALE", "Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
@@ -277,7 +277,7 @@ def _known(result: Sweep) -> dict[str, xarray.DataArray]:
         squeezed = of.squeeze([d for d in of.dims if d not in ("point", "replica") and of.sizes[d] == 1])
         if set(squeezed.dims) == {"point", "replica"}:
             known[str(name)] = squeezed
-    if AFTER_PRELOAD in result.group("replicas"):
+    if result.has_preload:
         known = {name: of for name, of in known.items() if name not in OF_WHOLE_LOOP}
     return known
 

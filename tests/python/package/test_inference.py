@@ -281,8 +281,9 @@ def test_an_interval_holds_the_work_of_adhesion_whatever_the_lever():
     """Ten spots with each of 40 levers at 50 mJ/m², which are wrong by the quantiles of 10 %: of central intervals as large a share
     holds it as their probability, and hardly any where the factor is taken for known. Fixed seed.
 
-    As quantiles stand for the levers, what is left is the scatter of the spots, 0.024 of ln Δγ: it moves 0.8 of 40 levers across an end of
-    95 and 90 % intervals, and 1.9 across one of 50 %. With 3.3 times that some 2e-3 false alarms for another seed.
+    As quantiles stand for the levers, what is left is the scatter of the spots, 0.024 of ln Δγ, and the error of the emulator, up to 0.26
+    of a width of 0.1: they move 1.2 of 40 levers across an end of 95 and 90 % intervals, and 2.8 across one of 50 %. With 3.3 times that
+    some 2e-3 false alarms for another seed.
     """
     of, alone = priors.read(probe()), probe()
     del alone["calibration"]
@@ -302,7 +303,7 @@ def test_an_interval_holds_the_work_of_adhesion_whatever_the_lever():
             yield weights @ (known.of_scores(z)[:, 0] < 0.05)
 
     off = np.abs(np.array([*ranks(of, made, slice(None))]) - 0.5)
-    for level, most in ((0.95, 0.066), (0.9, 0.066), (0.5, 0.16)):
+    for level, most in ((0.95, 0.098), (0.9, 0.098), (0.5, 0.23)):
         assert abs((off <= 0.5 * level).mean() - level) < most
     without = emulator.Patches(points[:, :1], made.logs - np.log(points[:, 1, None, None]))
     off = np.abs(np.array([*ranks(priors.read(alone), without, slice(None, None, 4))]) - 0.5)

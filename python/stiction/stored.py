@@ -58,20 +58,9 @@ def require_end(path: Path) -> None:
     FileError
         With the message of `stiction info`. Without the program nothing is found.
     """
-    stat = path.stat()
-    problem = _endless(str(path), stat.st_mtime_ns, stat.st_size)
-    if problem:
-        raise FileError(problem)
-
-
-@functools.lru_cache(maxsize=64)
-def _endless(path: str, _changed: int, _length: int) -> str:
-    """The message of the program on a file that is read without an end, or nothing."""
-    try:
-        program.call(["info", path])
-    except StictionError as error:
-        return str(error) if _WITHOUT_END in str(error) else ""
-    return ""
+    error = _refusal(path)
+    if error is not None and _WITHOUT_END in str(error):
+        raise FileError(str(error))
 
 
 def try_first(path: Path) -> None:
@@ -83,7 +72,24 @@ def try_first(path: Path) -> None:
         With the message of `stiction info`.
     """
     if path.is_file() and h5py.is_hdf5(path):
-        program.call(["info", str(path)])
+        error = _refusal(path)
+        if error is not None:
+            raise type(error)(str(error), error.exit_code)
+
+
+def _refusal(path: Path) -> StictionError | None:
+    """The error of `stiction info` on a file that is there, found once for each state of the file."""
+    stat = path.stat()
+    return _refusal_of(str(path), stat.st_mtime_ns, stat.st_size)
+
+
+@functools.lru_cache(maxsize=64)
+def _refusal_of(path: str, _changed: int, _length: int) -> StictionError | None:
+    try:
+        program.call(["info", path])
+    except StictionError as error:
+        return error
+    return None
 
 
 def check(path: Path) -> None:

@@ -57,7 +57,7 @@ class _Baseline:
         return float(self.outer.mean())
 
     def above(self, x: Array, force: Array) -> Array:
-        """Forces less those of the line."""
+        """The force minus the line, N."""
         return force - self.level - self.slope * (x - self.centre)
 
     def noise(self, place: float) -> float:

@@ -160,7 +160,7 @@ def _fits(number: Any, dtype: np.dtype[Any]) -> bool:
 def grid(
     heights: Any, attrs: Mapping[str, Any], steps: Iterable[float] | None, unit: str | None
 ) -> xarray.DataArray:
-    """Numbers over y and x with their attributes; `steps` are those of columns and rows, in `unit`, if known."""
+    """Numbers over y and x with their attributes. `steps` has the step of columns and the step of rows, in `unit`, where they are known."""
     places = {
         axis: (axis, step * np.arange(count), {"units": unit} if unit else {})
         for axis, step, count in zip("xy", steps or (), heights.shape[::-1], strict=False)

@@ -168,10 +168,9 @@ fn each_after_preloads(
     described: &[Description],
     by: &str,
 ) -> Result<Vec<Column>, OutputError> {
-    let wanted = [by, Dimension::Preload.name()];
+    let (wanted, preloads) = ([by, Dimension::Preload.name()], numbers(reader, described, PRELOADS)?);
     let mut columns = Vec::new();
     for own in described.iter().filter(|own| own.dimensions == wanted) {
-        let preloads = numbers(reader, described, PRELOADS)?;
         let (group, name) = own.names();
         let (unit, values) = (own.units.as_deref().unwrap_or("1"), numbers(reader, described, &own.path)?);
         columns.extend(of_each(&preloads, &format!("{group}/{name}"), unit, &values));

@@ -42,6 +42,13 @@ pub(super) fn access(access: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
     access.sec2().file_locking(false)
 }
 
+/// The way in which files are opened for writing. Nothing is kept of a dataset when it is closed, so that every error is one of
+/// the write: where libhdf5 fails to close a dataset, it frees it but keeps its identifier, and the program ends by a signal
+/// when the file is closed.
+pub(super) fn write_access(builder: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
+    access(builder).chunk_cache(0, 0, 1.0).sieve_buf_size(0)
+}
+
 /// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have
 /// no end.
 ///

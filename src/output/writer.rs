@@ -2,7 +2,7 @@
 //! complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
-use super::guard::access;
+use super::guard::write_access;
 use super::lock::made_anew;
 use super::reader::Reader;
 use super::scales::{attach_scale, make_scale};
@@ -12,8 +12,6 @@ use hdf5::plist::dataset_create::AllocTime;
 use hdf5::plist::file_create::FileCreateBuilder;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, DatasetBuilderEmptyShape, File, H5Type, Hyperslab, SliceOrIndex};
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::PathBuf;
 use std::str::FromStr;
 use tempfile::TempPath;
@@ -79,10 +77,8 @@ impl Kept for f64 {
     }
 }
 
-/// Whether what was read of a dataset that has been closed since it was written is what was written: libhdf5 drops the errors of
-/// a write that happens when a dataset is closed.
+/// Whether what was read of a dataset that has been closed since it was written is what was written.
 fn compared<'v, T: Kept>(
-    file: &File,
     path: &str,
     written: &'v [T],
     read: impl ExactSizeIterator<Item = &'v T>,
@@ -92,15 +88,7 @@ fn compared<'v, T: Kept>(
     if is_whole {
         return Ok(());
     }
-    let refused = still_refused(&file.filename(), size_of_val(written));
-    let reason = refused.unwrap_or_else(|| format!("what was written into {path} is not there"));
-    Err(reason.into())
-}
-
-/// Why a file that has lost a write takes no more of that length, which only the operating system knows; nothing if it does.
-fn still_refused(file: &str, length: usize) -> Option<String> {
-    let mut file = OpenOptions::new().append(true).open(file).ok()?;
-    file.write_all(&vec![0; length]).err().map(|error| error.to_string())
+    Err(format!("what was written into {path} is not there").into())
 }
 
 /// Writes all values of a dataset, sees that they are there, and gives the dataset.
@@ -108,7 +96,7 @@ fn kept<T: Kept>(file: &File, path: &str, dataset: Dataset, values: &[T]) -> hdf
     dataset.write_raw(values)?;
     drop(dataset);
     let dataset = file.dataset(path)?;
-    compared(file, path, values, dataset.read_raw::<T>()?.iter())?;
+    compared(path, values, dataset.read_raw::<T>()?.iter())?;
     Ok(dataset)
 }
 
@@ -175,7 +163,7 @@ impl<'c> Writer<'c> {
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
         // Nobody else opens what has no name of its own yet. A lock of libhdf5 on it would go over to every
         // program that this process starts meanwhile, and stay on the finished file as long as that runs.
-        let file = File::with_options().with_fapl(access).with_fcpl(few_chunks).create(&temporary)?;
+        let file = File::with_options().with_fapl(write_access).with_fcpl(few_chunks).create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
@@ -375,7 +363,7 @@ impl<'c> Writer<'c> {
         let slab = Hyperslab::from(slab);
         self.file.dataset(path)?.write_slice(view, slab.clone())?;
         let read: ndarray::ArrayD<T> = self.file.dataset(path)?.read_slice(slab)?;
-        Ok(compared(&self.file, path, values, read.iter())?)
+        Ok(compared(path, values, read.iter())?)
     }
 
     /// Writes a dataset over the points alone, in their order.
@@ -427,7 +415,7 @@ impl<'c> Writer<'c> {
         dataset.write_slice(view, (first..first + rows, ..))?;
         drop(dataset);
         let read: ndarray::Array2<T> = self.file.dataset(path)?.read_slice((first..first + rows, ..))?;
-        Ok(compared(&self.file, path, values, read.iter())?)
+        Ok(compared(path, values, read.iter())?)
     }
 
     /// Makes the group of a dataset that not every file of the layout has.

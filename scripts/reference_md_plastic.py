@@ -16,7 +16,10 @@ Interface Sci. 150 (1992) 243). A contact of the radius a has the interference g
 without adhesion, and delta = omega - g(a_0) + g(a) - 2 sigma_0 sqrt(c^2 - a^2)/E. On loading a = a_0; a
 contact that unloads keeps its outline.
 
-P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4): a loop of a larger load would give out energy.
+a_0 is that of the plastic contact, but at least sqrt(R omega), and at least such that the sphere around it does
+not sink. P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4), a before the sphere around is looked at: a
+loop of a larger load or a narrower contact could give out energy. Kogut and Etsion's loads pass from one fit
+to the next where both are equal.
 
 Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random.
 A row is a state to which a loop leads: on loading delta is larger than at every smaller omega, on unloading
@@ -71,12 +74,38 @@ def critical_of(law, critical, poisson, hardness):
     return critical * (mpf("0.6") / pressure_factor(poisson)) ** 2 if law is zmc else critical
 
 
+def kogut_etsion(setting, omega):
+    """Load and radius of Kogut and Etsion's contact, by the next fit once its load is the smaller."""
+    _, critical, poisson, _ = setting
+    x = omega / critical
+    fits = [(mpf("1.03") * x ** mpf("1.425"), mpf("0.93") * x ** mpf("1.136")),
+            (mpf("1.40") * x ** mpf("1.263"), mpf("0.94") * x ** mpf("1.146")),
+            (3 * x / pressure_factor(poisson), 2 * x)]
+    load, area = min(fits)
+    return load * critical ** mpf("1.5"), mp.sqrt(area * critical)
+
+
 def bare(law, setting, omega):
     """P_0 and a_0 of the contact without adhesion."""
+    hertz = mp.sqrt(omega)
     _, load, radius = law(*setting, omega)
-    if law is ke and omega <= setting[1]:
-        load, radius = omega ** mpf("1.5"), mp.sqrt(omega)
-    return min(load, radius**3, mp.sqrt(radius) * omega ** mpf("1.25")), radius
+    if law is ke:
+        if omega <= setting[1]:
+            return omega * hertz, hertz
+        load, radius = kogut_etsion(setting, omega)
+    if (radius, load) == (hertz, omega * hertz):
+        return load, radius
+    radius = max(radius, hertz)
+    load = min(load, radius**3, mp.sqrt(radius) * omega ** mpf("1.25"))
+    fit, modulus = fitted(setting, mpf(1), omega), mpf(3) / 4
+
+    def sunk(radius):
+        outline = outline_of(fit, modulus, load, radius)
+        return (omega - outline.interference(radius) + outline.height(radius)) - radius**2 / 2
+
+    if sunk(radius) > 0:
+        radius = root_of(lambda own: -sunk(own), radius, 2 * hertz)
+    return load, radius
 
 
 @dataclass
@@ -136,13 +165,17 @@ class Outline:
         return c * mp.cos(mp.exp(root_of(excess, mpf(-60), mp.log(mp.pi / 2))))
 
 
-def outline_of(setting, stiffness, radius, omega, load, widest):
-    """The outline that a plastic contact of P_0 and a_0 at omega leaves, of the setting of an asperity."""
+def fitted(setting, radius, omega):
+    """R and rho after omega by the fit to finite elements, of the setting of an asperity."""
     critical, (_, _, poisson, hardness) = critical_of(jg, *setting[1:]), setting
     slope = mpf("1.275") * ((1 - poisson**2) * mpf("2.84") / hardness) ** mpf("-0.216")
-    fit = radius * (1 + slope * max(omega / (critical * radius) - 1, 0))
-    apex = max(fit, stiffness * widest**3 / load)
-    modulus = 3 * stiffness / 4
+    return radius, radius * (1 + slope * max(omega / (critical * radius) - 1, 0))
+
+
+def outline_of(fitted, modulus, load, widest):
+    """The outline that a plastic contact of P_0 and a_0 leaves, from R and rho by the fit."""
+    radius, fit = fitted
+    apex = max(fit, 4 * modulus * widest**3 / (3 * load))
     quartic = (load / (2 * modulus) - 2 * widest**3 / (3 * apex)) * 15 / (32 * widest**5)
     return Outline(radius, modulus, widest, apex, max(quartic, mpf(0)))
 
@@ -213,7 +246,8 @@ class Pressed:
     def __init__(self, contact, omega):
         self.contact, self.omega = contact, omega
         load, widest = contact.bare(omega)
-        self.outline = outline_of(contact.setting, contact.stiffness, contact.radius, omega, load, widest)
+        fit = fitted(contact.setting, contact.radius, omega)
+        self.outline = outline_of(fit, 3 * contact.stiffness / 4, load, widest)
         self.first, self.edge = contact.edges(self.outline)
         self.state = contact.state(self.outline, widest, self.edge)
         self.delta = omega - self.outline.interference(widest) + self.state.interference

@@ -256,23 +256,24 @@ fn loops_dissipate() {
         for x in [1.001, 1.03, 1.1, 3.0, 10.0] {
             let own = dissipated(&cycle, x * end, -15e-9) / unit;
             assert!(own >= last - 1e-3, "case {name} {contact:?} {x}: {own} after {last}");
-            // Kogut and Etsion's load jumps, so that a deeper loop may take less.
-            last = if contact == PlasticContact::KogutEtsion { 0.0 } else { own };
+            last = own;
         }
     }
 }
 
-/// Whatever the material, as long as σ₀ < H, no step of the turning depth gives out energy by Jackson and Green's contact: 20
-/// materials drawn at random, 24 depths each. Steps are taken of ∮F dδ, whose rounding and rule leave 1e-4 of the unit s_F s_δ.
-/// The other contacts take less load for the area that they have, so that loops of soft and sticky summits can give out energy.
+/// Whatever the material, as long as σ₀ < H, no step of the turning depth gives out energy: 10 materials drawn at random for each
+/// plastic contact, 24 depths each. Steps are taken of ∮F dδ, whose rounding and rule leave 1e-4 of the unit s_F s_δ. Thornton and
+/// Ning's contact has the hardness kH.
 #[test]
-#[ignore = "slow: two minutes"]
+#[ignore = "slow: four minutes"]
 fn no_step_of_the_turning_depth_gives_out_energy() {
     use rand::{RngExt, SeedableRng};
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
     let mut uniform = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
     let mut drawn = 0;
-    while drawn < 20 {
+    while drawn < 40 {
+        let (name, contact) = PlasticContact::ALL[drawn % 4];
+        let poisson_ratio = uniform(0.0, 0.5);
         let mut power = |low: f64, high: f64| uniform(low.ln(), high.ln()).exp();
         let asperity = Asperity {
             radius: power(0.05e-6, 10e-6),
@@ -280,27 +281,28 @@ fn no_step_of_the_turning_depth_gives_out_energy() {
             work_of_adhesion: power(5e-3, 1.0),
             equilibrium_spacing: power(0.15e-9, 0.5e-9),
             hardness: power(0.005, 0.09),
-            poisson_ratio: 0.3,
+            poisson_ratio,
             lubricant_thickness: 0.0,
         };
         let asperity = Asperity { hardness: asperity.hardness * asperity.reduced_modulus, ..asperity };
         let stress = 1.03 * asperity.work_of_adhesion / asperity.equilibrium_spacing;
+        let pressure = if name == "tn" { pressure_factor(poisson_ratio) } else { 1.0 } * asperity.hardness;
         let critical = asperity.critical_interference();
         let far = -60.0 * asperity.equilibrium_spacing;
         let Ok(parameters) = LawParameters::new(&asperity, Path::Approach, (far, 1e3 * critical)) else {
             continue;
         };
-        if stress > asperity.hardness {
+        if stress > pressure {
             continue;
         }
-        let cycle = cycle(&LawParameters { table_range: None, ..parameters }, PlasticContact::JacksonGreen);
+        let cycle = cycle(&LawParameters { table_range: None, ..parameters }, contact);
         let unit = parameters.scale.energy();
         let mut last = f64::NEG_INFINITY;
         for step in 0..24 {
             let x = 1.001 * 60_f64.powf(f64::from(step) / 23.0);
             let own = dissipated(&cycle, x * onset(cycle.approach()).max(critical), far) / unit;
-            assert!(own >= last - 1e-4 * (1.0 + last.abs()), "{asperity:?} {x}: {own} after {last}");
-            assert!(own > -1e-4, "{asperity:?} {x}: {own}");
+            assert!(own >= last - 1e-4 * (1.0 + last.abs()), "{name} {asperity:?} {x}: {own} after {last}");
+            assert!(own > -1e-4, "{name} {asperity:?} {x}: {own}");
             last = own;
         }
         drawn += 1;
@@ -316,13 +318,13 @@ fn a_soft_and_sticky_metal_flows_at_first_touch() {
     assert_eq!(onset(law), touch);
     let (regime, [adhesion, load, _]) = respond(law, touch.next_up()).unwrap();
     assert_eq!(regime, Regime::Elastoplastic1);
-    // The state on the stable side of the fold, by bisection in `scripts/reference_md_plastic.py`: F_s 2.7031674843, P
-    // 1.0169462025 and ρ 2.0047871736, scaled, at first touch.
+    // The state on the stable side of the fold, by bisection in `scripts/reference_md_plastic.py`: F_s 2.7108731404, P
+    // 1.01742682581 and ρ 2.00528769276, scaled, at first touch.
     let unit = stiction::asperity::Scale::new(&metal()).unwrap().force;
-    for (found, expected) in [(adhesion / unit, 2.7031674843), (load / unit, 1.0169462025)] {
+    for (found, expected) in [(adhesion / unit, 2.7108731404), (load / unit, 1.01742682581)] {
         assert!((found / expected - 1.0).abs() < 1e-8, "{found}");
     }
     let apex = cycle.radius_ratio(touch.next_up());
-    assert!((apex / 2.0047871736 - 1.0).abs() < 1e-8, "{apex}");
+    assert!((apex / 2.00528769276 - 1.0).abs() < 1e-8, "{apex}");
     assert!(cycle.detachment(touch.next_up()).unwrap() > 0.0);
 }

@@ -55,10 +55,26 @@ fn the_integral_of_flattened_tops_is_a_sum_of_closed_forms() {
             } else {
                 k * critical.powf(1.5) * (1.5 * largest / critical - 0.5)
             };
-            let edge = (asperity.radius * largest).sqrt();
             let beyond = (largest / yielding - 1.0).max(0.0);
+            let fit = asperity.radius * (1.0 + rate * beyond);
+            // The contact is so wide that the sphere around it does not sink.
+            let sunk = |edge: f64| {
+                let of_load = 4.0 / 3.0 * modulus * edge.powi(3) / pressed;
+                largest
+                    - edge.powi(2) * (0.5 / asperity.radius - 1.0 / (48.0 * fit.max(of_load)))
+                    - 25.0 / 64.0 * pressed / (modulus * edge)
+            };
+            let (mut edge, mut wide) =
+                ((asperity.radius * largest).sqrt(), (2.0 * asperity.radius * largest).sqrt());
+            while largest > critical && wide - edge > 1e-15 * wide {
+                let middle = 0.5 * (edge + wide);
+                if middle <= edge || middle >= wide {
+                    break;
+                }
+                *(if sunk(middle) > 0.0 { &mut edge } else { &mut wide }) = middle;
+            }
             let of_load = 4.0 / 3.0 * modulus * edge.powi(3) / pressed;
-            let apex = (asperity.radius * (1.0 + rate * beyond)).max(of_load);
+            let apex = fit.max(of_load);
             let quartic = (pressed / (2.0 * modulus) - 2.0 * edge.powi(3) / (3.0 * apex)) * 15.0
                 / (32.0 * edge.powi(5));
             let delta = edge.powi(2) / apex + 8.0 / 3.0 * quartic * edge.powi(4) - further;

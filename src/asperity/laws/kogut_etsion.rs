@@ -27,10 +27,11 @@ use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::table::{Row, Table};
 use std::f64::consts::PI;
 
-/// x at the upper end of the first elastic-plastic regime.
-const FIRST_END: f64 = 6.0;
-/// x at the upper end of the second elastic-plastic regime.
-const SECOND_END: f64 = 110.0;
+/// x at the upper ends of the two elastic-plastic regimes.
+pub const ENDS: [f64; 2] = [6.0, 110.0];
+/// Factors and exponents of P/P_c in these.
+const FIRST_LOAD: (f64, f64) = (1.03, 1.425);
+const SECOND_LOAD: (f64, f64) = (1.40, 1.263);
 /// The force x^0.298 is no power series in any root of δ; in the tenth what is left is too smooth to matter.
 const ELASTIC_ORDER: i32 = 10;
 /// Loads and areas are those at ω_c, which are proportional to R² as ω_c is to R, times functions of δ/ω_c.
@@ -48,6 +49,21 @@ pub fn ke(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     Ok(Box::new(Table::new([before].into_iter().chain(contact_rows(parameters)))))
 }
 
+/// The contact without adhesion whose loads pass from one fit to the next where both are equal, with the areas of the same fits.
+///
+/// # Errors
+/// As [`ke`].
+pub fn meeting_fits(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("ke")?;
+    let critical = Critical::new(parameters);
+    let last = 3.0 / parameters.pressure_factor;
+    let ends = [[FIRST_LOAD, SECOND_LOAD], [SECOND_LOAD, (last, 1.0)]]
+        .map(|[(factor, power), (next, of_next)]| libm::pow(next / factor, 1.0 / (power - of_next)));
+    let before = Row::below(Regime::Noncontact, 0.0, ClosedForm::new(Zero, Zero, Zero));
+    let rows = [before, critical.elastic(Zero, 2)].into_iter();
+    Ok(Box::new(Table::new(rows.chain(critical.plastic(ends, Zero, Zero, Zero)))))
+}
+
 /// The four rows of contact.
 pub fn contact_rows(parameters: &LawParameters) -> impl Iterator<Item = Row> + use<> {
     let critical = Critical::new(parameters);
@@ -59,9 +75,9 @@ pub fn contact_rows(parameters: &LawParameters) -> impl Iterator<Item = Row> + u
 /// The three rows above ω_c.
 pub fn plastic_rows(parameters: &LawParameters) -> [Row; 3] {
     let critical = Critical::new(parameters);
-    let first = critical.pull(0.79, -0.321, 0.356, (1.0, FIRST_END));
-    let second = critical.pull(1.19, -0.332, 0.093, (FIRST_END, SECOND_END));
-    critical.plastic(first, second, Zero)
+    let first = critical.pull(0.79, -0.321, 0.356, (1.0, ENDS[0]));
+    let second = critical.pull(1.19, -0.332, 0.093, (ENDS[0], ENDS[1]));
+    critical.plastic(ENDS, first, second, Zero)
 }
 
 /// The contact of an asperity in units of that at ω_c.
@@ -125,12 +141,20 @@ impl<'a> Critical<'a> {
         Row::up_to(Regime::Elastic, Place::proportional(self.parameters.critical_interference, 1.0), contact)
     }
 
-    /// The rows above ω_c, each with its adhesion.
-    pub fn plastic(&self, first: impl Formula, second: impl Formula, last: impl Formula) -> [Row; 3] {
-        let (critical, x) =
-            (self.parameters.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
+    /// The rows above ω_c, each with its adhesion; the first two end at an x.
+    pub fn plastic(
+        &self,
+        ends: [f64; 2],
+        first: impl Formula,
+        second: impl Formula,
+        last: impl Formula,
+    ) -> [Row; 3] {
+        let (critical, x) = (self.parameters.critical_interference, [(1.0, ends[0]), (ends[0], ends[1])]);
         let power = |factor, exponent, x| self.power(factor, exponent, x).following(OF_CRITICAL);
-        let loads = (power(self.load * 1.03, 1.425, x[0]), power(self.load * 1.40, 1.263, x[1]));
+        let loads = (
+            power(self.load * FIRST_LOAD.0, FIRST_LOAD.1, x[0]),
+            power(self.load * SECOND_LOAD.0, SECOND_LOAD.1, x[1]),
+        );
         let areas = (power(self.disc * 0.93, 1.136, x[0]), power(self.disc * 0.94, 1.146, x[1]));
         let plastic = (
             self.multiple(self.load * (3.0 / self.parameters.pressure_factor)),
@@ -139,12 +163,12 @@ impl<'a> Critical<'a> {
         [
             Row::up_to(
                 Regime::Elastoplastic1,
-                Place::proportional(FIRST_END * critical, 1.0),
+                Place::proportional(ends[0] * critical, 1.0),
                 ClosedForm::new(first, loads.0, areas.0),
             ),
             Row::up_to(
                 Regime::Elastoplastic2,
-                Place::proportional(SECOND_END * critical, 1.0),
+                Place::proportional(ends[1] * critical, 1.0),
                 ClosedForm::new(second, loads.1, areas.1),
             ),
             Row::last(Regime::Plastic, ClosedForm::new(last, plastic.0, plastic.1)),

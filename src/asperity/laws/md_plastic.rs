@@ -66,8 +66,8 @@ const FLATTENING: (f64, f64) = (1.275, -0.216);
 /// are.
 const LOOKS: usize = 400;
 const LAST_JOINT: f64 = 1e4;
-/// Share of the load by which a plastic contact jumps, as Kogut and Etsion's does by a tenth.
-const SUDDEN: f64 = 0.02;
+/// Relative difference that is rounding, of a contact to Hertz's and of the depth of the sphere around it, which does not sink then.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
 /// Steps of a search after which an interval is halved: where the plastic contact jumps, secants do not come to an end.
@@ -119,7 +119,7 @@ impl PlasticContact {
     fn law(self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         match self {
             Self::JacksonGreen => jg::jg(parameters),
-            Self::KogutEtsion => kogut_etsion::ke(parameters),
+            Self::KogutEtsion => kogut_etsion::meeting_fits(parameters),
             Self::ZhaoMaiettaChang => zmc::zmc(parameters),
             Self::ThorntonNing => tn::tn(parameters),
         }
@@ -216,8 +216,6 @@ pub(in crate::asperity) struct Flow {
     critical: f64,
     /// The rate at which ρ/R grows with ω/ω_c.
     flattening: f64,
-    /// Whether the load of the plastic contact jumps where that begins to flow: then tops flow from there on.
-    is_sudden: bool,
 }
 
 impl Flow {
@@ -233,13 +231,7 @@ impl Flow {
         let yielding = (1.0 - poisson * poisson) * jg::HARDNESS / hardness;
         let flattening = FLATTENING.0 * libm::pow(yielding, FLATTENING.1);
         let critical = jg::critical_interference(parameters) / around.scale.length;
-        let flow = Self { law, onset, around, begin: begin.clone(), critical, flattening, is_sudden: false };
-        let lane = flow.lane();
-        let joint = flow.joint(onset, &lane);
-        let [hertz, flowing] = [onset, onset + 1].map(|regime| {
-            flow.state(regime, &lane, if regime == onset { joint } else { joint.next_up() }).contact.load
-        });
-        Ok(Self { is_sudden: (flowing / hertz - 1.0).abs() > SUDDEN, ..flow })
+        Ok(Self { law, onset, around, begin: begin.clone(), critical, flattening })
     }
 
     /// The asperity of the law's own radius.
@@ -259,8 +251,7 @@ impl Flow {
 
     /// ω/s_δ at which an asperity begins to flow: at ω_c, or where the plastic contact does before it.
     fn onset(&self, lane: &Lane) -> f64 {
-        let joint = self.joint(self.onset, lane);
-        if self.is_sudden { joint } else { joint.min(self.critical * lane.ratio) }
+        self.joint(self.onset, lane).min(self.critical * lane.ratio)
     }
 
     /// ω/s_δ from which on an asperity is in a regime of the plastic contact.
@@ -301,26 +292,29 @@ impl Flow {
 
     /// The contact without adhesion of an asperity at ω/s_δ, and the formulas that it is by, from the area and the load that the
     /// plastic contact has there.
-    fn pressed(&self, regime: usize, lane: &Lane, place: f64, [area, load]: [f64; 2]) -> (Pressed, [u8; 3]) {
+    fn pressed(&self, regime: usize, lane: &Lane, place: f64, [area, load]: [f64; 2]) -> (Pressed, [u8; 4]) {
         let ratio = lane.ratio;
+        let beyond = place / (self.critical * ratio) - 1.0;
+        let of_fit = ratio * (1.0 + self.flattening * beyond.max(0.0));
+        let hertz = (ratio * place).sqrt();
         let is_hertzian = regime <= self.onset || place <= self.joint(self.onset, lane);
         let (radius, load, by) = if is_hertzian {
-            let radius = (ratio * place).sqrt();
-            (radius, place * radius, 0)
+            (hertz, place * hertz, [0, 0])
         } else {
-            let radius = (area / PI).sqrt() / self.around.scale.radius;
-            let (load, by) = at_most(load / self.around.scale.force, most(ratio, place, radius));
-            (radius, load, 1 + by)
+            let own = (area / PI).sqrt() / self.around.scale.radius;
+            let is_own = own > hertz * (1.0 + ROUNDING);
+            let narrow = if is_own { own } else { hertz };
+            let (load, of_load) = at_most(load / self.around.scale.force, most(ratio, place, narrow));
+            let (radius, of_radius) = widened([ratio, of_fit], place, narrow, load);
+            (radius, load, [1 + of_load, 1 + u8::from(is_own) + of_radius])
         };
-        let beyond = place / (self.critical * ratio) - 1.0;
-        let (of_load, of_fit) = (radius * radius * radius / load, ratio * (1.0 + self.flattening * beyond));
+        let of_load = radius * radius * radius / load;
         let (apex, of_apex) = match (beyond > 0.0, is_hertzian || of_fit >= of_load) {
-            (true, true) => (of_fit, 0),
-            (false, true) => (ratio, 1),
-            _ => (of_load, 2),
+            (_, true) => (of_fit, 0),
+            _ => (of_load, 1),
         };
         let pressed = Pressed { lambda: self.around.scale.lambda, radius, load, apex, sphere: ratio };
-        (pressed, [by, of_apex, u8::from(beyond > 0.0)])
+        (pressed, [by[0], by[1], of_apex, u8::from(beyond > 0.0)])
     }
 
     /// The state of one asperity at ω/s_δ.
@@ -363,7 +357,7 @@ impl Flow {
         };
         let rate = libm::log(to / from) / LOOKS as f64;
         let places = (0..=LOOKS).map(|i| (from * libm::exp(rate * i as f64)).min(to));
-        let looked_at: Vec<(f64, [u8; 3])> = places.map(|place| (place, formulas(place))).collect();
+        let looked_at: Vec<(f64, [u8; 4])> = places.map(|place| (place, formulas(place))).collect();
         let mut joints = Vec::new();
         for pair in looked_at.windows(2) {
             let ((mut low, mut below), (end, above)) = (pair[0], pair[1]);
@@ -540,6 +534,27 @@ impl Search {
 fn most(ratio: f64, place: f64, radius: f64) -> [f64; 2] {
     let energy = (ratio.sqrt().sqrt() * radius.sqrt()) * (place * place.sqrt().sqrt());
     [radius * radius * radius / ratio, energy]
+}
+
+/// The radius of a contact of a load p at ω/s_δ that is so wide that the sphere around it does not sink, and 0, or 2 or 4 by which
+/// formula it is wider than `narrow`. The sphere's radius and that of the fitted apex are known. The sphere sinks by
+/// ω − a²/2R − (25/48)p/a + a²/48ρ with ρ the larger of the fit and a³/p, which falls with a where a² ≥ Rω.
+fn widened([sphere, apex]: [f64; 2], place: f64, narrow: f64, load: f64) -> (f64, u8) {
+    let curvature = 0.5 / sphere - 1.0 / (48.0 * apex);
+    let equations =
+        [[2.0 * sphere * place, sphere * load], [place / curvature, 25.0 / 48.0 * load / curvature]];
+    let is_met = |[linear, constant]: [f64; 2]| {
+        narrow * (narrow * narrow - linear) + constant >= -ROUNDING * linear * narrow
+    };
+    if equations.into_iter().any(is_met) {
+        return (narrow, 0);
+    }
+    // The largest root of a³ − pa + q.
+    let [first, second] = equations.map(|[linear, constant]| {
+        let third = linear / 3.0;
+        2.0 * third.sqrt() * libm::cos(libm::acos(-0.5 * constant / (third * third.sqrt())) / 3.0)
+    });
+    if first < second { (first, 2) } else { (second, 4) }
 }
 
 /// The least of a load and two others, and which that is.

@@ -16,7 +16,7 @@
 //! Low λ. Sources: Stanley, Etsion and Bogy, J. Tribol. 112 (1990) 98; Shi and Polycarpou (2005), eq. B.1.
 
 use super::isbl;
-use super::kogut_etsion::Critical;
+use super::kogut_etsion::{Critical, ENDS};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{Formula, Tabulated};
 use crate::asperity::law::Law;
@@ -40,6 +40,7 @@ pub fn sbl(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     parameters.plastic("sbl")?;
     let (critical, ring) = (Critical::new(parameters), ring_attraction(parameters));
     let rows = [critical.elastic(ring.clone(), 2)].into_iter().chain(critical.plastic(
+        ENDS,
         ring.clone(),
         ring.clone(),
         ring,

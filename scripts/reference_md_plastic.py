@@ -16,10 +16,9 @@ Interface Sci. 150 (1992) 243). A contact of the radius a has the interference g
 without adhesion, and delta = omega - g(a_0) + g(a) - 2 sigma_0 sqrt(c^2 - a^2)/E. On loading a = a_0; a
 contact that unloads keeps its outline.
 
-a_0 is that of the plastic contact, but at least sqrt(R omega), and at least such that the sphere around it does
-not sink. P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4), a before the sphere around is looked at: a
-loop of a larger load or a narrower contact could give out energy. Kogut and Etsion's loads pass from one fit
-to the next where both are equal.
+a_0 is at least sqrt(R omega). P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4). The contact of both is
+reached at this omega or before, so that the sphere around it does not sink. Otherwise loops could give out
+energy. Kogut and Etsion's loads pass from one fit to the next where both are equal.
 
 Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random.
 A row is a state to which a loop leads: on loading delta is larger than at every smaller omega, on unloading
@@ -86,26 +85,23 @@ def kogut_etsion(setting, omega):
 
 
 def bare(law, setting, omega):
-    """P_0 and a_0 of the contact without adhesion."""
+    """P_0 and a_0 that the contact without adhesion has at omega, and the omega at which they are reached."""
     hertz = mp.sqrt(omega)
     _, load, radius = law(*setting, omega)
     if law is ke:
         if omega <= setting[1]:
-            return omega * hertz, hertz
+            return omega * hertz, hertz, omega
         load, radius = kogut_etsion(setting, omega)
-    if (radius, load) == (hertz, omega * hertz):
-        return load, radius
     radius = max(radius, hertz)
     load = min(load, radius**3, mp.sqrt(radius) * omega ** mpf("1.25"))
-    fit, modulus = fitted(setting, mpf(1), omega), mpf(3) / 4
 
-    def sunk(radius):
-        outline = outline_of(fit, modulus, load, radius)
-        return (omega - outline.interference(radius) + outline.height(radius)) - radius**2 / 2
+    def sunk(omega):
+        outline = outline_of(fitted(setting, mpf(1), omega), mpf(3) / 4, load, radius)
+        return omega - outline.interference(radius) + outline.height(radius) - radius**2 / 2
 
-    if sunk(radius) > 0:
-        radius = root_of(lambda own: -sunk(own), radius, 2 * hertz)
-    return load, radius
+    if sunk(omega) > 0:
+        omega = root_of(sunk, omega / 3, omega)
+    return load, radius, omega
 
 
 @dataclass
@@ -245,12 +241,12 @@ class Pressed:
 
     def __init__(self, contact, omega):
         self.contact, self.omega = contact, omega
-        load, widest = contact.bare(omega)
-        fit = fitted(contact.setting, contact.radius, omega)
+        load, widest, reached = contact.bare(omega)
+        fit = fitted(contact.setting, contact.radius, reached)
         self.outline = outline_of(fit, 3 * contact.stiffness / 4, load, widest)
         self.first, self.edge = contact.edges(self.outline)
         self.state = contact.state(self.outline, widest, self.edge)
-        self.delta = omega - self.outline.interference(widest) + self.state.interference
+        self.delta = reached - self.outline.interference(widest) + self.state.interference
 
     def unloaded(self, c):
         """a, and the state of the contact of the edge c."""

@@ -65,8 +65,8 @@ class Wet:
         self.critical = critical_of(law, *self.setting[1:]) * radius
 
     def bare(self, omega):
-        load, radius = bare(self.law, self.setting, omega / self.radius)
-        return load * self.stiffness * self.radius**2, radius * self.radius
+        load, radius, reached = bare(self.law, self.setting, omega / self.radius)
+        return load * self.stiffness * self.radius**2, radius * self.radius, reached * self.radius
 
     def touches(self, delta):
         return delta > 0

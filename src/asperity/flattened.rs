@@ -30,8 +30,8 @@ pub(super) struct Around {
 
 impl Around {
     /// The state of a contact, searched for from another.
-    pub fn state(&self, contact: Pressed, start: &State) -> State {
-        let mut state = State { contact, zone: contact.zone(start.zone), ..State::default() };
+    pub fn state(&self, (contact, early): (Pressed, f64), start: &State) -> State {
+        let mut state = State { contact, early, zone: contact.zone(start.zone), ..State::default() };
         if let Some(bridge) = &self.bridge {
             let bridge = bridge.of_ratio(contact.apex);
             let inner = self.scale.length * (contact.indentation() - contact.drawn(state.zone));
@@ -55,6 +55,8 @@ impl Around {
 pub(super) struct State {
     /// The contact.
     pub contact: Pressed,
+    /// The interference by which it has this contact before the plastic contact has it.
+    pub early: f64,
     /// tan θ of the adhesive zone.
     pub zone: f64,
     /// The contact under the bridge alone, the force of the bridge, and the displacement by which it draws the surfaces
@@ -68,6 +70,11 @@ impl State {
     /// The displacement by which adhesion and liquid draw the surfaces nearer.
     pub fn drawn(&self) -> f64 {
         self.contact.drawn(self.zone) + self.bent
+    }
+
+    /// By how much the displacement is short of the interference at which the plastic contact has this contact.
+    pub fn short(&self) -> f64 {
+        self.early + self.drawn()
     }
 
     /// The displacement from first touch of the lowered top.

@@ -297,7 +297,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     (contacts_beyond(scene, onset) >= FEWEST_UNLOADED).then(|| {
         Warning::new(
             format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
-            "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
+            "the plastic contact does not know of the tension around it",
             "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
         )
     })
@@ -306,12 +306,14 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
 /// Whether contacts that flow would be torn off rather than part at their interface.
 fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
     let Asperity { work_of_adhesion, equilibrium_spacing, hardness, .. } = scene.asperity;
-    let stress = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * hardness);
-    let is_told = stress > LARGEST_STRESS && scene.turns() && model.unloads_flow();
-    let flows = |onset: &f64| is_told && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
+    let contact = model.contact().filter(|_| scene.turns())?;
+    let pressure = contact.largest_pressure(&scene.asperity);
+    let share = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * pressure);
+    let flows = |onset: &f64| share > LARGEST_STRESS && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
+    let of = if pressure < hardness { "the pressure at which contacts flow" } else { "the hardness" };
     flow_onset(law).filter(flows).map(|_| {
         Warning::new(
-            format!("the adhesive stress is {stress:.2} of the hardness, more than {LARGEST_STRESS}"),
+            format!("the adhesive stress is {share:.2} of {of}, more than {LARGEST_STRESS}"),
             "tops as soft and sticky part by flow, not at their interface (Du et al. 2007), which the law leaves out",
             units(&["work_of_adhesion", "equilibrium_spacing", "hardness"]),
         )

@@ -92,7 +92,7 @@ fn contacts_that_have_flowed_shake_down() {
         let separations = separations(&surface, 0.0, 8.0, 200);
         let kept = one(&cycle, &surface, &separations).0.cycle.unwrap();
         let (first, second) = (kept.dissipated_energy, kept.repeated_dissipated_energy.unwrap());
-        if name != "III" {
+        if name == "I" {
             assert!(second.abs() < 1e-3 * first.abs(), "{name} {contact}: {first:e} {second:e}");
         } else {
             assert!(0.0 < second && second <= first, "{name} {contact}: {first:e} {second:e}");

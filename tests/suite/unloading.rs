@@ -50,31 +50,31 @@ fn the_integral_of_flattened_tops_is_a_sum_of_closed_forms() {
             let height = closest + step * (f64::from(i) + 0.5);
             let weight = (-0.5 * (height / std).powi(2)).exp() / ((2.0 * PI).sqrt() * std) * step;
             let largest = height - closest;
-            let pressed = if largest <= critical {
-                k * largest.powf(1.5)
-            } else {
-                k * critical.powf(1.5) * (1.5 * largest / critical - 0.5)
+            let load_at = |place: f64| {
+                if place <= critical {
+                    k * place.powf(1.5)
+                } else {
+                    k * critical.powf(1.5) * (1.5 * place / critical - 0.5)
+                }
             };
-            let beyond = (largest / yielding - 1.0).max(0.0);
-            let fit = asperity.radius * (1.0 + rate * beyond);
-            // The contact is so wide that the sphere around it does not sink.
-            let sunk = |edge: f64| {
-                let of_load = 4.0 / 3.0 * modulus * edge.powi(3) / pressed;
-                largest
-                    - edge.powi(2) * (0.5 / asperity.radius - 1.0 / (48.0 * fit.max(of_load)))
-                    - 25.0 / 64.0 * pressed / (modulus * edge)
+            let fit = asperity.radius * (1.0 + rate * (largest / yielding - 1.0).max(0.0));
+            let apex = |edge: f64, pressed: f64| fit.max(4.0 / 3.0 * modulus * edge.powi(3) / pressed);
+            // The contact of a larger interference, if the sphere around this one sinks.
+            let sunk = |place: f64| {
+                let (edge, pressed) = ((asperity.radius * place).sqrt(), load_at(place));
+                let flat = 0.5 / asperity.radius - 1.0 / (48.0 * apex(edge, pressed));
+                largest - edge.powi(2) * flat - 25.0 / 64.0 * pressed / (modulus * edge)
             };
-            let (mut edge, mut wide) =
-                ((asperity.radius * largest).sqrt(), (2.0 * asperity.radius * largest).sqrt());
-            while largest > critical && wide - edge > 1e-15 * wide {
-                let middle = 0.5 * (edge + wide);
-                if middle <= edge || middle >= wide {
+            let (mut place, mut beyond) = (largest, 3.0 * largest);
+            while largest > critical && sunk(place) > 0.0 {
+                let middle = 0.5 * (place + beyond);
+                if middle <= place || middle >= beyond {
                     break;
                 }
-                *(if sunk(middle) > 0.0 { &mut edge } else { &mut wide }) = middle;
+                *(if sunk(middle) > 0.0 { &mut place } else { &mut beyond }) = middle;
             }
-            let of_load = 4.0 / 3.0 * modulus * edge.powi(3) / pressed;
-            let apex = fit.max(of_load);
+            let (edge, pressed) = ((asperity.radius * place).sqrt(), load_at(place));
+            let apex = apex(edge, pressed);
             let quartic = (pressed / (2.0 * modulus) - 2.0 * edge.powi(3) / (3.0 * apex)) * 15.0
                 / (32.0 * edge.powi(5));
             let delta = edge.powi(2) / apex + 8.0 / 3.0 * quartic * edge.powi(4) - further;

@@ -227,11 +227,16 @@ fn laws_say_what_they_leave_out() {
         assert_eq!(warnings.iter().any(of), is_left_out, "{hardness}: {warnings:#?}");
     }
     // σ₀ = 1.03 Δγ/Z₀ is 463.5 MPa.
-    for (hardness, part) in
-        [("400 MPa", Some("the adhesive stress is 1.16 of the hardness")), ("500 MPa", None)]
-    {
+    let of_pressure = "the adhesive stress is 1.37 of the pressure at which contacts flow";
+    for (hardness, contact, part) in [
+        ("400 MPa", "jg", Some("the adhesive stress is 1.16 of the hardness")),
+        ("500 MPa", "jg", None),
+        ("600 MPa", "tn", Some(of_pressure)),
+        ("850 MPa", "tn", None),
+    ] {
         let own = format!("hardness = \"{hardness}\"");
-        let law = ("law = \"hybrid\"", "law = \"md_plastic\"");
+        let law = format!("law = \"md_plastic\"\nplastic_contact = \"{contact}\"");
+        let law = ("law = \"hybrid\"", law.as_str());
         let warnings =
             found(&[law, ("history = \"approach\"", "history = \"loop\""), ("hardness = \"2.5 GPa\"", &own)]);
         let found = warnings.iter().find(|warning| warning.contains("the adhesive stress"));

@@ -1,34 +1,36 @@
 //! Elastic-plastic adhesion that is continuous in λ and in the interference: Maugis-Dugdale around a flattened top.
 //!
 //! # Formula
-//! One assumption: at every moment a contact is an elastic Maugis-Dugdale contact of the radius R₁ that its flattened top
-//! has. With the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion ([`PlasticContact`]), whose
-//! interference ω is the parameter of the states,
+//! One assumption: at every moment a contact is an elastic Maugis-Dugdale contact of the outline that its flattened top has.
+//! With the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion ([`PlasticContact`]), whose interference
+//! ω is the parameter of the states, it leaves ([`crate::asperity::outline`])
 //!
-//! R₁ = K a³/P, F_s(a, R₁) of Maugis and Dugdale, F = P − F_s, δ = ω − 2σ₀ a√(m² − 1)/E_r
+//! f(r) = r²/2ρ + br⁴ up to a, the paraboloid of R beyond, ρ = max{R[1 + 1.275 (E/Y)^−0.216 (ω/ω_c − 1)], Ka³/P}
 //!
-//! (`asperity::flattened`). By δ, with δ_A of the history and δ_y, the δ at which the plastic contact begins to flow:
+//! with ω_c of Jackson and Green and ρ = R below it, and b by which its load at a is P. By δ, with δ_A of the history and δ_y, the
+//! δ at which the plastic contact begins to flow:
 //!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
 //! | noncontact, lubricant | as [`super::emd`] | as [`super::emd`] | 0 |
 //! | elastic | −δ_A ≤ δ ≤ δ_y | Maugis-Dugdale | K a³/R of Maugis-Dugdale |
-//! | elastoplastic1, elastoplastic2, plastic | as the plastic contact has them, at their δ | that of R₁ | P(ω) |
+//! | elastoplastic1, elastoplastic2, plastic | as the plastic contact has them, at their δ | that of the outline | P(ω) |
 //!
 //! Where adhesion alone makes a contact flow, δ_y is below first touch and there is no elastic regime. Of several states at one
-//! δ the one of the largest ω acts, which is the stable one. Unloading is that of the elastic contact of R₁
+//! δ the one of the largest ω acts, which is the stable one. Unloading is that of the elastic contact of the outline
 //! ([`crate::asperity::Loop`]).
 //!
-//! P is at most K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4), since a loop
-//! would give out energy above that. The load of Jackson and Green is above it by 0.5 % where it begins, for a fortieth of
-//! ω.
+//! Loops give out no energy with four conditions, which the plastic contacts were not made for. a is at least √(Rω). P is at most
+//! K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4). The contact of a and P is reached
+//! at ω or before, so that the sphere around it does not sink: what the solids attract there would be lost. Loads of Kogut and
+//! Etsion pass from one fit to the next where both are equal. The load of Jackson and Green is above the third limit by 0.5 %
+//! where it begins, for a fortieth of ω, and the sphere around its contact does not sink for ν ≤ 0.35.
 //!
 //! # Validity
-//! All λ in 1e-6..1e6. The pressure under a plastic contact is taken as Hertz's of R₁. Pile-up, ductile separation and the
-//! plastic work of pulling are left out. Loops dissipate where δ_y ≥ 0. Where adhesion makes a contact flow before that,
-//! loops can give out energy, because the plastic contact does not know of the tension around it. Assumption of this
-//! program; compare Mesarovic and Johnson, J. Mech. Phys. Solids 48 (2000) 2009, and Maugis and Pollock, Acta Metall. 32
-//! (1984) 1323.
+//! All λ in 1e-6..1e6. Pile-up, ductile separation and the plastic work of pulling are left out. Loops dissipate where the
+//! adhesive stress is less than the largest pressure of the plastic contact. Sources: Etsion, Kligerman and Kadin, Int. J. Solids
+//! Struct. 42 (2005) 3716, for ρ; the conditions and the outline beyond a are assumptions of this program. Compare Mesarovic and
+//! Johnson, J. Mech. Phys. Solids 48 (2000) 2009, and Maugis and Pollock, Acta Metall. 32 (1984) 1323.
 
 use super::md::MaugisContact;
 use super::{emd, jg, kogut_etsion, tn, zmc};
@@ -41,7 +43,7 @@ use crate::asperity::outline::Pressed;
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::response_table::ResponseTable;
-use crate::asperity::scale::poisson_ratio;
+use crate::asperity::scale::{Asperity, poisson_ratio};
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};
 use crate::asperity::top::Top;
@@ -66,7 +68,7 @@ const FLATTENING: (f64, f64) = (1.275, -0.216);
 /// are.
 const LOOKS: usize = 400;
 const LAST_JOINT: f64 = 1e4;
-/// Relative difference that is rounding, of a contact to Hertz's and of the depth of the sphere around it, which does not sink then.
+/// Relative difference from a Hertz contact that is rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
@@ -114,6 +116,14 @@ impl PlasticContact {
     /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, contact)| *contact == self).expect("every contact is in ALL").0
+    }
+
+    /// The largest mean pressure that a contact of an asperity takes, Pa: the hardness H, and kH by Thornton and Ning.
+    pub(crate) fn largest_pressure(self, asperity: &Asperity) -> f64 {
+        match self {
+            Self::ThorntonNing => asperity.pressure_factor() * asperity.hardness,
+            _ => asperity.hardness,
+        }
     }
 
     fn law(self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
@@ -292,29 +302,59 @@ impl Flow {
 
     /// The contact without adhesion of an asperity at ω/s_δ, and the formulas that it is by, from the area and the load that the
     /// plastic contact has there.
-    fn pressed(&self, regime: usize, lane: &Lane, place: f64, [area, load]: [f64; 2]) -> (Pressed, [u8; 4]) {
+    fn pressed(
+        &self,
+        regime: usize,
+        lane: &Lane,
+        place: f64,
+        [area, load]: [f64; 2],
+    ) -> ((Pressed, f64), [u8; 4]) {
         let ratio = lane.ratio;
-        let beyond = place / (self.critical * ratio) - 1.0;
-        let of_fit = ratio * (1.0 + self.flattening * beyond.max(0.0));
         let hertz = (ratio * place).sqrt();
         let is_hertzian = regime <= self.onset || place <= self.joint(self.onset, lane);
-        let (radius, load, by) = if is_hertzian {
-            (hertz, place * hertz, [0, 0])
+        let (radius, load, interference, by) = if is_hertzian {
+            (hertz, place * hertz, place, [0; 2])
         } else {
             let own = (area / PI).sqrt() / self.around.scale.radius;
             let is_own = own > hertz * (1.0 + ROUNDING);
-            let narrow = if is_own { own } else { hertz };
-            let (load, of_load) = at_most(load / self.around.scale.force, most(ratio, place, narrow));
-            let (radius, of_radius) = widened([ratio, of_fit], place, narrow, load);
-            (radius, load, [1 + of_load, 1 + u8::from(is_own) + of_radius])
+            let radius = if is_own { own } else { hertz };
+            let (load, of_load) = at_most(load / self.around.scale.force, most(ratio, place, radius));
+            let (interference, sinks) = self.least_sunk(ratio, place, radius, load);
+            (radius, load, interference, [1 + of_load, 1 + u8::from(is_own) + sinks])
         };
+        let beyond = interference / (self.critical * ratio) - 1.0;
+        let of_fit = ratio * (1.0 + self.flattening * beyond.max(0.0));
         let of_load = radius * radius * radius / load;
-        let (apex, of_apex) = match (beyond > 0.0, is_hertzian || of_fit >= of_load) {
-            (_, true) => (of_fit, 0),
-            _ => (of_load, 1),
-        };
+        let (apex, of_apex) = if is_hertzian || of_fit >= of_load { (of_fit, 0) } else { (of_load, 1) };
         let pressed = Pressed { lambda: self.around.scale.lambda, radius, load, apex, sphere: ratio };
-        (pressed, [by[0], by[1], of_apex, u8::from(beyond > 0.0)])
+        ((pressed, place - interference), [by[0], by[1], of_apex, u8::from(beyond > 0.0)])
+    }
+
+    /// ω/s_δ at which a contact of a radius and a load is reached, `place` or less, so that the sphere around it does not sink, and
+    /// by which formula: 0 for `place`, 2 or 4. Contacts of a radius a and a load p lower the sphere by
+    /// ω − a²/2R − (25/48)p/a + a²/48ρ, with the larger ρ of the fit and a³/p.
+    fn least_sunk(&self, ratio: f64, place: f64, radius: f64, load: f64) -> (f64, u8) {
+        let (square, per_radius) = (radius * radius, load / radius);
+        let least = place * (1.0 - ROUNDING);
+        let of_load = 0.5 * (square / ratio + per_radius);
+        if of_load >= least {
+            return (place, 0);
+        }
+        let whole = 0.5 * square / ratio + 25.0 / 48.0 * per_radius;
+        let mut of_fit = whole - square / (48.0 * ratio);
+        if of_fit > self.critical * ratio {
+            // ρ = first + rate ω.
+            let (first, rate) = (ratio * (1.0 - self.flattening), self.flattening / self.critical);
+            let sum = first + whole * rate;
+            of_fit = 0.5 * (whole * rate - first + (sum * sum - rate * square / 12.0).sqrt()) / rate;
+        }
+        if of_fit >= least {
+            (place, 0)
+        } else if of_load >= of_fit {
+            (of_load, 2)
+        } else {
+            (of_fit, 4)
+        }
     }
 
     /// The state of one asperity at ω/s_δ.
@@ -326,7 +366,7 @@ impl Flow {
 
     /// δ/s_δ of one asperity at ω/s_δ.
     fn displacement(&self, regime: usize, lane: &Lane, place: f64) -> f64 {
-        place - self.state(regime, lane, place).drawn()
+        place - self.state(regime, lane, place).short()
     }
 
     /// δ, m, at which a regime of the plastic contact ends: where the elastic contact begins to flow, or where one regime of
@@ -335,7 +375,7 @@ impl Flow {
         let begin = self.begin.of(lane);
         let place = if regime == self.onset { self.onset(lane) } else { self.joint(regime, lane) };
         let state = self.state(regime, lane, place);
-        let end = place - state.drawn();
+        let end = place - state.short();
         let is_stable = self.displacement(regime, lane, place * (1.0 - SHORT)) < end
             && (regime > self.onset || libm::atan(state.zone) <= lane.elastic.contact_angle());
         if is_stable { begin.max(end * self.around.scale.length) } else { begin }
@@ -464,7 +504,7 @@ impl Flow {
             stats.evaluations += count as u64;
             let mut is_done = true;
             for (i, place) in places[..count].iter_mut().enumerate() {
-                is_done &= searches[i].step(place, states[i].drawn());
+                is_done &= searches[i].step(place, states[i].short());
             }
             if is_done {
                 break;
@@ -534,27 +574,6 @@ impl Search {
 fn most(ratio: f64, place: f64, radius: f64) -> [f64; 2] {
     let energy = (ratio.sqrt().sqrt() * radius.sqrt()) * (place * place.sqrt().sqrt());
     [radius * radius * radius / ratio, energy]
-}
-
-/// The radius of a contact of a load p at ω/s_δ that is so wide that the sphere around it does not sink, and 0, or 2 or 4 by which
-/// formula it is wider than `narrow`. The sphere's radius and that of the fitted apex are known. The sphere sinks by
-/// ω − a²/2R − (25/48)p/a + a²/48ρ with ρ the larger of the fit and a³/p, which falls with a where a² ≥ Rω.
-fn widened([sphere, apex]: [f64; 2], place: f64, narrow: f64, load: f64) -> (f64, u8) {
-    let curvature = 0.5 / sphere - 1.0 / (48.0 * apex);
-    let equations =
-        [[2.0 * sphere * place, sphere * load], [place / curvature, 25.0 / 48.0 * load / curvature]];
-    let is_met = |[linear, constant]: [f64; 2]| {
-        narrow * (narrow * narrow - linear) + constant >= -ROUNDING * linear * narrow
-    };
-    if equations.into_iter().any(is_met) {
-        return (narrow, 0);
-    }
-    // The largest root of a³ − pa + q.
-    let [first, second] = equations.map(|[linear, constant]| {
-        let third = linear / 3.0;
-        2.0 * third.sqrt() * libm::cos(libm::acos(-0.5 * constant / (third * third.sqrt())) / 3.0)
-    });
-    if first < second { (first, 2) } else { (second, 4) }
 }
 
 /// The least of a load and two others, and which that is.

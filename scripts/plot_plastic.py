@@ -44,7 +44,7 @@ def draw(file):
     for i, contact in enumerate(CONTACTS):
         curves.plot(h_star, forces["retraction_"][i], color=COLORS[i + 1], label=f"way back, {contact}")
     curves.axhline(0.0, color="0.8", lw=0.6, zorder=0)
-    curves.set(xlim=(2.4, 6.0), ylim=(-7.0, 4.0), xlabel=H_STAR, ylabel="external force (µN)")
+    curves.set(xlim=(2.4, 6.0), ylim=(-4.0, 4.0), xlabel=H_STAR, ylabel="external force (µN)")
     for case, way, mean, error, integral in pull_offs(file):
         *_, color, offset = WAYS[way]
         x, style = np.arange(len(CONTACTS)) + offset, {"color": color, "marker": CASES[case], "ls": "none"}

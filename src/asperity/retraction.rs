@@ -405,6 +405,7 @@ impl Law for Retraction<'_> {
         if let Some(regime) = of_tops {
             let mut solve = |largest: &[f64], out: &mut Responses| {
                 let mut tops = Tops::default();
+                tops.reserve(largest.len());
                 self.cycle.tops(largest, stats, |top| tops.push(top));
                 tops.respond_all((self.cycle.retraction(), regime), self.at.distance, out, stats);
             };

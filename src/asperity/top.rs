@@ -82,6 +82,13 @@ pub(super) struct Tops {
 }
 
 impl Tops {
+    /// Makes room for more tops.
+    pub fn reserve(&mut self, count: usize) {
+        self.lanes.reserve(count);
+        self.outlined.reserve(count);
+        self.recovery.reserve(count);
+    }
+
     /// Adds a top.
     pub fn push(&mut self, top: Top) {
         self.lanes.push(top.lane());

@@ -131,6 +131,8 @@ impl Turned {
 
     /// Finds what is left of the tops of asperities that have flowed, and where their contacts end.
     fn press(&mut self, cycle: &Loop, flowed: &[u32], stats: &mut SolverStats) {
+        self.tops.reserve(flowed.len());
+        self.kinks.reserve(flowed.len());
         for regime in cycle.first_plastic..cycle.approach().regimes().len() {
             let is_in =
                 |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);

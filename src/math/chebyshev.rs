@@ -2,21 +2,39 @@
 //! these to powers.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Most samples whose cosines are kept.
+const KEPT: usize = 64;
 
 /// π(i + 1/2)/n, whose cosine is the node `i` of `n`.
 pub fn angle(i: usize, n: usize) -> f64 {
     PI * (i as f64 + 0.5) / n as f64
 }
 
+/// cos(kπ(i + 1/2)/n), row by row of k.
+fn cosines(n: usize) -> Vec<f64> {
+    (0..n * n).map(|at| libm::cos((at / n) as f64 * angle(at % n, n))).collect()
+}
+
 /// Coefficients c of the interpolant Σ c_k T_k(v) through samples at the nodes, by the discrete orthogonality
 /// of the T_k there.
 pub fn coefficients(samples: &[f64]) -> Vec<f64> {
+    static TABLES: [OnceLock<Vec<f64>>; KEPT] = [const { OnceLock::new() }; KEPT];
     let n = samples.len();
-    let coefficient = |k: usize| {
-        let sum: f64 = samples.iter().enumerate().map(|(i, f)| f * libm::cos(k as f64 * angle(i, n))).sum();
+    let made;
+    let cosines = match TABLES.get(n) {
+        Some(table) => table.get_or_init(|| cosines(n)),
+        None => {
+            made = cosines(n);
+            &made
+        }
+    };
+    let coefficient = |(k, row): (usize, &[f64])| {
+        let sum: f64 = samples.iter().zip(row).map(|(f, cosine)| f * cosine).sum();
         sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
     };
-    (0..n).map(coefficient).collect()
+    cosines.chunks_exact(n).enumerate().map(coefficient).collect()
 }
 
 /// Σ c_k T_k(v), at most N terms, as coefficients of the powers of v, by T_{k+1} = 2vT_k − T_{k−1}.

@@ -3,7 +3,7 @@
 Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.svg]      after `stiction run
 configs/sweep_plastic.toml`
 
-(a) external force of case I on approach and, by each plastic contact, on the way back: the integral;
+(a) external force of case I on approach and, by each plastic contact, on unloading: the integral;
 (b) pull-off of cases I and II on either way: mean over patches with two standard errors, and the integral. The
     table is printed.
 """
@@ -15,7 +15,7 @@ from drawing import BLUE, COLORS, DOCS, H_STAR, VERMILION, column, dressed, lege
 # The points of the scene: case I by each contact, then case II.
 CASES, CONTACTS = {"I": "o", "II": "s"}, ["jg", "ke", "zmc", "tn"]
 # Of a way: how the names of its pull-off and of its force begin, its colour, its distance from its contact.
-WAYS = {"approach": ("approach_", "", BLUE, -0.12), "way back": ("", "retraction_", VERMILION, 0.12)}
+WAYS = {"approach": ("approach_", "", BLUE, -0.12), "unloading": ("", "retraction_", VERMILION, 0.12)}
 
 
 def pull_offs(file):
@@ -42,7 +42,7 @@ def draw(file):
     h_star = file["integral/h_star"][0]
     curves.plot(h_star, forces[""][0], color=BLUE, linestyle="dotted", label="approach")
     for i, contact in enumerate(CONTACTS):
-        curves.plot(h_star, forces["retraction_"][i], color=COLORS[i + 1], label=f"way back, {contact}")
+        curves.plot(h_star, forces["retraction_"][i], color=COLORS[i + 1], label=f"unloading, {contact}")
     curves.axhline(0.0, color="0.8", lw=0.6, zorder=0)
     curves.set(xlim=(2.4, 6.0), ylim=(-4.0, 4.0), xlabel=H_STAR, ylabel="external force (µN)")
     for case, way, mean, error, integral in pull_offs(file):

@@ -338,7 +338,7 @@ FIGURES = [
     Figure("docs/hysteresis.md",
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
-    Figure("docs/probe.md", "this spot snaps in over {} nm, and lets go at\n{} µN", spot),
+    Figure("docs/probe.md", "this spot snaps in over {} nm, and detaches at\n{} µN", spot),
     Figure("docs/probe.md", "".join(
         f"| {work} J/m², {hardness} GPa | {{}} ± {{}} µN | {{}} ± {{}} µN |\n"
         for work in ("0.18", "0.265") for hardness in (2, 3)), gold),

@@ -17,8 +17,8 @@ without adhesion, and delta = omega - g(a_0) + g(a) - 2 sigma_0 sqrt(c^2 - a^2)/
 contact that unloads keeps its outline.
 
 a_0 is at least sqrt(R omega). P_0 is at most K a^3 / R and K R^(1/4) a^(1/2) omega^(5/4). The contact of both is
-reached at this omega or before, so that the sphere around it does not sink. Otherwise loops could give out
-energy. Kogut and Etsion's loads pass from one fit to the next where both are equal.
+reached at this omega or before, so that the sphere around it does not sink; rho and delta have the omega at
+which it is reached. Otherwise loops could give out energy. Kogut and Etsion's loads pass from one fit to the next where both are equal.
 
 Settings are the cases of Shi and Polycarpou (2005), a soft and sticky metal, and asperities drawn at random.
 A row is a state to which a loop leads: on loading delta is larger than at every smaller omega, on unloading

@@ -284,8 +284,8 @@ fn cycle(results: &Results) -> String {
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(
             "",
-            "no result: a loop cannot give out energy. Contacts flow by adhesion alone, of which their plastic contact does \
-             not know: see the warning",
+            "no result: a loop cannot give out energy. The adhesive stress is above the pressure at which contacts flow: see \
+             the warning",
         );
     }
     if let Some(mean) = results.scalar("repeated_dissipated_energy") {

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Most samples whose cosines are kept.
+/// Fewer samples than this have their cosines kept.
 const KEPT: usize = 64;
 
 /// π(i + 1/2)/n, whose cosine is the node `i` of `n`.
@@ -34,7 +34,7 @@ pub fn coefficients(samples: &[f64]) -> Vec<f64> {
         let sum: f64 = samples.iter().zip(row).map(|(f, cosine)| f * cosine).sum();
         sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
     };
-    cosines.chunks_exact(n).enumerate().map(coefficient).collect()
+    cosines.chunks_exact(n.max(1)).enumerate().map(coefficient).collect()
 }
 
 /// Σ c_k T_k(v), at most N terms, as coefficients of the powers of v, by T_{k+1} = 2vT_k − T_{k−1}.

@@ -77,7 +77,7 @@ impl Kept for f64 {
     }
 }
 
-/// Whether what was read of a dataset that has been closed since it was written is what was written.
+/// Refuses what was read of a dataset if it is not what was written.
 fn compared<'v, T: Kept>(
     path: &str,
     written: &'v [T],
@@ -92,10 +92,8 @@ fn compared<'v, T: Kept>(
 }
 
 /// Writes all values of a dataset, sees that they are there, and gives the dataset.
-fn kept<T: Kept>(file: &File, path: &str, dataset: Dataset, values: &[T]) -> hdf5::Result<Dataset> {
+fn kept<T: Kept>(path: &str, dataset: Dataset, values: &[T]) -> hdf5::Result<Dataset> {
     dataset.write_raw(values)?;
-    drop(dataset);
-    let dataset = file.dataset(path)?;
     compared(path, values, dataset.read_raw::<T>()?.iter())?;
     Ok(dataset)
 }
@@ -105,7 +103,7 @@ fn made_of<T: Kept>(values: &[T]) -> MakeDataset {
     let values = values.to_vec();
     Box::new(move |file, path| {
         let dataset = builder::<T>(file, &[values.len()], &[values.len().min(CHUNK)]).create(path)?;
-        kept(file, path, dataset, &values)
+        kept(path, dataset, &values)
     })
 }
 
@@ -243,7 +241,7 @@ impl<'c> Writer<'c> {
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
         self.require_group(path)?;
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
-        self.describe(path, &kept(&self.file, path, dataset, &unicode(texts))?, false)
+        self.describe(path, &kept(path, dataset, &unicode(texts))?, false)
     }
 
     /// Writes a dataset of the layout, its values row-major.
@@ -254,7 +252,7 @@ impl<'c> Writer<'c> {
         self.require_group(path)?;
         let shape = self.shape(path);
         let dataset = builder::<T>(&self.file, &shape, &chunk(&shape, CHUNK)).create(path)?;
-        self.describe(path, &kept(&self.file, path, dataset, values)?, false)
+        self.describe(path, &kept(path, dataset, values)?, false)
     }
 
     /// Writes bytes besides the datasets of the layout. Their dimension is one of netCDF without values.
@@ -266,7 +264,7 @@ impl<'c> Writer<'c> {
         let (shape, chunk) = ([bytes.len()], [bytes.len().min(CHUNK)]);
         let path = format!("{group}/{name}");
         let dataset = builder::<u8>(&self.file, &shape, &chunk).create(&*path)?;
-        let dataset = kept(&self.file, &path, dataset, bytes)?;
+        let dataset = kept(&path, dataset, bytes)?;
         let empty = self.file.new_dataset::<u8>().shape(shape).chunk(chunk);
         let scale = empty.create(&*format!("{group}/byte_of_{name}"))?;
         make_scale(&scale, "This is a netCDF dimension but not a netCDF variable.")?;
@@ -361,8 +359,9 @@ impl<'c> Writer<'c> {
         let view = ndarray::ArrayViewD::from_shape(shape, values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
         let slab = Hyperslab::from(slab);
-        self.file.dataset(path)?.write_slice(view, slab.clone())?;
-        let read: ndarray::ArrayD<T> = self.file.dataset(path)?.read_slice(slab)?;
+        let dataset = self.file.dataset(path)?;
+        dataset.write_slice(view, slab.clone())?;
+        let read: ndarray::ArrayD<T> = dataset.read_slice(slab)?;
         Ok(compared(path, values, read.iter())?)
     }
 
@@ -372,7 +371,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn over_points<T: Kept>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.point_dataset::<T>(path, false)?;
-        kept(&self.file, path, self.file.dataset(path)?, values)?;
+        kept(path, self.file.dataset(path)?, values)?;
         Ok(())
     }
 
@@ -384,7 +383,7 @@ impl<'c> Writer<'c> {
         self.require_group(path)?;
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
-        self.describe(path, &kept(&self.file, path, dataset, &unicode(&texts))?, true)
+        self.describe(path, &kept(path, dataset, &unicode(&texts))?, true)
     }
 
     /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for
@@ -413,8 +412,7 @@ impl<'c> Writer<'c> {
         let view = ndarray::ArrayView2::from_shape((rows, length), values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
         dataset.write_slice(view, (first..first + rows, ..))?;
-        drop(dataset);
-        let read: ndarray::Array2<T> = self.file.dataset(path)?.read_slice((first..first + rows, ..))?;
+        let read: ndarray::Array2<T> = dataset.read_slice((first..first + rows, ..))?;
         Ok(compared(path, values, read.iter())?)
     }
 

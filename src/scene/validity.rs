@@ -45,7 +45,7 @@ const SMALLEST_MENISCUS: f64 = 0.5e-9;
 const LARGEST_FLOWED: f64 = 0.1;
 /// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
 const LARGEST_SHORTENING: f64 = 0.1;
-/// Largest adhesive stress over the hardness at which contacts part at their interface.
+/// Largest adhesive stress over the largest pressure of the plastic contact at which contacts part at their interface.
 const LARGEST_STRESS: f64 = 1.0;
 /// Interference over the critical one up to which pull-offs by the fit of the apex radius are within some 10 % of finite elements,
 /// and the largest share of the contacts that flow which may be beyond it.
@@ -266,7 +266,7 @@ fn flow_onset(law: &dyn Law) -> Option<f64> {
 }
 
 /// Whether enough contacts of a replica yield before the surfaces turn back, under a law that takes any plastic contact, for the
-/// pull-off to depend on which: on approach the contacts agree within 2 %. Where radii scatter, contacts of small ones yield sooner.
+/// pull-off to depend on which: on approach the contacts agree within 1 %. Where radii scatter, contacts of small ones yield sooner.
 pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool {
     let Some(onset) = flow_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };

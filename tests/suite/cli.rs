@@ -600,7 +600,7 @@ fn a_sweep_is_no_scene() {
     assert!(error.contains("none.toml: cannot be read"), "{error}");
 }
 
-/// Contacts of a sticky metal flow by adhesion alone, and their loop gives out energy, which is said to be no result. Case II,
+/// The adhesive stress of a sticky metal is above its hardness, and its loop gives out energy, which is said to be no result. Case II,
 /// dry, turned where few asperities have flowed, dissipates.
 #[test]
 #[ignore = "slow: three seconds"]

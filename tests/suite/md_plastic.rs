@@ -235,7 +235,7 @@ pub fn dissipated(cycle: &Loop, largest: f64, far: f64) -> f64 {
     work
 }
 
-/// No loop gives out energy where contacts do not flow by adhesion alone, and loops that stay below the onset, and the fold,
+/// No loop gives out energy where σ₀ is below the hardness, and loops that stay below the onset, and the fold,
 /// take none.
 #[test]
 fn loops_dissipate() {

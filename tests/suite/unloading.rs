@@ -156,7 +156,7 @@ fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
     );
 }
 
-/// Where the loading of Kogut and Etsion jumps, at 6ω_c and 110ω_c, tops that were pressed more deeply let go sooner or later
+/// Where the area of Kogut and Etsion jumps, at 6.65 ω_c and (2.14/k)^3.80 ω_c, tops that were pressed more deeply let go sooner or later
 /// than their neighbours: at every distance each is in contact up to its own detachment, and no longer.
 #[test]
 fn each_lets_go_at_its_own_distance_on_both_sides_of_a_jump() {

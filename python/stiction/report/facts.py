@@ -344,7 +344,7 @@ def _run(run: Run) -> Facts:
             of_all = "" if quoted.preload is None else ", over all separations"
             lost = _mean(label + of_all, run[name].values, "J")
             gains = lost.value < (-3.0 * lost.error if lost.error > 0.0 else 0.0)
-            numbers.append(replace(lost, note="no result: a loop cannot give out energy; contacts flow by adhesion alone") if gains else lost)
+            numbers.append(replace(lost, note="no result: a loop cannot give out energy; the adhesive stress is above the pressure at which contacts yield") if gains else lost)
             if name.endswith("/dissipated_energy"):
                 numbers += _model_range(run, "dissipated_energy", " of the energy", "J")
     stiffness, error = _scalar(run, "peak_secant_stiffness")

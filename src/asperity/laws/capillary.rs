@@ -22,16 +22,17 @@
 //! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
 //! | bridge | solids apart | bridge, and solids across it | 0 |
 //! | elastic | up to the onset | bridge, and solids in it | K a³/R at δ₁ |
-//! | elastoplastic1, elastoplastic2, plastic | above | that of R₁ | P(ω) |
+//! | elastoplastic1, elastoplastic2, plastic | above | bridge, and solids around the outline of the top | P(ω) |
 //!
-//! Above the onset the asperity is at every moment the elastic wet contact of the radius R₁ = K a³/P of its flattened top,
-//! with the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion, as in [`super::md_plastic`]:
+//! Above the onset the asperity is at every moment the elastic wet contact of the outline of its flattened top, with the load
+//! P and the contact radius a of a plastic contact without adhesion that is reached at ω, as in [`super::md_plastic`]. With the
+//! interference g(a) of the outline without adhesion and the radius ρ of its apex
 //!
-//! δ₁ = a²/R₁ − 2σ₁ a√(m² − 1)/E_r, a₀ = √(R₁δ₁), δ = ω − 2σ₁ a√(m² − 1)/E_r − (π/2)βc sin φ
+//! δ₁ = g(a) − 2σ₁ a√(m² − 1)/E_r, a₀ = √(ρδ₁), δ = ω − 2σ₁ a√(m² − 1)/E_r − (π/2)βc sin φ
 //!
-//! with the stress σ₁ and the zone m of the solids in the liquid around a, and c and φ of the bridge of a sphere of R₁ around
-//! a₀; where δ₁ < 0 the bridge is around the gap −δ₁. Nothing jumps at the onset. Without W_SLS δ₁ = ω, without liquid the
-//! law is `md_plastic`. It unloads as the elastic wet contact of R₁, which is a wet sphere of R₁ once it has parted.
+//! with the stress σ₁ and the zone m of the solids in the liquid around a, and c and φ of the bridge of a sphere of ρ around
+//! a₀; where δ₁ < 0 the bridge is around the gap −δ₁. Nothing jumps at the onset. Without W_SLS δ₁ = g(a), without liquid
+//! the law is `md_plastic`. It unloads as the elastic wet contact of the outline, which is a wet sphere of ρ once it has parted.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
 //! unstable; reversible ones form and break where their energy equals that without them. A bridge breaks with

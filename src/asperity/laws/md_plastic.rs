@@ -7,8 +7,8 @@
 //!
 //! f(r) = r²/2ρ + br⁴ up to a, the paraboloid of R beyond, ρ = max{R[1 + 1.275 (E/Y)^−0.216 (ω/ω_c − 1)], Ka³/P}
 //!
-//! with ω_c of Jackson and Green and ρ = R below it, and b by which its load at a is P. By δ, with δ_A of the history and δ_y, the
-//! δ at which the plastic contact begins to flow:
+//! with ω_c of Jackson and Green and the first term R below it, and b by which its load at a is P. ρ, the residual depth and δ are
+//! taken at the ω at which the contact is reached (below). By δ, with δ_A of the history and δ_y, the δ at which the plastic contact begins to flow:
 //!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
@@ -23,8 +23,9 @@
 //! Loops give out no energy with four conditions, which the plastic contacts were not made for. a is at least √(Rω). P is at most
 //! K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4). The contact of a and P is reached
 //! at ω or before, so that the sphere around it does not sink: what the solids attract there would be lost. Loads of Kogut and
-//! Etsion pass from one fit to the next where both are equal. The load of Jackson and Green is above the third limit by 0.5 %
-//! where it begins, for a fortieth of ω, and the sphere around its contact does not sink for ν ≤ 0.35.
+//! Etsion pass from one fit to the next where both are equal. The load of Jackson and Green is above the second limit of P by
+//! 0.5 % where it begins, for a fortieth of ω, and the sphere around its contact does not sink for ν ≤ 0.35 and H/E from 0.005 to
+//! 0.09. The area of Kogut and Etsion jumps from one fit to the next.
 //!
 //! # Validity
 //! All λ in 1e-6..1e6. Pile-up, ductile separation and the plastic work of pulling are left out. Loops dissipate where the
@@ -72,7 +73,7 @@ const LAST_JOINT: f64 = 1e4;
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
-/// Steps of a search after which an interval is halved: where the plastic contact jumps, secants do not come to an end.
+/// Steps of a search after which an interval is halved: where the area of Kogut and Etsion jumps, secants do not come to an end.
 const SECANTS: u32 = 24;
 /// Asperities that are solved together.
 const TOGETHER: usize = 16;
@@ -331,7 +332,7 @@ impl Flow {
     }
 
     /// ω/s_δ at which a contact of a radius and a load is reached, `place` or less, so that the sphere around it does not sink, and
-    /// by which formula: 0 for `place`, 2 or 4. Contacts of a radius a and a load p lower the sphere by
+    /// by which formula: 0 for `place`, 2 with ρ = a³/p, 4 with the fitted ρ. Contacts of a radius a and a load p lower the sphere at their edge by
     /// ω − a²/2R − (25/48)p/a + a²/48ρ, with the larger ρ of the fit and a³/p.
     fn least_sunk(&self, ratio: f64, place: f64, radius: f64, load: f64) -> (f64, u8) {
         let (square, per_radius) = (radius * radius, load / radius);
@@ -346,7 +347,7 @@ impl Flow {
             // ρ = first + rate ω.
             let (first, rate) = (ratio * (1.0 - self.flattening), self.flattening / self.critical);
             let sum = first + whole * rate;
-            of_fit = 0.5 * (whole * rate - first + (sum * sum - rate * square / 12.0).sqrt()) / rate;
+            of_fit = whole - square / (24.0 * (sum + (sum * sum - rate * square / 12.0).sqrt()));
         }
         if of_fit >= least {
             (place, 0)
@@ -447,7 +448,7 @@ impl Flow {
     }
 
     /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact: of several
-    /// states the outermost. Secants go there from above, from where δ is a convex function of ω.
+    /// states the outermost. Secants go there from above, and an interval is halved where they do not end.
     fn solve(
         &self,
         regime: usize,
@@ -529,12 +530,12 @@ struct Search {
 }
 
 impl Search {
-    /// Takes a step from a place ω/s_δ at which adhesion draws the surfaces nearer by `drawn`, and says whether the search is
+    /// Takes a step from a place ω/s_δ of which the displacement is short by `short`, and says whether the search is
     /// done. Where the displacement jumps over what is wanted, it ends above the jump.
-    fn step(&mut self, place: &mut f64, drawn: f64) -> bool {
-        let (here, off) = (*place, *place - drawn - self.wanted);
+    fn step(&mut self, place: &mut f64, short: f64) -> bool {
+        let (here, off) = (*place, *place - short - self.wanted);
         self.steps += 1;
-        let noise = 2.0 * f64::EPSILON * (here + drawn + self.wanted.abs());
+        let noise = 2.0 * f64::EPSILON * (here + short + self.wanted.abs());
         if off.abs() <= noise {
             self.is_done = true;
         }
@@ -543,8 +544,8 @@ impl Search {
         }
         *(if off < 0.0 { &mut self.below } else { &mut self.above }) = Some(here);
         let next = match self.last {
-            None if off < 0.0 => self.wanted + 2.0 * drawn,
-            None => self.wanted + drawn,
+            None if off < 0.0 => self.wanted + 2.0 * short,
+            None => self.wanted + short,
             Some([last, of_last]) => here - off * (here - last) / (off - of_last),
         };
         if off >= 0.0 || self.last.is_some() {

@@ -23,8 +23,8 @@ use super::top::Tops;
 use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
-/// The power of the load of unloading, which is close to 3/2, is none in a root of δ; in the fourth what is left is
-/// too smooth to matter.
+/// The root of δ in which the load of unloading is taken as smooth. The load grows as about the power 3/2 of δ, which no root
+/// makes a polynomial; in the fourth root the rest is too smooth to matter.
 const UNLOADING: i32 = 4;
 
 /// The function of a segment.

@@ -78,9 +78,9 @@ impl Loop {
         Retraction { cycle: self, at }
     }
 
-    /// Distances, m, at which two ends of the law at a distance meet, as many of every radius and in the same order; NaN where
-    /// they do not. At another radius they meet elsewhere, so what is expected at one distance is not smooth in the radius
-    /// where they do there.
+    /// Distances, m, at which two boundaries of the law at a distance coincide. Every radius has the same number of them in the same
+    /// order, NaN for two that never coincide. They depend on the radius, so the expected force at one distance has a kink at
+    /// the radius whose boundaries coincide there.
     #[doc(hidden)]
     pub fn meetings(&self) -> Vec<f64> {
         let ends = self.retraction.boundaries()[..self.first_contact].iter().map(|end| end.interference);

@@ -114,11 +114,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// The law of rows from far to deep. Only the last may lack an end; if it has one, nothing acts beyond.
+    /// The law of rows from far to deep, each of another regime. Only the last may lack an end; if it has one, nothing acts beyond.
     pub fn new(rows: impl IntoIterator<Item = Row>) -> Self {
         let (regimes, boundaries, places) = (Vec::new(), Vec::new(), Vec::new());
         let mut table = Self { regimes, boundaries, places, parts: Vec::new(), fit: None };
         for row in rows {
+            assert!(!table.regimes.contains(&row.regime), "{:?} has two rows", row.regime);
             table.regimes.push(row.regime);
             if let Some((place, belongs_below)) = row.end {
                 table.boundaries.push(Boundary { interference: place.interference, belongs_below });

@@ -148,12 +148,12 @@ fn model_range(scene: &Scene, expected: &Expectation) -> String {
 fn verdicts(all: &[IndependenceVerdict]) -> String {
     let counted = IndependenceVerdict::ALL
         .map(|verdict| (verdict.name(), all.iter().filter(|own| **own == verdict).count()));
-    let told: Vec<String> = counted
+    let counts: Vec<String> = counted
         .iter()
         .filter(|(_, count)| *count > 0)
         .map(|(name, count)| format!("{name} at {count}"))
         .collect();
-    labelled("independence", &format!("{} of {} points", told.join(", "), all.len()))
+    labelled("independence", &format!("{} of {} points", counts.join(", "), all.len()))
 }
 
 fn threads() -> usize {

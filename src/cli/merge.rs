@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::rows::labelled;
 use super::session::Session;
 use super::summary::summary;
-use super::sweep::told;
+use super::sweep::summary_of_points;
 use super::terminal::print_of;
 use crate::experiment::files::inputs_of;
 use crate::experiment::merge::Merge;
@@ -55,7 +55,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
             let (source, session, lock) = (&run.source, &session, &lock);
             let (replicas, seed) = (Some(run.identity.replicas), Some(run.identity.seed));
             let points = Points { sweep, source, session, lock, policy, replicas, seed, shard: None };
-            told(&points, &merge.sweep(&points)?)?
+            summary_of_points(&points, &merge.sweep(&points)?)?
         }
     };
     print_of(output, &(text + &missing(&run.missing)))

@@ -125,7 +125,7 @@ pub fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => told(&failure),
+        Err(failure) => reported(&failure),
     }
 }
 
@@ -136,7 +136,7 @@ fn unread(problem: &str) {
 }
 
 /// Says why a command ends without its result; its exit code.
-fn told(failure: &Failure) -> ExitCode {
+fn reported(failure: &Failure) -> ExitCode {
     let mut text = format!("stiction: {}", one_line(&failure.to_string()));
     match failure {
         Failure::Kept { advice, .. } => text += &format!("\n{}", printable(advice)),
@@ -153,7 +153,7 @@ fn told(failure: &Failure) -> ExitCode {
 fn external(name: &OsStr) -> ExitCode {
     let cli = Cli::command();
     let own = cli.get_subcommands().map(clap::Command::get_name);
-    external::external(name, std::env::args_os().skip(2), own).unwrap_or_else(|failure| told(&failure))
+    external::external(name, std::env::args_os().skip(2), own).unwrap_or_else(|failure| reported(&failure))
 }
 
 /// The arguments, with negative numbers up to a `--` written without exponent and with a digit before the

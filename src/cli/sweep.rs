@@ -23,13 +23,13 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
     let lock = OutputLock::new(&output, &arguments.scene.inputs(first))?;
     let points = points(sweep, arguments.scene.path(), &lock, &arguments.options, &session);
     match run_sweep(&points)? {
-        Some(rows) => print_of(&output, &(told(&points, &rows)? + &arguments.rest(&output)?)),
+        Some(rows) => print_of(&output, &(summary_of_points(&points, &rows)? + &arguments.rest(&output)?)),
         None => complete_before(&output),
     }
 }
 
 /// The summary of a sweep that is complete.
-pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
+pub(super) fn summary_of_points(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
     let (sweep, output) = (points.sweep, points.lock.output());
     let scene = points.scene(0)?;
     let table = table(sweep, rows, &scene);

@@ -1,9 +1,10 @@
 //! Asperities that pass from one segment of their law into the next.
 //!
-//! A passage without way back is kept only if the asperity is beyond the end in the state that it led to; else
-//! another passage has relieved it. An asperity that its own change of force would drive back over a jump of its
-//! law comes to rest there, at a force between the two: at a jump to more attraction where the others are stiff
-//! and give way to its force, at one to less where they are attracted.
+//! A passage at an irreversible jump is kept if the asperity lies beyond the end of its old segment once the loads are in
+//! balance again. Otherwise another passage has relieved the asperity, and it returns.
+//!
+//! An asperity whose own change of force would drive it back over a jump of its law comes to rest there, at a force between the
+//! two: at a jump to more attraction where its neighbours are displaced by its force, at one to less where they are attracted.
 
 use super::asperities::Rest;
 use super::avalanches::Event;

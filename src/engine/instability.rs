@@ -208,7 +208,7 @@ mod tests {
 
     /// Two wells at k = 0: from (1, −1) to F = −1 at h = 7/2, on to (4, −3/2), and from there to h = 11/2.
     #[test]
-    fn the_largest_of_several_snaps_is_told() {
+    fn the_largest_of_several_snaps_is_reported() {
         let stairs =
             [(0.0, 0.0), (1.0, -1.0), (2.0, -0.5), (3.0, -0.5), (4.0, -1.5), (5.0, -1.0), (6.0, -2.0)];
         let snap = largest_snap(&stairs, 0.0, 0.0);

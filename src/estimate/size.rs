@@ -34,7 +34,7 @@ const COUPLED: (f64, f64) = (4e3, 9e3);
 /// Further bytes of a coupled asperity where each has its own laws.
 const LAWS: f64 = 5e3;
 /// Bytes of an asperity that is recorded by itself, and of it in a state.
-const TOLD: (f64, f64) = (4.0 * NUMBER, 4.0 * NUMBER + 3.0);
+const RECORDED: (f64, f64) = (4.0 * NUMBER, 4.0 * NUMBER + 3.0);
 
 /// The size of a run, from which follows what it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub struct Estimate {
     /// Bytes of an asperity that is coupled; 0 where they are independent.
     pub coupled: f64,
     /// States in which the asperities of the first replica are recorded one by one.
-    pub told: f64,
+    pub recorded: f64,
     /// Regimes of the law.
     pub regimes: f64,
     /// Replicas.
@@ -86,7 +86,7 @@ impl Estimate {
             separations: scene.states() as f64,
             flowed: share_of_tops(scene, law.typical),
             coupled: coupled(scene),
-            told: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
+            recorded: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
@@ -175,12 +175,12 @@ impl Estimate {
     /// Bytes of coupling the surfaces that are computed at the same time.
     fn coupled(&self) -> f64 {
         // States are held by the replica, its batch, the bytes of a partial result and what is written.
-        self.asperities * (self.workers() * self.coupled + 4.0 * self.told())
+        self.asperities * (self.workers() * self.coupled + 4.0 * self.recorded_bytes())
     }
 
     /// Bytes of an asperity that is recorded in all its states.
-    fn told(&self) -> f64 {
-        if self.told == 0.0 { 0.0 } else { TOLD.0 + TOLD.1 * self.told }
+    fn recorded_bytes(&self) -> f64 {
+        if self.recorded == 0.0 { 0.0 } else { RECORDED.0 + RECORDED.1 * self.recorded }
     }
 
     /// Disk, bytes: the result and, as long as it is written, the partial result with the state next to its datasets; for
@@ -189,8 +189,8 @@ impl Estimate {
         let curves = if self.curves { 3.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * MAX_COMPONENTS as f64);
         let replicas = (192.0 + 3.0 * NUMBER * self.snaps) * self.replicas;
-        let told = 3.0 * self.asperities * self.told();
-        self.files * (4e5 + 2.0 * means + replicas + curves + told + self.first_curves())
+        let recorded = 3.0 * self.asperities * self.recorded_bytes();
+        self.files * (4e5 + 2.0 * means + replicas + curves + recorded + self.first_curves())
     }
 }
 
@@ -271,7 +271,7 @@ mod tests {
     const RUN: Estimate = Estimate {
         flowed: 0.0,
         coupled: 0.0,
-        told: 0.0,
+        recorded: 0.0,
         asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,

@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn another_run_is_told_by_its_difference() {
+    fn another_run_is_named_by_its_difference() {
         let first = shard(1, 2, &[]);
         let mut other = shard(2, 2, &[]);
         assert!(differences(&[first.clone(), other.clone()]).is_empty());

@@ -87,7 +87,7 @@ mod tests {
 
     /// Every part of an identity counts, and the difference names it.
     #[test]
-    fn another_run_is_told_by_its_difference() {
+    fn another_run_is_named_by_its_difference() {
         let kept = identity();
         let difference = |own: &Identity| own.difference("the interrupted run", ("was", "is now"), &kept);
         assert_eq!(difference(&identity()), None);

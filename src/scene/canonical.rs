@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn every_value_is_a_difference() {
-        let told = |from: &str, to: &str| difference(SCENE, &SCENE.replace(from, to)).map(|(name, ..)| name);
+        let changed =
+            |from: &str, to: &str| difference(SCENE, &SCENE.replace(from, to)).map(|(name, ..)| name);
         for (from, to, name) in [
             ("0.270", "0.28", "material.poisson_ratio"),
             ("2 GPa", "3 GPa", "material.hardness"),
@@ -102,7 +103,7 @@ mod tests {
             ("[ensemble]\n", "[ensemble]\nseed = 3\n", "ensemble.seed"),
             ("format", "[material", "text"),
         ] {
-            assert_eq!(told(from, to).as_deref(), Some(name), "{from} -> {to}");
+            assert_eq!(changed(from, to).as_deref(), Some(name), "{from} -> {to}");
         }
         let (_, one, other) = difference(SCENE, &SCENE.replace("hardness = \"2 GPa\"\n", "")).unwrap();
         assert_eq!((one.as_str(), other.as_str()), ("\"2 GPa\"", "none"));

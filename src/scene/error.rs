@@ -57,8 +57,8 @@ impl SceneError {
     /// Several problems, each reported once.
     fn several(mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| problem.line.unwrap_or(usize::MAX));
-        let mut told = std::collections::BTreeSet::new();
-        problems.retain(|problem| told.insert(problem.to_string()));
+        let mut seen = std::collections::BTreeSet::new();
+        problems.retain(|problem| seen.insert(problem.to_string()));
         Self { problems }
     }
 
@@ -68,8 +68,8 @@ impl SceneError {
         let is_misspelt = |key: &Option<String>| {
             key.is_some() && self.problems.iter().any(|problem| problem.line.is_some() && problem.key == *key)
         };
-        let told = |problem: &&Problem| problem.line.is_some() || !is_misspelt(&problem.key);
-        let mut problems: Vec<Problem> = self.problems.iter().filter(told).cloned().collect();
+        let is_specific = |problem: &&Problem| problem.line.is_some() || !is_misspelt(&problem.key);
+        let mut problems: Vec<Problem> = self.problems.iter().filter(is_specific).cloned().collect();
         if problems.len() > MOST_PROBLEMS {
             problems.truncate(MOST_PROBLEMS);
             problems.extend(Self::general("[...] there are more problems").problems);

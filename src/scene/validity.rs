@@ -383,7 +383,7 @@ fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning>
             what.place()
         )
     };
-    let shares = told_of(scene, readings, LARGEST_FLOWED, |reading| reading.flowed_adhesion, words)?;
+    let shares = phrases(scene, readings, LARGEST_FLOWED, |reading| reading.flowed_adhesion, words)?;
     Some(Warning::new(
         format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
         "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow",
@@ -424,19 +424,19 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     Some(Warning::new(finding, reason, units(&["separation", "surface_height_std"])))
 }
 
-/// The readings that have more than `largest` of something, in words by `told` from the share and its place.
-fn told_of(
+/// A phrase for each reading whose value exceeds `largest`, joined by "and". `phrase` makes it of what is read, the value and h*.
+fn phrases(
     scene: &Scene,
     readings: &[Reading],
     largest: f64,
     of: fn(&Reading) -> f64,
-    told: fn(WhatIsRead, f64, &str) -> String,
+    phrase: fn(WhatIsRead, f64, &str) -> String,
 ) -> Option<String> {
-    let told = |reading: &Reading| {
+    let phrase = |reading: &Reading| {
         let h_star = reading.separation / scene.surface.surface_height_std;
-        told(reading.what, of(reading), &format!("h* = {h_star:.3}"))
+        phrase(reading.what, of(reading), &format!("h* = {h_star:.3}"))
     };
-    let all: Vec<String> = readings.iter().filter(|reading| of(reading) > largest).map(told).collect();
+    let all: Vec<String> = readings.iter().filter(|reading| of(reading) > largest).map(phrase).collect();
     (!all.is_empty()).then(|| all.join(" and "))
 }
 
@@ -448,14 +448,14 @@ fn above(share: f64, limit: f64) -> String {
 
 /// Whether contacts are still far apart where results are read off.
 fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
-    let told = |what: WhatIsRead, share: f64, h_star: &str| {
+    let phrase = |what: WhatIsRead, share: f64, h_star: &str| {
         let share = match share {
             share if share < 10.0 => format!("{} % of", above(share, LARGEST_SHARE)),
             share => format!("{share:.0} times"),
         };
         format!("{share} the nominal area is in contact {}, {h_star}", what.place())
     };
-    let shares = told_of(scene, readings, LARGEST_SHARE, |reading| reading.share_in_contact, told)?;
+    let shares = phrases(scene, readings, LARGEST_SHARE, |reading| reading.share_in_contact, phrase)?;
     Some(Warning::new(
         format!("{shares}: more than {:.0} %", 100.0 * LARGEST_SHARE),
         "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
@@ -527,11 +527,11 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
 
 /// Whether the curves have what is read off them.
 fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
-    let told = |what: WhatIsRead, share: f64, h_star: &str| {
+    let phrase = |what: WhatIsRead, share: f64, h_star: &str| {
         let share = if share < 1.0 { format!("{:.0} %", 100.0 * share) } else { "all".to_owned() };
         format!("{share} of the {} at {h_star}", what.name())
     };
-    let missed = told_of(scene, readings, LARGEST_MISSED, |reading| reading.missed, told)?;
+    let missed = phrases(scene, readings, LARGEST_MISSED, |reading| reading.missed, phrase)?;
     // What parabolas miss grows with the square of the step.
     let share = readings.iter().map(|reading| reading.missed).fold(0.0, f64::max).min(1.0);
     let [first, last] = [scene.separations[0], scene.separations[scene.separations.len() - 1]];
@@ -610,7 +610,7 @@ mod tests {
 
     /// An integral that has lost something, or is not a number, is warned of.
     #[test]
-    fn an_integral_that_is_none_is_told() {
+    fn an_integral_that_is_none_is_reported() {
         assert!(inaccurate(1e-6).is_none());
         let finding = |error: f64| inaccurate(error).unwrap().finding;
         assert!(finding(0.19).contains("may be 1.9e-1, more") && finding(f64::NAN).contains("NaN"));

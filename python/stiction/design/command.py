@@ -126,8 +126,8 @@ def _told(found: Probability, below: bool) -> str:
     return (
         f"  {quantities.number(found.value, 3)} ± {100.0 * found.relative_error:.0f} %, 95 % interval {low} to {high}\n"
         f"  one in {quantities.number(1.0 / found.value, 2)} patches\n"
-        f"  from {found.replicas} patches, {found.hits} of them such, that weigh as {found.effective:.0f} alike\n"
-        f"  {'runs' if below else 'patches'} would, the largest {100.0 * found.largest:.1f} % of all; plain sampling needs {plain}"
+        f"  from {found.replicas} patches, {found.hits} of them in the event; effective sample size\n"
+        f"  {found.effective:.0f}{' runs' if below else ''}, largest weight {100.0 * found.largest:.1f} %; plain sampling needs {plain}"
     )
 
 

@@ -90,7 +90,7 @@ def checked(found: Probability, what: str, least: float, units: str) -> Probabil
     if found.effective >= least and found.largest <= _LARGEST:
         return found
     raise StictionError(
-        f"{what} rests on few {units}: all weigh as {found.effective:.1f} alike ones would, and the largest has "
+        f"{what} rests on few {units}: the effective sample size is {found.effective:.1f}, and the largest has "
         f"{100.0 * found.largest:.0f} % of the weight, where {least:.0f} and {100.0 * _LARGEST:.0f} % are the limits: a "
         "smaller `error` draws more"
     )

@@ -45,8 +45,8 @@ pub(super) fn json(reader: &Reader, all: bool) -> Result<String, OutputError> {
     for described in reader.described()? {
         let (group, name) = described.names();
         let group = if group.is_empty() { "/" } else { group };
-        let is_told = all || described.shape.iter().product::<usize>() <= MOST;
-        let values = is_told.then(|| reader.stored(&described.path)).transpose()?;
+        let is_shown = all || described.shape.iter().product::<usize>() <= MOST;
+        let values = is_shown.then(|| reader.stored(&described.path)).transpose()?;
         let own = groups.entry(group.to_owned()).or_default();
         let name = name.to_owned();
         let (dimensions, shape) = (described.dimensions, described.shape);

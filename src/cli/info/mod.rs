@@ -50,7 +50,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
     let is_partial = !arguments.file.exists() && partial.exists();
     let path = if is_partial { partial.as_path() } else { arguments.file.as_path() };
     if arguments.json || arguments.csv {
-        return print(&told(path, arguments)?);
+        return print(&text_of(path, arguments)?);
     }
     if !path.exists() && folder.is_dir() {
         return points(&folder);
@@ -72,7 +72,7 @@ pub(super) fn of_result(path: &Path) -> Result<String, Failure> {
 }
 
 /// A result for programs.
-fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
+fn text_of(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
     let refused = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
     let reader = Reader::open(path, &LAYOUTS)?;
     let text = match arguments.json {
@@ -135,7 +135,7 @@ fn points(folder: &Path) -> Result<(), Failure> {
 /// The progress of each piece of a run, or of a shard of one.
 fn done(PartialFile { head, pieces, .. }: &PartialFile) -> Vec<String> {
     let all = head.identity.replicas;
-    let told = pieces.iter().map(|piece| {
+    let texts = pieces.iter().map(|piece| {
         let count = piece.replicas.end - piece.replicas.start;
         let Some(shard) = head.identity.shard else { return format!("{} of {all} are done", piece.done) };
         let point = if head.points != [0] { format!(", point {}", piece.point + 1) } else { String::new() };
@@ -145,7 +145,7 @@ fn done(PartialFile { head, pieces, .. }: &PartialFile) -> Vec<String> {
             shown(&piece.replicas, all)
         )
     });
-    told.collect()
+    texts.collect()
 }
 
 /// The rows of a partial result that a run goes on from, or that shards are merged from.

@@ -14,7 +14,7 @@ pub(super) struct Phase {
     name: &'static str,
     /// Replicas that are done, and all.
     count: Option<(u64, u64)>,
-    told: Instant,
+    printed: Instant,
     /// Replicas that were done at the last report.
     done: u64,
 }
@@ -22,7 +22,7 @@ pub(super) struct Phase {
 impl Phase {
     /// A phase that begins, which is reported.
     pub fn new(run: String, name: &'static str, count: Option<(u64, u64)>) -> Self {
-        let mut phase = Self { run, name, count, told: Instant::now(), done: 0 };
+        let mut phase = Self { run, name, count, printed: Instant::now(), done: 0 };
         phase.tell();
         phase
     }
@@ -31,7 +31,7 @@ impl Phase {
     pub fn advance(&mut self, replicas: u64) {
         if let Some((done, _)) = &mut self.count {
             *done += replicas;
-            if self.told.elapsed() >= INTERVAL {
+            if self.printed.elapsed() >= INTERVAL {
                 self.tell();
             }
         }
@@ -47,7 +47,7 @@ impl Phase {
     fn tell(&mut self) {
         // Nobody may be there to read it.
         let _ = std::io::stderr().write_all(self.line().as_bytes());
-        self.told = Instant::now();
+        self.printed = Instant::now();
         self.done = self.count.map_or(0, |(done, _)| done);
     }
 
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn a_line_is_an_object_with_four_keys() {
         let phase = |run: &str, name, count| {
-            let line = Phase { run: run.to_owned(), name, count, told: Instant::now(), done: 0 }.line();
+            let line = Phase { run: run.to_owned(), name, count, printed: Instant::now(), done: 0 }.line();
             assert_eq!(line.matches('\n').count(), 1);
             serde_json::from_str::<serde_json::Value>(&line).unwrap()
         };

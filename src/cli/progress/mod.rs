@@ -38,7 +38,7 @@ pub(super) struct Progress {
     /// The log in the place of the bar where nobody would see that.
     log: Option<Log>,
     /// The phase that is reported in JSON.
-    told: Option<json::Phase>,
+    json: Option<json::Phase>,
 }
 
 impl Progress {
@@ -51,7 +51,7 @@ impl Progress {
     pub fn of_run(display: Display, run: String) -> Self {
         let is_log = display == Display::Text && !std::io::stderr().is_terminal();
         let log = is_log.then(|| Log::new(&SCHEDULE, std::io::stderr()));
-        Self { display, run, bar: ProgressBar::hidden(), log, told: None }
+        Self { display, run, bar: ProgressBar::hidden(), log, json: None }
     }
 
     fn begin(&mut self, name: &'static str, count: Option<(u64, u64)>, bar: ProgressBar, template: &str) {
@@ -61,7 +61,7 @@ impl Progress {
             log.set(Some(Phase::new(title.clone(), count)));
         }
         if self.display == Display::Json {
-            self.told = Some(json::Phase::new(self.run.clone(), name, count));
+            self.json = Some(json::Phase::new(self.run.clone(), name, count));
         }
         bar.set_draw_target(match self.display {
             Display::Text => ProgressDrawTarget::stderr(),
@@ -100,15 +100,15 @@ impl Observer for Progress {
         if let Some(log) = &self.log {
             log.advance(replicas);
         }
-        if let Some(told) = &mut self.told {
-            told.advance(replicas);
+        if let Some(json) = &mut self.json {
+            json.advance(replicas);
         }
     }
 
     fn end(&mut self) {
         self.bar.finish_and_clear();
-        if let Some(told) = self.told.take() {
-            told.end();
+        if let Some(json) = self.json.take() {
+            json.end();
         }
         if let Some(log) = &self.log {
             log.set(None);
@@ -190,12 +190,12 @@ impl Log {
             schedule.get_or_insert_with(|| Schedule::new(LINES.0)).due
         };
         due();
-        let told: Arc<Mutex<Option<Phase>>> = Arc::clone(&phase);
+        let shared: Arc<Mutex<Option<Phase>>> = Arc::clone(&phase);
         let lines = move || {
             while stopped.recv_timeout(due().saturating_duration_since(Instant::now()))
                 == Err(RecvTimeoutError::Timeout)
             {
-                let phase = told.lock().unwrap_or_else(PoisonError::into_inner);
+                let phase = shared.lock().unwrap_or_else(PoisonError::into_inner);
                 if let Some(phase) = phase.as_ref() {
                     // Nobody may be there to read it.
                     let _ = writeln!(out, "stiction: {}", phase.line(phase.begun.elapsed()));
@@ -238,12 +238,12 @@ mod tests {
     #[test]
     fn a_line_says_what_is_done_and_left() {
         let mut phase = Phase::new("point 2 of 6: ensemble".to_owned(), Some((40, 400)));
-        let told = |phase: &Phase| phase.line(Duration::from_secs(30));
-        assert_eq!(told(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 s so far");
+        let line = |phase: &Phase| phase.line(Duration::from_secs(30));
+        assert_eq!(line(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 s so far");
         phase.count = Some([40, 130, 400]);
         let expected = "point 2 of 6: ensemble: 130 of 400 replicas, 30 s so far, about 90 s left";
-        assert_eq!(told(&phase), expected);
-        assert_eq!(told(&Phase::new("integral".to_owned(), None)), "integral: 30 s so far");
+        assert_eq!(line(&phase), expected);
+        assert_eq!(line(&Phase::new("integral".to_owned(), None)), "integral: 30 s so far");
         assert_eq!([600, 7200].map(|seconds| lasting(Duration::from_secs(seconds))), ["10 min", "2.0 h"]);
     }
 
@@ -267,12 +267,12 @@ mod tests {
         let log = Log::new(&SOON, Lines(sender));
         log.set(Some(Phase::new("ensemble".to_owned(), Some((0, 10)))));
         log.advance(3);
-        let told: String = lines
+        let printed: String = lines
             .recv_timeout(Duration::from_secs(60))
             .into_iter()
             .chain(lines.recv_timeout(Duration::from_secs(60)))
             .collect();
-        assert!(told.contains("stiction: "), "{told}");
+        assert!(printed.contains("stiction: "), "{printed}");
         // Its thread has set the next interval when it has ended.
         drop(log);
         assert!(SOON.lock().unwrap().as_ref().unwrap().interval >= Duration::from_millis(10));

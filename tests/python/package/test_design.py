@@ -128,7 +128,7 @@ def test_what_rests_on_a_few_patches_is_refused():
     """Weights 1, 1 and 8 are as 100/66 = 1.5 alike ones, of which the largest has 0.8; a hundred alike ones are believed."""
     few = estimate.shared(np.array([1.0, 1.0, 8.0]))
     assert few == pytest.approx((100 / 66, 0.8))
-    with pytest.raises(StictionError, match=r"the event rests on few patches: all weigh as 1\.5 .* the largest has 80 %"):
+    with pytest.raises(StictionError, match=r"the event rests on few patches: the effective sample size is 1\.5, .* the largest has 80 %"):
         estimate.checked(Probability(1e-3, 1e-4, 500, 3, 1.0, 0.1, *few), "the event", 25.0, "patches")
     alike = Probability(1e-3, 1e-4, 500, 100, 1.0, 0.1, *estimate.shared(np.ones(100)))
     assert estimate.checked(alike, "the event", 25.0, "patches") is alike

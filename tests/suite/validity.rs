@@ -384,7 +384,6 @@ fn scenes_are_warned_of_what_matters_only(folders: &[&str], of: fn(&str) -> bool
     const EXPECTED: &[(&str, &str)] = &[
         ("configs/case_i.toml", OF_TAILS),
         ("paper/case_i.toml", OF_TAILS),
-        ("humidity.toml", "89 % of the adhesion at pull-off, h* = 5.263, is of asperities that do not touch"),
         (
             "sweep_roughness.toml",
             "67 % of the adhesion at pull-off, h* = 4.304, is of asperities that do not touch",

@@ -218,9 +218,11 @@ fn agrees(setting: &Setting, surface: &Surface, replicas: u64) {
     let there = Expectations::new(setting.laws.view(), surface, &separations);
     let back = Expectations::retraction(&setting.cycle, surface, &separations);
     let what = (setting.what(), &surface.radii);
-    // Measured: 1.01e-4 of gamma radii by `zmc`, 2.3e-5 of log-normal and 6e-5 of Nayak radii, whose retraction has jumps and folds
-    // in the radius.
-    assert!(back.quadrature_error < 1.5e-4, "{what:?}: {:e}", back.quadrature_error);
+    // Measured: 1.7e-5 of gamma radii, 2.3e-5 of log-normal and 6e-5 of Nayak radii, whose retraction has jumps in the radius, and
+    // 1.4e-4 of gamma radii by `zmc`, which has folds in the radius, too.
+    let has_folds = setting.what().contains("Zhao") && matches!(surface.radii, Radii::Gamma(_));
+    let most = if has_folds { 1.5e-4 } else { 1e-4 };
+    assert!(back.quadrature_error < most, "{what:?}: {:e}", back.quadrature_error);
     let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     let mean = forces.map(|q| sampled.curves[q].mean());
     let tested = |more: f64| {

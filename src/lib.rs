@@ -48,23 +48,18 @@
 
 pub mod asperity;
 pub mod background;
-#[cfg(feature = "hdf5")]
-#[doc(hidden)]
-pub mod check;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
 pub mod coupled;
 pub mod engine;
-#[cfg(feature = "hdf5")]
+mod error;
 #[doc(hidden)]
 pub mod estimate;
-#[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod experiment;
 mod format;
-#[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod input;
 pub mod integral;
@@ -73,25 +68,21 @@ pub mod liquid;
 pub mod math;
 #[cfg(feature = "hdf5")]
 pub mod output;
-#[cfg(feature = "hdf5")]
 pub mod scene;
 pub mod substrate;
 pub mod surface;
 pub mod validation;
 
-#[cfg(feature = "hdf5")]
-pub use experiment::layouts;
-#[cfg(feature = "hdf5")]
+pub use error::{Error, OutputError};
 #[doc(inline)]
-pub use experiment::{
-    Builder, Error, Integral, Observer, PathIntegral, RunResult, SweepPoint, builder, integrate, run, sweep,
-};
-#[cfg(feature = "hdf5")]
+pub use experiment::{Builder, Integral, Observer, PathIntegral, Results, builder, integrate, run};
 #[doc(inline)]
 pub use math::{
     control_variates::ControlledMean,
     extrema::{Extremum, Features},
 };
 #[cfg(feature = "hdf5")]
+#[doc(inline)]
+pub use output::{SweepPoint, layouts, sweep};
 #[doc(inline)]
 pub use scene::Scene;

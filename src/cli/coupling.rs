@@ -2,7 +2,7 @@
 
 use super::rows::labelled;
 use crate::engine::Replica;
-use crate::experiment::results::Results;
+use crate::experiment::Results;
 use crate::format::{percent, si, si_with_error};
 use crate::math::moments::Moments;
 use crate::substrate::Kernel;

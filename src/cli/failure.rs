@@ -1,7 +1,7 @@
 //! Reasons why a command ends without its result: messages with the options that help, and exit codes.
 
-use crate::experiment::Error;
-use crate::output::OutputError;
+use crate::error::Error;
+use crate::error::OutputError;
 use crate::scene::SceneError;
 use anyhow::anyhow;
 use std::path::Path;

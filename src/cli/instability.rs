@@ -1,7 +1,7 @@
 //! Snaps of the replicas of a run, for the summary.
 
 use super::rows::{labelled, row};
-use crate::experiment::results::Results;
+use crate::experiment::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
 use crate::format::si;

@@ -4,7 +4,7 @@ use super::describe::title;
 use super::independence::independence;
 use super::rows::{labelled, paragraph};
 use super::summary::{warned, written};
-use crate::experiment::results::Results;
+use crate::experiment::Results;
 use crate::format::si;
 use crate::math::extrema::Extremum;
 use std::path::Path;

@@ -8,13 +8,9 @@ use super::session::Session;
 use super::summary::summary;
 use super::sweep::summary_of_points;
 use super::terminal::print_of;
-use crate::experiment::files::inputs_of;
-use crate::experiment::merge::Merge;
-use crate::experiment::partial::OverwritePolicy;
-use crate::experiment::points::Points;
-use crate::experiment::prepared::Task;
-use crate::experiment::shard_set::ShardSet;
 use crate::output::OutputLock;
+use crate::output::kept::{Merge, OverwritePolicy, ShardSet};
+use crate::output::sweep::{Points, inputs_of};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -48,7 +44,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document.sweep {
         None => {
-            let task = Task { output, lock: &lock, policy, part: None };
+            let task = session.task(output, &lock, policy, &run.source);
             summary(merge.scene(&task, &mut Progress::new(session.display))?.as_ref(), output)
         }
         Some(sweep) => {

@@ -8,7 +8,6 @@ use super::session::Session;
 use super::summary::summary;
 use super::terminal::{complete_before, print_of};
 use super::{shard, sweep};
-use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
 use crate::scene::Document;
@@ -30,12 +29,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let output = arguments.output(".h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
-    let policy = arguments.options.policy();
-    let task = Task { output: &output, lock: &lock, policy, part: None };
-    let laws =
-        SceneLaws::fitting(&scene, scene.replicas, &task, &session, session.pool.current_num_threads());
-    let laws = laws.map_err(|error| error.in_scene(arguments.scene.path()))?;
-    match run_scene(scene, laws, &task, &session, &mut Progress::new(session.display))? {
+    let task = session.task(&output, &lock, arguments.options.policy(), arguments.scene.path());
+    let mut progress = Progress::new(session.display);
+    match session.builder(&scene).progress(&mut progress).into_output(&task)? {
         Some(results) => {
             let text = if results.scene.replicas == 0 { of_integral } else { summary };
             print_of(&output, &(text(&results, &output) + &arguments.rest(&output)?))

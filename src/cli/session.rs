@@ -7,10 +7,10 @@ use super::progress::{Display, Progress};
 use super::resources;
 use super::terminal::note;
 use crate::estimate::Estimate;
-use crate::experiment::points::Points;
-use crate::experiment::prepared::{self, thread_pool};
-use crate::experiment::{Host, Observer};
+use crate::experiment::{Observer, Workers};
 use crate::output::OutputLock;
+use crate::output::run::{self, Host};
+use crate::output::sweep::Points;
 use crate::scene::Sweep;
 use anyhow::Context;
 use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
@@ -27,7 +27,7 @@ pub(super) const INTERRUPTED: i32 = 130;
 
 /// A session: all that the runs of a command have in common.
 pub(super) struct Session {
-    shared: prepared::Session,
+    shared: run::Session,
     /// The form in which progress is shown.
     pub display: Display,
 }
@@ -37,16 +37,16 @@ impl Session {
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
         let display = execution.display();
-        let (pool, host) = (thread_pool(execution.threads())?, Box::new(Terminal { display }));
-        let shared = prepared::Session { stop, pool, interval, host };
+        let (workers, host) = (Workers::new(execution.threads(), stop)?, Box::new(Terminal { display }));
+        let shared = run::Session { workers, interval, host };
         Ok(Self { shared, display })
     }
 }
 
 impl Deref for Session {
-    type Target = prepared::Session;
+    type Target = run::Session;
 
-    fn deref(&self) -> &prepared::Session {
+    fn deref(&self) -> &run::Session {
         &self.shared
     }
 }

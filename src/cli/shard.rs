@@ -8,13 +8,12 @@ use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::{Shard, batches_of};
-use crate::experiment::partial::{Part, PartialFile, Piece};
-use crate::experiment::points::Points;
-use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
-use crate::experiment::stacked::run_sweep;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
+use crate::output::kept::{PartialFile, Piece};
+use crate::output::run::{Part, Task};
+use crate::output::sweep::{Points, run_sweep};
 use crate::scene::{Document, Scene, Sweep};
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
@@ -29,18 +28,13 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
     }
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
-    let (source, threads) = (arguments.scene.path(), session.pool.current_num_threads());
+    let (source, threads) = (arguments.scene.path(), session.workers.count());
     let is_computed = match &sweep {
         None => {
-            let part =
-                Part { shard, batches: shard.range(batches_of(scene.replicas)), source: source.to_owned() };
-            let count = part.count(&scene);
-            let (policy, part) = (arguments.options.policy(), Some(part));
-            let task = Task { output: &output, lock: &lock, policy, part };
-            let laws = SceneLaws::fitting(&scene, count, &task, &session, threads);
-            let laws = laws.map_err(|error| error.in_scene(source))?;
-            let progress = &mut Progress::new(session.display);
-            run_scene(scene.clone(), laws, &task, &session, progress)?.is_some()
+            let part = Some(Part { shard, batches: shard.range(batches_of(scene.replicas)) });
+            let task = Task { part, ..session.task(&output, &lock, arguments.options.policy(), source) };
+            let mut progress = Progress::new(session.display);
+            session.builder(&scene).progress(&mut progress).into_output(&task)?.is_some()
         }
         Some(sweep) => {
             let all = points(sweep, source, &lock, &arguments.options, &session);

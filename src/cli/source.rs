@@ -1,10 +1,10 @@
 //! The scene of a command: a file or standard input, with the settings that the command line has for it.
 
 use super::failure::Failure;
-use crate::experiment::Error;
-use crate::experiment::files::inputs_of;
-use crate::experiment::scene_file::{LONGEST_SCENE, read_text, text_of};
+use crate::error::Error;
 use crate::input::columns::SceneFiles;
+use crate::input::scene_file::{LONGEST_SCENE, read_text, text_of};
+use crate::output::sweep::inputs_of;
 use crate::scene::settings::{Setting, told_of, with_settings};
 use crate::scene::{Document, Scene, SceneError};
 use clap::Args;

@@ -8,7 +8,6 @@ use super::rows::{labelled, paragraph};
 use crate::asperity::{Path, Quantity};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
-use crate::experiment::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::model_range::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
@@ -18,6 +17,7 @@ use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
+use crate::output::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::scene::{FROM_ASPERITIES, Warning, sources_of_heights};
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 

@@ -6,8 +6,8 @@
 use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MANY, MOST_PERIODS, periods};
 use crate::engine::{BATCH, FIRST_CURVES, PILOTS, batches_of};
-use crate::output::curves::HELD;
-use crate::output::writer::CURVE_CHUNK;
+use crate::experiment::CURVE_CHUNK;
+use crate::experiment::HELD;
 use crate::scene::{Scene, share_of_tops};
 use crate::substrate::{Coupling, Kernel};
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};

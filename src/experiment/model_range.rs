@@ -9,12 +9,14 @@
 //! residuals r of the fit (Duan's smearing estimate, J. Am. Stat. Assoc. 78 (1983) 605). Fewer than eight replicas have α = 0,
 //! and for β the ratio of the means.
 
-use super::prepared::{PreparedRun, SceneLaws, Session};
+use super::Phases;
+use super::prepared::{PreparedRun, SceneLaws};
 use super::results::Results;
 use super::snaps::Snaps;
-use super::{Error, Phases};
+use super::workers::Workers;
 use crate::asperity::PlasticContact;
 use crate::engine::{Ensemble, scalars};
+use crate::error::Error;
 use crate::scene::Scene;
 
 /// Results by every plastic contact.
@@ -77,7 +79,7 @@ impl PreparedRun {
         &self,
         results: &Results,
         most: u64,
-        (session, phases): (&Session, &mut Phases<'_>),
+        (workers, phases): (&Workers, &mut Phases<'_>),
     ) -> Result<Option<ModelRange>, Error> {
         let group = self.scene.sampling.group();
         let asked = others(&self.scene, results.scene.replicas);
@@ -96,7 +98,7 @@ impl PreparedRun {
             let computed = computed.and_then(|scene| SceneLaws::new(&scene).ok().map(|laws| (scene, laws)));
             let Some((scene, laws)) = computed else { return Ok(OfContact::unknown(contact, &self.scene)) };
             let sampling = laws.sampling(&scene);
-            let (tree, _) = sampling.run_whole((&session.pool, &session.stop), phases, |_| Ok(()))?;
+            let (tree, _) = sampling.run_whole(workers, phases, |_| Ok(()))?;
             Ok(OfContact::new(contact, results, (&scene, &tree.into_ensemble(&sampling.job()))))
         });
         let contacts = contacts.collect::<Result<Vec<OfContact>, Error>>()?;

@@ -1,161 +1,21 @@
-//! One scene, from its laws to a checked file.
+//! A scene with all that its ensemble is computed with and checked against.
 
+use super::Phases;
 use super::coupling::mean_fields;
-use super::datasets::write_results;
-use super::host::Host;
 use super::integral::{Integral, PathIntegral};
-use super::keeper::Keeper;
-use super::partial::{Beginning, OverwritePolicy, Part, Run, beginning, write_restart};
-use super::result_file::{write_curves, write_head};
 use super::results::{PathResults, Results, RunMetadata, Stopped};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::snaps::missed_preloads;
-use super::{Error, Observer, Phases};
+use super::workers::Workers;
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
-use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, Ways, batches_of, replicas_of};
-use crate::estimate::Estimate;
+use crate::engine::{ReductionTree, Rule, Summation, Ways};
+use crate::error::Error;
 use crate::integral::{Expectations, MeanField, controls};
 use crate::math::control_variates::controlled_means;
-use crate::output::curves::Curves;
-use crate::output::partial::{Functionals, Head};
-use crate::output::writer::Writer;
-use crate::output::{OutputError, OutputLock};
 use crate::scene::{Scene, Warning, warnings};
 use crate::validation::Basis;
-use rayon::ThreadPool;
-use std::num::NonZeroUsize;
-use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::path::Path;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::sync_channel;
-use std::time::Duration;
-
-/// The time from one look for an interruption to the next, while a scene is prepared.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// A session: all that experiments one after the other have in common.
-pub(crate) struct Session {
-    /// Set by an interruption.
-    pub stop: Arc<AtomicBool>,
-    /// The threads that compute.
-    pub pool: ThreadPool,
-    /// The interval at which what has been done is kept.
-    pub interval: Duration,
-    /// Whoever starts them.
-    pub host: Box<dyn Host>,
-}
-
-/// Most threads for each processor: more would wait for each other only.
-const THREADS_PER_PROCESSOR: usize = 8;
-
-/// The most threads that this machine has a use for, and its processors.
-pub(crate) fn most_threads() -> (usize, usize) {
-    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    (THREADS_PER_PROCESSOR * processors, processors)
-}
-
-/// A pool of that number of threads, as far as the machine has a use for them, or of one per core with 0.
-///
-/// # Errors
-/// [`Error::Threads`].
-pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, Error> {
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads.min(most_threads().0)).build()?)
-}
-
-/// One scene and where its result goes.
-pub(crate) struct Task<'a> {
-    /// The output, as the user names it.
-    pub output: &'a Path,
-    /// The lock on it.
-    pub lock: &'a OutputLock,
-    /// The policy for what is there already.
-    pub policy: OverwritePolicy,
-    /// The part of the scene that is computed, if not all of it.
-    pub part: Option<Part>,
-}
-
-impl Task<'_> {
-    /// The shard that the part is of.
-    pub fn shard(&self) -> Option<Shard> {
-        self.part.as_ref().map(|part| part.shard)
-    }
-
-    /// The batches of a scene that are computed.
-    fn batches(&self, scene: &Scene) -> Range<u64> {
-        self.part.as_ref().map_or(0..batches_of(scene.replicas), |part| part.batches.clone())
-    }
-}
-
-/// Computes a scene into its output; what it has found out, or none where the output was complete before.
-///
-/// # Errors
-/// [`Error`]; what has been done is kept next to the output, for a run that resumes it.
-pub(crate) fn run_scene(
-    scene: Scene,
-    laws: SceneLaws,
-    task: &Task<'_>,
-    session: &Session,
-    observer: &mut dyn Observer,
-) -> Result<Option<Box<Results>>, Error> {
-    let mut phases = Phases::new(observer);
-    let run = Run { scene: &scene, shard: task.shard() };
-    let mut curves = Curves::new(&scene, task.lock.folder());
-    let state = match beginning(task.lock, run, task.policy)? {
-        Beginning::Complete => return Ok(None),
-        Beginning::Anew => None,
-        Beginning::Resumed(found) => match &found.pieces[..] {
-            [piece] => {
-                found.read_curves(piece, &scene, &mut curves)?;
-                Some(found.state(piece, &scene)?)
-            }
-            _ => return Err(found.refused("is not of one scene").into()),
-        },
-    };
-    let kept = state.as_ref().map(|state| state.functionals.clone());
-    let asked = replicas_of(task.batches(&scene), scene.replicas);
-    let (done, of) =
-        (state.as_ref().map_or(0, |state| state.tree.replicas.len() as u64), asked.end - asked.start);
-    let interrupted = || {
-        let (kept, partial) = (done > 0, task.lock.partial());
-        let error = Error::Interrupted { done, of, kept };
-        if kept { Error::Kept { error: Box::new(error), replicas: done, partial } } else { error }
-    };
-    let ground = PreparedRun::new(scene, laws, kept, session, &mut phases).ok_or_else(interrupted)?;
-    let sampling = ground.sampling();
-    let summation = Arc::new(sampling.summation(&session.pool));
-    let batches = task.batches(&ground.scene);
-    let (mut keeper, start) = Keeper::begin((&ground, &summation), (task, session), state, batches, curves)?;
-    phases.replicas("ensemble", keeper.done, keeper.count);
-    keeper.phases = phases.seconds();
-    let observe = |batch: &Batch, merged: &mut ReductionTree| keeper.keep(batch, merged);
-    let outcome = sampling.run(&summation, (&session.pool, &session.stop), &mut phases, start, observe);
-    match outcome.map_err(|error| keeper.advised(error.into()))? {
-        Outcome::Complete(tree) => keeper.complete(tree, &mut phases).map(Some),
-        Outcome::Interrupted(mut tree) => {
-            keeper.save(&mut tree)?;
-            Err(keeper.interrupted())
-        }
-    }
-}
-
-/// What `work` gives on the threads of a session; nothing where that is interrupted meanwhile, and nobody waits for the work any
-/// more.
-fn unless_interrupted<T: Send + 'static>(
-    session: &Session,
-    work: impl FnOnce() -> T + Send + 'static,
-) -> Option<T> {
-    let (sender, receiver) = sync_channel(1);
-    session.pool.spawn(move || drop(sender.send(catch_unwind(AssertUnwindSafe(work)))));
-    loop {
-        match receiver.recv_timeout(LOOK) {
-            Ok(done) => return Some(done.unwrap_or_else(|panic| resume_unwind(panic))),
-            Err(_) if session.stop.load(Ordering::Relaxed) => return None,
-            Err(_) => {}
-        }
-    }
-}
 
 /// The laws of a scene.
 pub(crate) struct SceneLaws {
@@ -177,14 +37,14 @@ impl SceneLaws {
         })
     }
 
-    /// Makes the laws of a scene on the threads of a session.
+    /// Makes the laws of a scene on the workers.
     ///
     /// # Errors
     /// [`Error::Law`], [`Error::Interrupted`].
-    pub fn within(scene: &Scene, session: &Session) -> Result<Self, Error> {
+    pub fn within(scene: &Scene, workers: &Workers) -> Result<Self, Error> {
         // What a scene computes once, its clones have, too.
         let (own, of) = (scene.clone(), scene.replicas);
-        let laws = unless_interrupted(session, move || Self::new(&own));
+        let laws = workers.unless_interrupted(move || Self::new(&own));
         laws.unwrap_or(Err(Error::Interrupted { done: 0, of, kept: false }))
     }
 
@@ -200,27 +60,19 @@ impl SceneLaws {
             keep_curves: scene.curves,
         }
     }
+}
 
-    /// The laws of a scene, if there is room for computing this number of replicas for a task on this number
-    /// of threads.
-    ///
-    /// # Errors
-    /// [`Error::Law`], [`Error::TooLarge`], [`Error::Interrupted`].
-    pub fn fitting(
-        scene: &Scene,
-        replicas: u64,
-        task: &Task<'_>,
-        session: &Session,
-        threads: usize,
-    ) -> Result<Self, Error> {
-        let laws = Self::within(scene, session)?;
-        let estimate =
-            Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.view(), threads) };
-        // What an interrupted run has kept is on the disk already.
-        let begins = !task.lock.partial().exists();
-        let required = session.host.require(&estimate, begins.then_some(task.output));
-        required.map_err(Error::TooLarge).map(|()| laws)
-    }
+/// The functionals that an ensemble is tested with. They come from linear algebra whose last bits may differ
+/// between processors, so they are kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Functionals {
+    /// The functionals of the joint test.
+    pub basis: Basis,
+    /// Indices of the separations of the control variates.
+    pub controls: Vec<usize>,
+    /// The fewest replicas that the run may end with, for which they are: a run that ends at targets may end
+    /// with fewer than without them.
+    pub fewest_replicas: u64,
 }
 
 /// A scene with all that its ensemble is computed with and checked against.
@@ -238,16 +90,16 @@ pub(crate) struct PreparedRun {
 }
 
 impl PreparedRun {
-    /// Prepares a scene, with the functionals that have been kept of it, if any; none where the session is interrupted meanwhile.
+    /// Prepares a scene, with the functionals that have been kept of it, if any; none where it is interrupted meanwhile.
     pub fn new(
         scene: Scene,
         laws: SceneLaws,
         kept: Option<Functionals>,
-        session: &Session,
+        workers: &Workers,
         phases: &mut Phases<'_>,
     ) -> Option<Self> {
         phases.phase("integral");
-        let (scene, laws, integral, expected, mean_fields) = unless_interrupted(session, move || {
+        let (scene, laws, integral, expected, mean_fields) = workers.unless_interrupted(move || {
             let (law, cycle) = (laws.law.view(), laws.cycle.as_ref());
             let integral = Integral::new(&scene, law, cycle);
             let expected = integral.expected(&scene, law);
@@ -260,7 +112,7 @@ impl PreparedRun {
         let typical = laws.law.view().typical;
         let (warnings, yields) = (warnings(&scene, &scene.model, typical, &expected), expected.yields);
         phases.phase("test functionals");
-        let (scene, laws, integral, functionals) = unless_interrupted(session, move || {
+        let (scene, laws, integral, functionals) = workers.unless_interrupted(move || {
             let law = (laws.law.view(), laws.cycle.as_ref());
             let functionals = kept.unwrap_or_else(|| prepared(&scene, law, &integral));
             (scene, laws, integral, functionals)
@@ -281,7 +133,7 @@ impl PreparedRun {
         self.scene.stopping.as_ref().map(|stopping| Rule { stopping, expected: &self.expected })
     }
 
-    /// Results of the ensemble that has been merged, on the threads of a session and with the seconds of its
+    /// Results of the ensemble that has been merged, on the workers and with the seconds of its
     /// phases, and their model range, for which `most` replicas at most are computed by each of the other plastic contacts.
     ///
     /// # Errors
@@ -291,11 +143,11 @@ impl PreparedRun {
         tree: &mut ReductionTree,
         (summation, most): (&Arc<Summation>, u64),
         metadata: RunMetadata,
-        (session, phases): (&Session, &mut Phases<'_>),
+        (workers, phases): (&Workers, &mut Phases<'_>),
     ) -> Result<Results, Error> {
         phases.phase("cross-check");
-        let results = session.pool.install(|| self.results(tree, summation, metadata));
-        let model_range = match self.model_range(&results, most, (session, &mut *phases)) {
+        let results = workers.pool.install(|| self.results(tree, summation, metadata));
+        let model_range = match self.model_range(&results, most, (workers, &mut *phases)) {
             Ok(model_range) => model_range,
             Err(error) => {
                 tree.give_back(*results.ensemble);
@@ -303,7 +155,7 @@ impl PreparedRun {
             }
         };
         phases.end();
-        let (seconds, threads) = (phases.seconds(), session.pool.current_num_threads());
+        let (seconds, threads) = (phases.seconds(), workers.count());
         Ok(Results { model_range, seconds, threads, ..results })
     }
 
@@ -377,38 +229,4 @@ fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &I
     let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
     let controls = controls.into_iter().map(|place| first + place).collect();
     Functionals { basis, controls, fewest_replicas: scene.fewest_replicas() }
-}
-
-/// The state that the file of a partial result holds.
-pub(crate) struct Restart {
-    pub head: Head,
-    pub state: Vec<u8>,
-}
-
-/// Writes results, and of partial ones the state; `false` if it was interrupted before the file was complete,
-/// which then is not there. A shard without replicas has no datasets.
-pub(crate) fn write(
-    mut writer: Writer<'_>,
-    results: &Results,
-    restart: Option<Restart>,
-    curves: &mut Curves,
-    stop: &AtomicBool,
-) -> Result<bool, OutputError> {
-    write_head(&mut writer, results)?;
-    let has_replicas = results.scene.replicas > 0;
-    if has_replicas && results.scene.curves {
-        write_curves(&writer, &results.scene, curves, stop)?;
-    }
-    if stop.load(Ordering::Relaxed) {
-        return Ok(false);
-    }
-    // An empty part of an ensemble is not the integral alone.
-    if has_replicas || restart.is_none() {
-        write_results(&mut writer, results)?;
-    }
-    if let Some(Restart { head, state }) = restart {
-        write_restart(&writer, &head, std::iter::once(Ok(state)))?;
-    }
-    writer.finish()?;
-    Ok(true)
 }

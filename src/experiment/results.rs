@@ -1,5 +1,6 @@
 //! Results of a run, for the file and for the summary.
 
+use super::curves::Curves;
 use super::integral::{PathIntegral, resolving};
 use super::model_range::ModelRange;
 use crate::asperity::{FitReport, Laws, Loop, Quantity};
@@ -15,56 +16,77 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Everything that a run has found out.
-pub(crate) struct Results {
-    pub scene: Scene,
-    pub warnings: Vec<Warning>,
-    pub regimes: Vec<&'static str>,
+/// The results of a run.
+///
+/// # Examples
+/// ```
+/// use stiction::Results;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let results: Results = stiction::run(&scene)?;
+/// let pull_off = results.pull_off();
+/// println!("{:.3e} N ± {:.0e} N", pull_off.controlled_mean, pull_off.controlled_standard_error);
+/// assert_eq!(results.ensemble().replicas.len() as u64, scene.replicas);
+/// assert_eq!(results.joint_test().verdict.name(), "agree");
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub struct Results {
+    pub(crate) scene: Scene,
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) regimes: Vec<&'static str>,
     /// How good the fits are of a law that is one.
-    pub fit: Option<FitReport>,
-    pub expectations: Expectations,
+    pub(crate) fit: Option<FitReport>,
+    pub(crate) expectations: Expectations,
     /// The retraction of a loop; everything else that belongs to one path is of the approach.
-    pub retraction: Option<PathResults>,
+    pub(crate) retraction: Option<PathResults>,
     /// The integral of the second approach of a loop of several cycles.
-    pub reapproach: Option<Expectations>,
-    pub ensemble: Box<Ensemble>,
+    pub(crate) reapproach: Option<Expectations>,
+    pub(crate) ensemble: Box<Ensemble>,
     /// The reason for the number of replicas, if targets decided.
-    pub stopped: Option<Stopped>,
-    pub summation: Arc<Summation>,
-    pub basis: Basis,
+    pub(crate) stopped: Option<Stopped>,
+    pub(crate) summation: Arc<Summation>,
+    pub(crate) basis: Basis,
     /// Indices of the states of the control variates.
-    pub controls: Vec<usize>,
+    pub(crate) controls: Vec<usize>,
     /// Means of the scalars of the replicas, in the order of [`crate::engine::scalars`].
-    pub scalars: Vec<ControlledMean>,
+    pub(crate) scalars: Vec<ControlledMean>,
     /// Features of the one path, or of the approach: of [`PathResults`].
-    pub of_mean: Features,
-    pub of_integral: Features,
+    pub(crate) of_mean: Features,
+    pub(crate) of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
-    pub at_pull_off: Expectations,
+    pub(crate) at_pull_off: Expectations,
     /// Whether the asperities may be taken as independent there.
-    pub independence: Independence,
+    pub(crate) independence: Independence,
     /// Results by every plastic contact, where contacts yield.
-    pub model_range: Option<ModelRange>,
+    pub(crate) model_range: Option<ModelRange>,
     /// z-scores of adhesion force and external force, over the states.
-    pub z: [Vec<f64>; 2],
-    pub joint: JointTest,
+    pub(crate) z: [Vec<f64>; 2],
+    pub(crate) joint: JointTest,
     /// Mean-field results of coupled asperities, on each path; none of independent ones.
-    pub mean_fields: Vec<MeanField>,
+    pub(crate) mean_fields: Vec<MeanField>,
     /// The phases and the seconds that each took.
-    pub seconds: Vec<(&'static str, f64)>,
-    pub threads: usize,
-    pub metadata: RunMetadata,
+    pub(crate) seconds: Vec<(&'static str, f64)>,
+    pub(crate) threads: usize,
+    pub(crate) metadata: RunMetadata,
 }
 
-/// The course of a run, besides its results.
-#[derive(Default)]
+/// The course of a run, and what it has kept of its replicas.
 pub(crate) struct RunMetadata {
+    /// Curves of the replicas, where they are kept.
+    pub curves: Curves,
     /// The number of times that the run was resumed.
     pub resumptions: u64,
     /// Partial results that were written since it was, and the time that took.
     pub checkpoints: (u64, Duration),
     /// The replicas that are there, of a run that is not whole.
     pub partial: Option<Partial>,
+}
+
+impl RunMetadata {
+    /// The course of a run that has begun, and that nothing is kept of but its curves.
+    pub fn new(curves: Curves) -> Self {
+        Self { curves, resumptions: 0, checkpoints: (0, Duration::ZERO), partial: None }
+    }
 }
 
 /// The part of a run that is there.
@@ -121,44 +143,75 @@ impl PathResults {
 
 impl Results {
     /// Adds the seconds that the ensemble took before.
-    pub fn add_seconds(&mut self, before: f64) {
+    pub(crate) fn add_seconds(&mut self, before: f64) {
         let ensemble = self.seconds.iter_mut().filter(|(name, _)| *name == "ensemble");
         ensemble.for_each(|(_, seconds)| *seconds += before);
     }
 
     /// The names that datasets of each path begin with, and its states.
-    pub fn paths(&self) -> Vec<(&'static str, Range<usize>)> {
+    pub(crate) fn paths(&self) -> Vec<(&'static str, Range<usize>)> {
         let s = self.scene.separations.len();
         let prefixes = self.scene.ways().prefixes().enumerate();
         prefixes.map(|(way, prefix)| (prefix, way * s..(way + 1) * s)).collect()
     }
 
     /// The integral of each way.
-    pub fn integrals(&self) -> impl Iterator<Item = &Expectations> {
+    pub(crate) fn integrals(&self) -> impl Iterator<Item = &Expectations> {
         let retraction = self.retraction.as_ref().map(|retraction| &retraction.expectations);
         [&self.expectations].into_iter().chain(retraction).chain(&self.reapproach)
     }
 
-    /// The mean of a scalar over the replicas, by its name in [`scalars`].
+    /// The scene with the number of replicas that there are.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The pull-off force of the replicas, N: mean, standard error and 95 % interval, without and with
+    /// control variates; of a loop on retraction.
+    pub fn pull_off(&self) -> &ControlledMean {
+        self.scalar("pull_off_force").expect("every run has a pull-off")
+    }
+
+    /// The pull-off force of the integral, N.
+    pub fn pull_off_of_integral(&self) -> f64 {
+        -self.pulled().1.minimum.value
+    }
+
+    /// Whether the asperities may be taken as independent of each other.
+    pub fn independence(&self) -> &Independence {
+        &self.independence
+    }
+
+    /// The ensemble: mean curves over the separations, their standard deviations, and what is kept of every replica.
+    pub fn ensemble(&self) -> &Ensemble {
+        &self.ensemble
+    }
+
+    /// The test of the ensemble against the integral.
+    pub fn joint_test(&self) -> &JointTest {
+        &self.joint
+    }
+
+    /// The mean of a number that every replica has, by its name in [`scalars`](crate::engine::scalars).
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         let place = scalars(self.scene.ways()).position(|scalar| scalar.name == name)?;
         self.scalars.get(place)
     }
 
     /// Whether the pull-off force is quoted with control variates.
-    pub fn is_controlled(&self) -> bool {
+    pub(crate) fn is_controlled(&self) -> bool {
         !self.controls.is_empty() && self.scalars[0].variance_reduction().is_finite()
     }
 
     /// The mean pull-off force that is quoted, N.
-    pub fn pull_off_quoted(&self) -> f64 {
+    pub(crate) fn pull_off_quoted(&self) -> f64 {
         let own = &self.scalars[0];
         if self.is_controlled() { own.controlled_mean } else { own.mean }
     }
 
     /// Features of the mean curve and of the integral on the path on which the surfaces are pulled off:
     /// of a loop on retraction.
-    pub fn pulled(&self) -> (&Features, &Features) {
+    pub(crate) fn pulled(&self) -> (&Features, &Features) {
         self.retraction.as_ref().map_or((&self.of_mean, &self.of_integral), |retraction| {
             (&retraction.of_mean, &retraction.of_integral)
         })

@@ -1,18 +1,17 @@
 //! The ensemble of a scene under a law, and its cross-check.
 
-use super::Error;
 use super::observer::Phases;
+use super::workers::Workers;
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLoops};
 use crate::engine::{
     Batch, Bounds, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation,
     Ways, run_from,
 };
+use crate::error::{Error, OutputError};
 use crate::integral::Expectations;
-use crate::output::OutputError;
 use crate::scene::{self, Instability, Scene, Sums};
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, Draws, JointTest, basis_of_loop, basis_of_retraction, basis_to, z_scores};
-use std::sync::atomic::AtomicBool;
 
 /// The ensemble of a scene under a law.
 pub(crate) struct Sampling<'a> {
@@ -86,18 +85,23 @@ impl Sampling<'_> {
     pub fn run(
         &self,
         summation: &Summation,
-        (pool, stop): (&rayon::ThreadPool, &AtomicBool),
+        workers: &Workers,
         phases: &mut Phases<'_>,
         start: ReductionTree,
         mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), OutputError>,
     ) -> Result<Outcome, OutputError> {
         let job = Job { moments: summation.matrix.as_ref(), ..self.job() };
-        let outcome =
-            run_from(&job, pool, stop, Bounds { merged: start, rule: self.rule }, |batch, merged| {
+        let outcome = run_from(
+            &job,
+            &workers.pool,
+            &workers.stop,
+            Bounds { merged: start, rule: self.rule },
+            |batch, merged| {
                 observe(batch, merged)?;
                 phases.advance(batch.ensemble.replicas.len() as u64);
                 Ok::<(), OutputError>(())
-            })?;
+            },
+        )?;
         phases.end();
         Ok(outcome)
     }
@@ -109,12 +113,12 @@ impl Sampling<'_> {
     /// [`Error::Interrupted`].
     pub fn run_whole(
         &self,
-        (pool, stop): (&rayon::ThreadPool, &AtomicBool),
+        workers: &Workers,
         phases: &mut Phases<'_>,
         mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
     ) -> Result<(Box<ReductionTree>, Summation), Error> {
-        let (start, summation) = (ReductionTree::of(&self.job()), self.summation(pool));
-        match self.run(&summation, (pool, stop), phases, start, |batch, _| observe(batch))? {
+        let (start, summation) = (ReductionTree::of(&self.job()), self.summation(&workers.pool));
+        match self.run(&summation, workers, phases, start, |batch, _| observe(batch))? {
             Outcome::Complete(reduction_tree) => Ok((reduction_tree, summation)),
             Outcome::Interrupted(reduction_tree) => {
                 let done = reduction_tree.replicas.len() as u64;

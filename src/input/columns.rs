@@ -2,8 +2,9 @@
 //! asperities.
 
 use super::table::{Head, NoNumber, Table, decoded};
-use crate::output::asperities;
-use crate::output::guard::{self, fits, is_kind_of};
+use super::length;
+#[cfg(feature = "hdf5")]
+use crate::output::columns;
 use crate::scene::files::{Column, Files, MOST_VALUES, Measured, Values};
 use crate::scene::units::is_unit;
 use std::collections::HashMap;
@@ -70,7 +71,7 @@ impl Files for SceneFiles {
         let named = |problem: String| format!("the file {} {problem}", path.display());
         let read = |(path, column): &(PathBuf, Column)| match column {
             Column::Dataset(dataset) => {
-                numbers_of_dataset(path, dataset).map(|numbers| Values { numbers, unit: None })
+                columns::numbers_of_dataset(path, dataset).map(|numbers| Values { numbers, unit: None })
             }
             Column::Named(name) => self.of_table(path, Some(name), 0),
             Column::Numbered(number) => self.of_table(path, None, *number as usize - 1),
@@ -79,41 +80,30 @@ impl Files for SceneFiles {
     }
 
     fn asperities(&self, path: &str) -> Result<Measured, String> {
-        self.asperities.get(self.path(path), |path| measured(path))
+        self.asperities.get(self.path(path), |path| columns::measured(path))
     }
 }
 
-/// Measured asperities of a file.
-fn measured(path: &Path) -> Result<Measured, String> {
-    let file = asperities::read(path).map_err(|error| error.to_string())?;
-    Ok(Measured {
-        heights: file.heights,
-        radii: file.radii,
-        equivalent_radii: file.equivalent_radii,
-        positions: file.positions,
-        extent: file.extent,
-        nominal_area: file.nominal_area,
-        surface_height_std: file.m0.sqrt(),
-    })
-}
+/// Values in HDF5 files, without HDF5.
+#[cfg(not(feature = "hdf5"))]
+mod columns {
+    use crate::scene::files::Measured;
+    use std::path::Path;
 
-/// A dataset of numbers, whatever its shape.
-fn numbers_of_dataset(path: &Path, name: &str) -> Result<Vec<f64>, String> {
-    let length = guard::length(path)?;
-    let file = guard::open(path)?;
-    let dataset = guard::dataset(&file, name)?;
-    is_kind_of::<f64>(&dataset)
-        .and_then(|()| fits(&dataset, length))
-        .map_err(|problem| format!("has a dataset {name} that {problem}"))?;
-    if dataset.size() > MOST_VALUES {
-        return Err(format!("has {} values in {name}; at most {MOST_VALUES} are read", dataset.size()));
+    const ABSENT: &str = "is to be read as HDF5, which this build is without";
+
+    pub fn measured(path: &Path) -> Result<Measured, String> {
+        Err(format!("{}: {ABSENT}", path.display()))
     }
-    dataset.read_raw().map_err(|_| format!("has a dataset {name} that is damaged"))
+
+    pub fn numbers_of_dataset(_path: &Path, _name: &str) -> Result<Vec<f64>, String> {
+        Err(ABSENT.to_owned())
+    }
 }
 
 /// The text of a CSV file.
 fn table(path: &Path) -> Result<String, String> {
-    if guard::length(path)? > LONGEST {
+    if length(path)? > LONGEST {
         return Err(format!("is longer than {} MB", LONGEST >> 20));
     }
     decoded(std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?)
@@ -206,6 +196,7 @@ mod tests {
         assert_eq!(table(Path::new("/dev/zero")).unwrap_err(), "is not a regular file");
         let text = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(text.path(), named).unwrap();
-        assert_eq!(numbers_of_dataset(text.path(), "/x").unwrap_err(), "is not an HDF5 file");
+        #[cfg(feature = "hdf5")]
+        assert_eq!(columns::numbers_of_dataset(text.path(), "/x").unwrap_err(), "is not an HDF5 file");
     }
 }

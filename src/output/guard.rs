@@ -49,23 +49,6 @@ pub(super) fn write_access(builder: &mut FileAccessBuilder) -> &mut FileAccessBu
     access(builder).chunk_cache(0, 0, 1.0).sieve_buf_size(0)
 }
 
-/// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have
-/// no end.
-///
-/// # Errors
-/// The message says what the path is instead, or why it cannot be read.
-pub(crate) fn length(path: &Path) -> Result<u64, String> {
-    let metadata = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
-    if metadata.is_dir() {
-        return Err("is a folder; name a file in it".to_owned());
-    }
-    if !metadata.is_file() {
-        return Err("is not a regular file".to_owned());
-    }
-    std::fs::File::open(path).map_err(|error| format!("cannot be read: {error}"))?;
-    if metadata.len() == 0 { Err("is empty".to_owned()) } else { Ok(metadata.len()) }
-}
-
 /// An HDF5 file for reading, without a lock of its own: files are replaced as a whole here, and locks of
 /// readers hinder others.
 ///

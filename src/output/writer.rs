@@ -1,13 +1,15 @@
 //! Writing a result: under a temporary name next to the output, and under its own name only when it is
 //! complete.
 
+use super::OutputLock;
 use super::attributes::{write_number, write_numbers, write_text};
 use super::guard::write_access;
-use super::lock::made_anew;
+use super::kept::made_anew;
 use super::reader::Reader;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout, name_of_key};
-use super::{OutputError, OutputLock};
+use crate::error::OutputError;
+use crate::experiment::CURVE_CHUNK;
 use hdf5::plist::dataset_create::AllocTime;
 use hdf5::plist::file_create::FileCreateBuilder;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
@@ -16,8 +18,6 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use tempfile::TempPath;
 
-/// Replicas of a chunk of curves.
-pub const CURVE_CHUNK: usize = 64;
 /// Most numbers of a chunk of other datasets, and of several points.
 const CHUNK: usize = 1 << 17;
 const CHUNK_OF_POINTS: usize = 512;

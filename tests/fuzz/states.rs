@@ -4,7 +4,7 @@ use super::bytes::damaged;
 use super::common::program::{Folder, forge, small, text};
 use super::common::unlocked;
 use super::{ALLOCATOR, cases};
-use stiction::output::partial::{Head, State, decode};
+use stiction::output::kept::{Head, State, decode};
 
 /// Bytes that a state may take while it is read: for itself, and for each of its own. A list of lists of one
 /// byte each, 24 bytes and an allocation for every byte, is the worst.

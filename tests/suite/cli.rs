@@ -581,7 +581,7 @@ fn a_run_from_rust_is_that_of_the_command() {
     let means = unlocked::open(folder.path("scene.h5")).dataset("/ensemble/scalar_mean").unwrap();
     assert_eq!(means.read_raw::<f64>().unwrap()[0].to_bits(), result.pull_off().mean.to_bits());
     let error = result.write(folder.path("library.h5")).unwrap_err();
-    assert!(matches!(error, stiction::Error::Output(stiction::output::OutputError::Exists(_))), "{error}");
+    assert!(matches!(error, stiction::Error::Output(stiction::OutputError::Exists(_))), "{error}");
     assert_exit(&folder.stiction(&["validate", "library.h5"]), 0);
     let stop = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
     let stopped = stiction::builder(&scene).stop(stop).run();

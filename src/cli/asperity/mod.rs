@@ -10,7 +10,7 @@ use crate::asperity::Path as History;
 use crate::asperity::models::{Model, model};
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
-use crate::experiment::Error;
+use crate::error::Error;
 use crate::input::table::{Row, Table};
 use crate::scene::echo::shortened;
 use clap::Args;

@@ -1,9 +1,9 @@
 //! A result as a table: a row for each index of a dimension.
 
 use crate::asperity::PlasticContact;
-use crate::experiment::layouts::RUN;
+use crate::error::OutputError;
 use crate::experiment::model_range::ends;
-use crate::output::OutputError;
+use crate::output::layouts::RUN;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;

@@ -1,6 +1,6 @@
 //! A result as one JSON object.
 
-use crate::output::OutputError;
+use crate::error::OutputError;
 use crate::output::reader::{Reader, Stored};
 use serde::Serialize;
 use serde_json::{Map, Value, json};

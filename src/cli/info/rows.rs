@@ -1,7 +1,7 @@
 //! A result as rows: its attributes, the values of its datasets that have one or a few with names, and the shape
 //! of all others.
 
-use crate::output::OutputError;
+use crate::error::OutputError;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::Dimension;
 use crate::scene::echo::one_line;

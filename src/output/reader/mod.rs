@@ -55,7 +55,7 @@ impl Reader {
     /// [`OutputError::NotAResult`] with the reason.
     pub fn open(path: &Path, layouts: &[&'static Layout]) -> Result<Self, OutputError> {
         let not_a_result = |problem: String| OutputError::NotAResult { path: path.to_owned(), problem };
-        let length = guard::length(path).map_err(not_a_result)?;
+        let length = crate::input::length(path).map_err(not_a_result)?;
         let file = guard::open(path).map_err(not_a_result)?;
         let layout = layout(&file, length, layouts).map_err(not_a_result)?;
         Ok(Self { layout, file, path: path.to_owned(), length })

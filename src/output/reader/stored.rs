@@ -1,9 +1,10 @@
 //! Contents of a file as they are, whatever its layout says of them.
 
 use super::{Dataset, H5Type, Hyperslab, Reader, SliceOrIndex, lossy};
+use crate::error::OutputError;
 use crate::output::attributes::read_text;
 use crate::output::guard::{self, fits};
-use crate::output::{OutputError, schema};
+use crate::output::schema;
 use hdf5::Container;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use schema::{Dimension, name_of_key};

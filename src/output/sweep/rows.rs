@@ -1,0 +1,403 @@
+//! The points of a sweep put together into one result: the datasets of all, and their differences to the
+//! first.
+
+use super::points::Points;
+use super::stack::{self, stack};
+use crate::asperity::PlasticContact;
+use crate::engine::SCALARS;
+use crate::error::{Error, OutputError};
+use crate::experiment::model_range::ends;
+use crate::integral::Independence;
+use crate::math::interval::LEVEL;
+use crate::math::sums::SUM_ROUNDING;
+use crate::output::datasets::{read_independence, write_limits};
+use crate::output::head::{write_about, write_model};
+use crate::output::kept::{Head, Identity, scene_file, state_in, write_restart};
+use crate::output::layouts::{RUN, SWEEP};
+use crate::output::reader::Reader;
+use crate::output::writer::Writer;
+use crate::scene::{Mode, Scene, Sweep};
+use crate::validation::{Difference, SIGNIFICANCE, overall};
+use std::path::{Path, PathBuf};
+
+/// Computes the points and puts them together into the output: what each has to say, or none where the output
+/// was complete.
+///
+/// # Errors
+/// [`Error`]; points that are done are kept next to the output.
+pub(crate) fn run_sweep(points: &Points<'_>) -> Result<Option<Vec<SweepPoint>>, Error> {
+    points.require()?;
+    let identity = points.identity(points.sweep.source())?;
+    if !points.begin(&identity)? {
+        return Ok(None);
+    }
+    points.compute()?;
+    let rows = stacked(points, &identity, points.shard.is_some()).map_err(|error| points.kept(error))?;
+    points.clear()?;
+    Ok(Some(rows))
+}
+
+/// Puts the points together into the output, all that there are of a `partial` sweep: what each has to say.
+pub(crate) fn stacked(
+    points: &Points<'_>,
+    identity: &Identity,
+    partial: bool,
+) -> Result<Vec<SweepPoint>, Error> {
+    let scene = points.scene(0)?;
+    match assembled(points, &scene, identity, partial) {
+        Ok(Some(rows)) => Ok(rows),
+        Ok(None) => Err(Error::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
+        Err(error) => Err(Error::NotWritten(error.writing(points.lock.output()))),
+    }
+}
+
+/// One point of a sweep.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (source, output) = (folder.path().join("sweep.toml"), folder.path().join("sweep.h5"));
+/// use stiction::SweepPoint;
+///
+/// let sweep = r#"[sweep]
+/// "material.work_of_adhesion" = ["0.05 J/m^2", "0.09 J/m^2"]
+/// "#;
+/// let scene = std::fs::read_to_string("configs/quick.toml").unwrap();
+/// std::fs::write(&source, scene + sweep).unwrap();
+/// let points: Vec<SweepPoint> = stiction::sweep(&source, &output)?;
+/// let difference = points[1].differences[0];
+/// assert!(difference.mean > 10.0 * difference.standard_error, "more adhesion pulls harder");
+/// # Ok::<(), stiction::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SweepPoint {
+    /// Mean pull-off force over replicas and its standard error, N, with control variates where there are some; after the
+    /// largest preload that is reached, where there are preloads.
+    pub pull_off: [f64; 2],
+    /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
+    /// confidence; otherwise NaN.
+    pub most_differing: f64,
+    /// The preload that the pull-off follows, N; NaN without one.
+    pub preload: f64,
+    /// Share of the replicas that hold harder than the restoring force of the device; NaN without one.
+    pub stuck_probability: f64,
+    /// The smallest and the largest by any plastic contact of that probability, or of the pull-off force, N, where there is
+    /// no device; NaN where no contacts yield.
+    pub model_range: [f64; 2],
+    /// Pull-off force of the integral, N.
+    pub integral: f64,
+    /// Difference of each of the [`SCALARS`] to the first point.
+    pub differences: [Difference; 4],
+    /// The p-value of the joint test.
+    pub p_value: f64,
+    /// Whether its asperities may be taken as independent; none where the point is not there.
+    pub independence: Option<Independence>,
+}
+
+impl SweepPoint {
+    /// A point that is not there.
+    const ABSENT: Self = Self {
+        pull_off: [f64::NAN; 2],
+        most_differing: f64::NAN,
+        preload: f64::NAN,
+        stuck_probability: f64::NAN,
+        model_range: [f64::NAN; 2],
+        integral: f64::NAN,
+        differences: [Difference::UNKNOWN; 4],
+        p_value: f64::NAN,
+        independence: None,
+    };
+}
+
+/// Puts the points together into the output; none when it was interrupted.
+fn assembled(
+    points: &Points<'_>,
+    scene: &Scene,
+    identity: &Identity,
+    partial: bool,
+) -> Result<Option<Vec<SweepPoint>>, OutputError> {
+    let sweep = points.sweep;
+    let files = points.files();
+    let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
+    let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
+    write_axes(&mut writer, sweep)?;
+    write_head(&writer, scene, identity)?;
+    if partial {
+        writer.number("/", "partial", 1_u8)?;
+    }
+    let goes_on = || !points.session.workers.is_stopped();
+    if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
+        return Ok(None);
+    }
+    let has_replicas = scene.replicas > 0;
+    let first = files[0].as_deref().filter(|_| has_replicas).map(Compared::read).transpose()?;
+    let (mut rows, mut warned) = (Vec::with_capacity(files.len()), Vec::new());
+    for (point, file) in files.iter().enumerate() {
+        if !goes_on() {
+            return Ok(None);
+        }
+        rows.push(match file {
+            Some(file) => {
+                if sweep.is_left_dry(point) {
+                    add(&mut warned, point, DRY);
+                }
+                warn(&mut warned, point, file)?;
+                match has_replicas {
+                    true => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
+                    false => of_integral(file)?,
+                }
+            }
+            None => SweepPoint::ABSENT,
+        });
+    }
+    if points.shard.is_some() {
+        write_states(&writer, points, identity, &files)?;
+    }
+    writer.text("/", "warnings", &joined(sweep, &warned))?;
+    if has_replicas {
+        write_comparison(&writer, &rows)?;
+    }
+    writer.finish()?;
+    Ok(Some(rows))
+}
+
+/// Writes what all points have in common.
+fn write_head(writer: &Writer<'_>, scene: &Scene, identity: &Identity) -> Result<(), OutputError> {
+    write_about(writer, scene, &identity.scene)?;
+    write_model(writer, scene, identity.seed)?;
+    if let Some(stopping) = &scene.stopping {
+        writer.number("/", "min_replicas", stopping.min_replicas)?;
+        writer.number("/", "max_replicas", stopping.max_replicas)?;
+    }
+    write_limits(writer)
+}
+
+/// Writes the differences of the points to the first, and the verdict on all of them.
+fn write_comparison(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {
+    write_differences(writer, rows)?;
+    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    writer.number("/ensemble", "interval_level", LEVEL)?;
+    writer.number("/validation", "significance", SIGNIFICANCE)?;
+    writer.text("/validation", "correction", "Holm")?;
+    writer.text("/validation", "overall_verdict", overall(&p_values).name())
+}
+
+/// Writes the states of the points of a shard.
+fn write_states(
+    writer: &Writer<'_>,
+    points: &Points<'_>,
+    identity: &Identity,
+    files: &[Option<PathBuf>],
+) -> Result<(), OutputError> {
+    let there = || files.iter().enumerate().filter_map(|(point, file)| Some((point, file.as_deref()?)));
+    let head = Head {
+        identity: identity.clone(),
+        scene_file: scene_file(points.source),
+        points: there().map(|(point, _)| point as u64).collect(),
+    };
+    write_restart(writer, &head, there().map(|(_, file)| state_in(file)))
+}
+
+/// The finding of points whose law knows no liquid, of a scene that has one.
+pub(crate) const DRY: &str = "knows no liquid: computed as dry";
+
+/// Findings of the points, and the points that have them.
+type Warned = Vec<(String, Vec<usize>)>;
+
+/// Adds what a point warns of.
+fn warn(warned: &mut Warned, point: usize, file: &Path) -> Result<(), OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    for finding in reader.optional_text("/", "warnings")?.unwrap_or_default().lines() {
+        add(warned, point, finding);
+    }
+    Ok(())
+}
+
+fn add(warned: &mut Warned, point: usize, finding: &str) {
+    match warned.iter_mut().find(|(known, _)| known == finding) {
+        Some((_, points)) => points.push(point),
+        None => warned.push((finding.to_owned(), vec![point])),
+    }
+}
+
+/// Warnings of the points, a line each, with the points that give them.
+fn joined(sweep: &Sweep, warned: &Warned) -> String {
+    let line = |(finding, points): &(String, Vec<usize>)| match points.len() {
+        1 => format!("{finding} (at {})", sweep.assignments(points[0])),
+        count if count == sweep.count() => format!("{finding} (at all points)"),
+        count => {
+            format!(
+                "{finding} (at {count} of {} points, first at {})",
+                sweep.count(),
+                sweep.assignments(points[0])
+            )
+        }
+    };
+    warned.iter().map(line).collect::<Vec<String>>().join("\n")
+}
+
+/// Writes the dimensions of the points: one for each key, or one for all.
+fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError> {
+    let keys: Vec<&str> = sweep.axes.iter().map(|axis| axis.key.name).collect();
+    writer.text("/", "sweep_keys", &keys.join(", "))?;
+    writer.text("/", "sweep_mode", sweep.mode.name())?;
+    writer.number("/", "points", sweep.count() as u64)?;
+    writer.number("/", "common_random_numbers", u8::from(sweep.common_random_numbers))?;
+    if sweep.mode == Mode::Zip {
+        let points: Vec<u64> = (0..sweep.count() as u64).collect();
+        writer.point_scale("point", "1", &SWEEP.variable("/point").long_name, &points);
+    }
+    for axis in &sweep.axes {
+        let (key, values) = (axis.key, &axis.values);
+        let units = key.dimension.map_or("1", |dimension| dimension.file_units());
+        match sweep.mode {
+            Mode::Grid => writer.point_scale(key.name, units, &key.meaning(), values),
+            Mode::Zip => writer.point_coordinate(key.name, units, &key.meaning(), values),
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a point that are compared.
+struct Compared {
+    /// The values of each of the [`SCALARS`] for all replicas.
+    values: [Vec<f64>; 4],
+    /// The most that rounding may make of each: of a force its share of F_s + P, of a secant that share at
+    /// both ends of the span, and of a separation a few units in its last place.
+    rounding: [f64; 4],
+}
+
+impl Compared {
+    fn read(file: &Path) -> Result<Self, OutputError> {
+        let reader = Reader::open(file, &[&RUN])?;
+        let read = |path: &str| reader.values::<f64>(path);
+        let span: f64 = reader.number("/", "stiffness_span")?;
+        let is_loop = reader.optional_text("/", "history")?.as_deref() == Some("loop");
+        let mut values: [Vec<f64>; 4] = Default::default();
+        for (values, scalar) in values.iter_mut().zip(SCALARS) {
+            *values = read(&format!("/replicas/{}", scalar.name))?;
+        }
+        let way = if is_loop { "retraction_" } else { "" };
+        let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
+        let [adhesion, contact, external] = ["adhesion_force", "contact_force", "external_force"].map(curve);
+        let (adhesion, contact, external) = (adhesion?, contact?, external?);
+        let separations = read(RUN.coordinate("separation"))?;
+        // The load of the mean surface at or before the nearest place of any replica: it falls with the
+        // separation.
+        let load = |nearest: f64| {
+            let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
+            let beside = (contact[before] - adhesion[before] - external[before]).abs();
+            adhesion[before] + contact[before] + beside
+        };
+        let nearest = |places: &[f64]| places.iter().copied().fold(f64::INFINITY, f64::min);
+        let of_place = 4.0 * f64::EPSILON * separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        let of_force = SUM_ROUNDING * load(nearest(&values[1]));
+        let of_secant = 2.0 * SUM_ROUNDING * load(nearest(&values[3]) - 0.5 * span) / span;
+        Ok(Self { values, rounding: [of_force, of_place, of_secant, of_place] })
+    }
+
+    /// The number of replicas.
+    fn replicas(&self) -> u64 {
+        self.values[0].len() as u64
+    }
+
+    /// The difference of each scalar to the scalar of the first point.
+    fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
+        std::array::from_fn(|i| {
+            let rounding = first.rounding[i] + self.rounding[i];
+            Difference::new(&first.values[i], &self.values[i], group, common, rounding)
+        })
+    }
+}
+
+/// The row of a point of the integral alone.
+fn of_integral(file: &Path) -> Result<SweepPoint, OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    Ok(SweepPoint {
+        integral: reader.number("/integral", "pull_off_force")?,
+        independence: Some(read_independence(&reader)?),
+        ..SweepPoint::ABSENT
+    })
+}
+
+/// The row of a point, with differences to the replicas of the first. Only where all replicas of both are
+/// there they are compared; with targets, which end each point by itself, the replicas that both have.
+fn compared(
+    file: &Path,
+    first: Option<&Compared>,
+    scene: &Scene,
+    common: bool,
+) -> Result<SweepPoint, OutputError> {
+    let own = Compared::read(file)?;
+    let reader = Reader::open(file, &[&RUN])?;
+    let group = scene.sampling.group() as usize;
+    let are_whole = |point: &Compared| scene.stopping.is_some() || point.replicas() == scene.replicas;
+    let first = first.filter(|first| are_whole(first) && are_whole(&own));
+    let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
+    let of_loop = SweepPoint {
+        pull_off: [
+            of_pull_off("/ensemble/scalar_controlled_mean")?,
+            of_pull_off("/ensemble/scalar_controlled_standard_error")?,
+        ],
+        most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
+        stuck_probability: stuck(&reader, "stuck_probability", 0)?,
+        model_range: model_range(&reader, ["pull_off_force", "stuck_probability"], 0)?,
+        differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
+        p_value: reader.number("/validation", "p_value")?,
+        ..of_integral(file)?
+    };
+    after_largest_preload(of_loop, &reader)
+}
+
+/// A probability of a device; NaN without one.
+fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> {
+    let path = format!("/device/{name}");
+    if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
+}
+
+/// The range over plastic contacts of the last of these datasets that a run has, at a place of its other dimension; NaN
+/// without any.
+fn model_range(reader: &Reader, names: [&str; 2], place: usize) -> Result<[f64; 2], OutputError> {
+    let paths = names.map(|name| format!("/model_range/{name}"));
+    let Some(path) = paths.iter().rfind(|path| reader.has(path)) else { return Ok([f64::NAN; 2]) };
+    let values = reader.values::<f64>(path)?;
+    Ok(ends(&values, values.len() / PlasticContact::ALL.len()).map(|end| end[place]))
+}
+
+/// A point with the pull-off after the largest preload that is reached, where there are preloads: none where none is reached.
+fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPoint, OutputError> {
+    if !reader.has("/instability/pull_off_after_preload_mean") {
+        return Ok(of_loop);
+    }
+    let of = |name: &str| reader.values::<f64>(&format!("/instability/{name}"));
+    let preloads = of("preload")?;
+    let (means, errors) = (of("pull_off_after_preload_mean")?, of("pull_off_after_preload_standard_error")?);
+    let counts = reader.values::<u64>("/instability/preload_reached_count")?;
+    let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
+    let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
+    let Some(i) = largest else {
+        let none = [f64::NAN; 2];
+        return Ok(SweepPoint { pull_off: none, stuck_probability: f64::NAN, model_range: none, ..of_loop });
+    };
+    let names = ["pull_off_after_preload", "stuck_probability_after_preload"];
+    Ok(SweepPoint {
+        model_range: model_range(reader, names, i)?,
+        pull_off: [means[i], errors[i]],
+        preload: preloads[i],
+        stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,
+        ..of_loop
+    })
+}
+
+fn write_differences(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {
+    for (i, scalar) in SCALARS.into_iter().enumerate() {
+        let write = |name: &str, of: fn(&Difference) -> f64| {
+            let values: Vec<f64> = rows.iter().map(|row| of(&row.differences[i])).collect();
+            writer.over_points(&format!("/differences/{}_{name}", scalar.name), &values)
+        };
+        write("mean", |difference| difference.mean)?;
+        write("standard_error", |difference| difference.standard_error)?;
+        write("variance_ratio", |difference| difference.variance_ratio)?;
+    }
+    Ok(())
+}

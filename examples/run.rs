@@ -7,16 +7,16 @@ fn main() -> Result<(), Error> {
     let mut arguments = std::env::args().skip(1);
     let scene = arguments.next().unwrap_or_else(|| "configs/case_ii.toml".to_owned());
     let scene = Scene::from_toml_file(scene)?;
-    let result = stiction::run(&scene)?;
-    let pull_off = result.pull_off();
+    let results = stiction::run(&scene)?;
+    let pull_off = results.pull_off();
     println!("pull-off {:.4e} N, standard error {:.1e} N", pull_off.mean, pull_off.standard_error);
     println!(
         "of the integral {:.4e} N: {}",
-        result.pull_off_of_integral(),
-        result.joint_test().verdict.name()
+        results.pull_off_of_integral(),
+        results.joint_test().verdict.name()
     );
     match arguments.next() {
-        Some(output) => result.write(output),
+        Some(output) => results.write(output),
         None => Ok(()),
     }
 }

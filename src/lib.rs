@@ -7,18 +7,21 @@
 //! # let folder = tempfile::tempdir().unwrap();
 //! # let output = folder.path().join("quick.h5");
 //! let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-//! let result = stiction::run(&scene)?;
-//! println!("{:.3e} N", result.pull_off().mean);
-//! result.write(&output)?;
+//! let results = stiction::run(&scene)?;
+//! println!("{:.3e} N", results.pull_off().mean);
+//! results.write(&output)?;
 //! # Ok::<(), stiction::Error>(())
 //! ```
 //!
 //! # What there is
 //! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`, and [`integrate`]
-//! the integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`]
-//! reads scenes, and [`output`] reads files of results back.
+//! the integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside.
 //!
-//! Parts that know no scene are there by themselves:
+//! An experiment goes one way, and so do the modules, each of which knows only what stands before it:
+//! a [`scene`] is read and prepared (its laws, its integral), its ensemble is summed, [`Results`] follow from both, [`output`]
+//! writes and reads them, and the program says them in words. No module but `output` and the program knows HDF5.
+//!
+//! Parts that know no scene can be used alone:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;
 //! - [`background`]: van der Waals and electrostatic attraction of the mean planes;
@@ -39,8 +42,7 @@
 //! # Features
 //! All are on by default.
 //! - `cli`: the program `stiction`;
-//! - `hdf5`: scenes, experiments on them and files of results. Without it laws, surfaces, integrals,
-//!   ensembles and their checks are there, and no C compiler is needed;
+//! - `hdf5`: files of results, and values of scenes in HDF5 files. Without it no C compiler is needed;
 //! - `static`: libhdf5 and zlib are built from source; without it those of the system are used.
 
 // The command line alone uses some of what experiments have.

@@ -2,7 +2,7 @@
 
 use super::rows::{labelled, row};
 use crate::experiment::Results;
-use crate::experiment::sampling::loading;
+use crate::experiment::ensemble::loading;
 use crate::experiment::snaps::{Counts, Snaps};
 use crate::format::si;
 use crate::integral::substrate_stiffness;

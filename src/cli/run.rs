@@ -8,7 +8,7 @@ use super::session::Session;
 use super::summary::summary;
 use super::terminal::{complete_before, print_of};
 use super::{shard, sweep};
-use crate::experiment::sampling::set_ensemble;
+use crate::experiment::ensemble::set_ensemble;
 use crate::output::OutputLock;
 use crate::scene::Document;
 

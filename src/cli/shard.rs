@@ -8,7 +8,7 @@ use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::{Shard, batches_of};
-use crate::experiment::sampling::set_ensemble;
+use crate::experiment::ensemble::set_ensemble;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
 use crate::output::kept::{PartialFile, Piece};

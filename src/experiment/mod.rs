@@ -4,13 +4,14 @@
 pub(crate) mod capillary;
 pub(crate) mod coupling;
 mod curves;
+pub(crate) mod ensemble;
 pub(crate) mod integral;
 pub(crate) mod model_range;
 mod observer;
 mod prepared;
 pub(crate) mod results;
 mod run;
-pub(crate) mod sampling;
+
 pub(crate) mod snaps;
 mod workers;
 

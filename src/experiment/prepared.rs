@@ -2,9 +2,9 @@
 
 use super::Phases;
 use super::coupling::mean_fields;
+use super::ensemble::{Sampling, basis_of, cross_check};
 use super::integral::{Integral, PathIntegral};
 use super::results::{PathResults, Results, RunMetadata, Stopped};
-use super::sampling::{Sampling, basis_of, cross_check};
 use super::snaps::missed_preloads;
 use super::workers::Workers;
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};

@@ -1,7 +1,7 @@
 //! Snaps of the replicas of a run: counts, probabilities, pull-off after preloads.
 
+use super::ensemble::loading;
 use super::results::Results;
-use super::sampling::loading;
 use crate::engine::instability::{Snap, Turn};
 use crate::engine::{Ensemble, Loading};
 use crate::format::si;

@@ -1,8 +1,8 @@
 //! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured
 //! asperities.
 
-use super::table::{Head, NoNumber, Table, decoded};
 use super::length;
+use super::table::{Head, NoNumber, Table, decoded};
 #[cfg(feature = "hdf5")]
 use crate::output::columns;
 use crate::scene::files::{Column, Files, MOST_VALUES, Measured, Values};

@@ -8,7 +8,7 @@
 use crate::engine::{Shard, batches_of};
 use crate::error::{Error, OutputError};
 use crate::estimate::Estimate;
-use crate::experiment::sampling::set_ensemble;
+use crate::experiment::ensemble::set_ensemble;
 use crate::experiment::{Observer, SceneLaws};
 use crate::output::kept::{
     Identity, Kept, OutputLock, OverwritePolicy, PARTIAL, PartialFile, beside, is_result_of,

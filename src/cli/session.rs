@@ -9,8 +9,8 @@ use super::terminal::note;
 use crate::estimate::Estimate;
 use crate::experiment::{Observer, Workers};
 use crate::output::OutputLock;
-use crate::output::run::{self, Host};
 use crate::output::sweep::Points;
+use crate::output::task::{self, Host};
 use crate::scene::Sweep;
 use anyhow::Context;
 use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
@@ -27,7 +27,7 @@ pub(super) const INTERRUPTED: i32 = 130;
 
 /// A session: all that the runs of a command have in common.
 pub(super) struct Session {
-    shared: run::Session,
+    shared: task::Session,
     /// The form in which progress is shown.
     pub display: Display,
 }
@@ -38,15 +38,15 @@ impl Session {
         let stop = interruption()?;
         let display = execution.display();
         let (workers, host) = (Workers::new(execution.threads(), stop)?, Box::new(Terminal { display }));
-        let shared = run::Session { workers, interval, host };
+        let shared = task::Session { workers, interval, host };
         Ok(Self { shared, display })
     }
 }
 
 impl Deref for Session {
-    type Target = run::Session;
+    type Target = task::Session;
 
-    fn deref(&self) -> &run::Session {
+    fn deref(&self) -> &task::Session {
         &self.shared
     }
 }

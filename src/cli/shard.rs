@@ -12,8 +12,8 @@ use crate::experiment::ensemble::set_ensemble;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
 use crate::output::kept::{PartialFile, Piece};
-use crate::output::run::{Part, Task};
 use crate::output::sweep::{Points, run_sweep};
+use crate::output::task::{Part, Task};
 use crate::scene::{Document, Scene, Sweep};
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use super::rows::{labelled, paragraph};
 use crate::asperity::{Path, Quantity};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
-use crate::experiment::model_range::OfContact;
+use crate::experiment::results::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
 use crate::format::{duration, percent, percents, si, si_all, si_to, si_with_error};

@@ -11,41 +11,13 @@
 
 use super::Phases;
 use super::prepared::{PreparedRun, SceneLaws};
-use super::results::Results;
+use super::results::{ModelRange, OfContact, PullOff, Results};
 use super::snaps::Snaps;
 use super::workers::Workers;
 use crate::asperity::PlasticContact;
 use crate::engine::{Ensemble, scalars};
 use crate::error::Error;
 use crate::scene::Scene;
-
-/// Results by every plastic contact.
-pub(crate) struct ModelRange {
-    /// Replicas of every contact but the run's own.
-    pub replicas: u64,
-    /// The contacts, in the order of [`PlasticContact::ALL`].
-    pub contacts: Vec<OfContact>,
-}
-
-/// Results by one plastic contact.
-pub(crate) struct OfContact {
-    pub contact: PlasticContact,
-    /// Of the whole path, or of the whole loop.
-    pub whole: PullOff,
-    /// After each preload.
-    pub after_preload: Vec<PullOff>,
-    /// The mean energy that a cycle dissipates, J; NaN without a loop.
-    pub dissipated_energy: f64,
-}
-
-/// The pull-off by one plastic contact.
-#[derive(Clone, Copy)]
-pub(crate) struct PullOff {
-    /// Mean force, N; NaN where nothing pulls.
-    pub force: f64,
-    /// Probability that it is above the restoring force of the device; NaN without one.
-    pub stuck: f64,
-}
 
 /// The number of replicas of a run over the number that every other contact computes.
 const SHARE: u64 = 5;

@@ -2,8 +2,7 @@
 
 use super::curves::Curves;
 use super::integral::{PathIntegral, resolving};
-use super::model_range::ModelRange;
-use crate::asperity::{FitReport, Laws, Loop, Quantity};
+use crate::asperity::{FitReport, Laws, Loop, PlasticContact, Quantity};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
@@ -216,6 +215,34 @@ impl Results {
             (&retraction.of_mean, &retraction.of_integral)
         })
     }
+}
+
+/// Results by every plastic contact.
+pub(crate) struct ModelRange {
+    /// Replicas of every contact but the run's own.
+    pub replicas: u64,
+    /// The contacts, in the order of [`PlasticContact::ALL`].
+    pub contacts: Vec<OfContact>,
+}
+
+/// Results by one plastic contact.
+pub(crate) struct OfContact {
+    pub contact: PlasticContact,
+    /// Of the whole path, or of the whole loop.
+    pub whole: PullOff,
+    /// After each preload.
+    pub after_preload: Vec<PullOff>,
+    /// The mean energy that a cycle dissipates, J; NaN without a loop.
+    pub dissipated_energy: f64,
+}
+
+/// The pull-off by one plastic contact.
+#[derive(Clone, Copy)]
+pub(crate) struct PullOff {
+    /// Mean force, N; NaN where nothing pulls.
+    pub force: f64,
+    /// Probability that it is above the restoring force of the device; NaN without one.
+    pub stuck: f64,
 }
 
 /// The reason for the number of replicas of an ensemble.

@@ -9,18 +9,20 @@ pub(crate) mod attributes;
 pub mod check;
 pub(crate) mod columns;
 pub(crate) mod datasets;
+mod file;
 pub(crate) mod guard;
-mod head;
 #[doc(hidden)]
 pub mod kept;
 pub mod layouts;
+pub(crate) mod merge;
 #[doc(hidden)]
 pub mod reader;
-pub(crate) mod run;
+mod run;
 mod scales;
 #[doc(hidden)]
 pub mod schema;
 pub(crate) mod sweep;
+pub(crate) mod task;
 #[doc(hidden)]
 pub mod watch;
 #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! Results by every plastic contact, where contacts yield.
 
 use super::{Dataset, Results, path};
-use crate::experiment::model_range::{OfContact, PullOff};
+use crate::experiment::results::{OfContact, PullOff};
 use crate::output::schema::Dimension::{self, PlasticContact, Preload};
 use crate::output::writer::Writer;
 

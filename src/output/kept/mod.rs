@@ -1,13 +1,12 @@
 //! What is kept of an interrupted or divided experiment: a file of results in the layout of the whole, which says what is missing.
 //!
 //! [`lock`] has all rules about an output; [`identity`] says which run a file is of; [`partial`] reads and writes the files, and
-//! [`state`] the bytes that they hold in addition. [`keeper`] writes one while a run goes, and [`merge`] puts the shards of a
-//! [`shard_set`] together.
+//! [`state`] the bytes that they hold in addition. [`keeper`] writes one while a run goes, and a [`shard_set`] is the
+//! shards that make up a run.
 
 mod identity;
 mod keeper;
 mod lock;
-mod merge;
 mod partial;
 mod shard_set;
 mod state;
@@ -17,9 +16,9 @@ pub(super) use keeper::Keeper;
 pub(super) use lock::made_anew;
 pub(crate) use lock::{Kept, OverwritePolicy};
 pub use lock::{OutputLock, PARTIAL, beside};
-pub(crate) use merge::Merge;
 pub(super) use partial::{KeptRun, is_result_of, scene_file, state_in, write_restart};
 pub(crate) use partial::{PartialFile, Piece};
+pub(super) use shard_set::Place;
 pub(crate) use shard_set::ShardSet;
 pub(super) use state::Restart;
 pub use state::{Head, RESTART, State, decode};

@@ -9,7 +9,7 @@ pub use rows::SweepPoint;
 pub(crate) use rows::{DRY, run_sweep, stacked};
 
 use super::kept::{OutputLock, OverwritePolicy};
-use super::run::Session;
+use super::task::Session;
 use crate::error::{Error, OutputError};
 use crate::input::columns::SceneFiles;
 use crate::scene::{Document, Scene};

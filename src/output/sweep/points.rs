@@ -14,7 +14,7 @@ use crate::output::kept::{
     Identity, Kept, OutputLock, OverwritePolicy, PARTIAL, PartialFile, beside, is_result_of,
 };
 use crate::output::layouts::{RUN, SWEEP};
-use crate::output::run::{Part, Session, Task};
+use crate::output::task::{Part, Session, Task};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
 use std::ffi::OsString;

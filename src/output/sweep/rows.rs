@@ -11,7 +11,7 @@ use crate::integral::Independence;
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::datasets::{read_independence, write_limits};
-use crate::output::head::{write_about, write_model};
+use crate::output::file::{write_about, write_model};
 use crate::output::kept::{Head, Identity, scene_file, state_in, write_restart};
 use crate::output::layouts::{RUN, SWEEP};
 use crate::output::reader::Reader;

@@ -1,18 +1,16 @@
 //! The shards of a run put together into the result of one run of all.
 
-use super::identity::Identity;
-use super::partial::{KeptRun, PartialFile};
-use super::shard_set::{Place, ShardSet};
-use super::state::State;
+use super::file::write;
+use super::kept::{Identity, KeptRun, PartialFile, Place, ShardSet, State};
+use super::layouts::RUN;
+use super::sweep::{Points, SweepPoint, stacked};
+use super::task::{Session, Task};
+use super::writer::Writer;
 use crate::engine::{Job, ReductionTree};
 use crate::error::Error;
 use crate::experiment::ensemble::set_ensemble;
 use crate::experiment::results::{Partial, RunMetadata};
 use crate::experiment::{Curves, Functionals, Observer, Phases, PreparedRun, Results};
-use crate::output::layouts::RUN;
-use crate::output::run::{Session, Task, write};
-use crate::output::sweep::{Points, SweepPoint, stacked};
-use crate::output::writer::Writer;
 use crate::scene::Scene;
 use std::sync::Arc;
 

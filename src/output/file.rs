@@ -1,16 +1,60 @@
-//! A run's results under the names of the file layout.
+//! The results of a run in its file, under the names of the layout.
 
-use super::datasets::PULL_OFF_QUANTILES;
+use super::datasets::{PULL_OFF_QUANTILES, RUN, write_results};
+use super::kept::{OutputLock, Restart, write_restart};
 use crate::engine::{QUANTILES, Ways, scalars};
-use crate::error::OutputError;
+use crate::error::{Error, OutputError};
 use crate::experiment::Results;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::Writer;
 use crate::scene::{Scene, findings, listed};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+impl Results {
+    /// Writes them into a new HDF5 file, which appears when it is complete.
+    ///
+    /// # Errors
+    /// [`Error::Output`] when the file exists, [`Error::NotWritten`] when it cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let output = path.as_ref();
+        let lock = OutputLock::new(output, &[])?;
+        lock.check(false)?;
+        let written = Writer::create(&RUN, &lock, false)
+            .and_then(|writer| write(writer, self, None, &AtomicBool::new(false)));
+        written.map(drop).map_err(|error| Error::NotWritten(error.writing(output)))
+    }
+}
+
+/// Writes results, and of partial ones the state; `false` if it was interrupted before the file was complete,
+/// which then is not there. A shard without replicas has no datasets.
+pub(super) fn write(
+    mut writer: Writer<'_>,
+    results: &Results,
+    restart: Option<Restart>,
+    stop: &AtomicBool,
+) -> Result<bool, OutputError> {
+    write_head(&mut writer, results)?;
+    let has_replicas = results.scene.replicas > 0;
+    if has_replicas && results.scene.curves {
+        write_curves(&writer, results, stop)?;
+    }
+    if stop.load(Ordering::Relaxed) {
+        return Ok(false);
+    }
+    // An empty part of an ensemble is not the integral alone.
+    if has_replicas || restart.is_none() {
+        write_results(&mut writer, results)?;
+    }
+    if let Some(Restart { head, state }) = restart {
+        write_restart(&writer, &head, std::iter::once(Ok(state)))?;
+    }
+    writer.finish()?;
+    Ok(true)
+}
+
 /// Writes what is computed, and the dimensions.
-pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Results { scene, basis, controls, regimes, .. } = results;
     write_scene(writer, scene)?;
     writer.text("/", "warnings", &findings(&results.warnings))?;
@@ -56,11 +100,7 @@ pub(crate) fn curve_paths(ways: Ways) -> Vec<String> {
 }
 
 /// Writes the curves of all replicas, unless it is stopped.
-pub(crate) fn write_curves(
-    writer: &Writer<'_>,
-    results: &Results,
-    stop: &AtomicBool,
-) -> Result<(), OutputError> {
+fn write_curves(writer: &Writer<'_>, results: &Results, stop: &AtomicBool) -> Result<(), OutputError> {
     let scene = &results.scene;
     let (paths, s, mut written) = (curve_paths(scene.ways()), scene.separations.len(), 0);
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
@@ -109,14 +149,14 @@ fn write_cycles(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
 }
 
 /// Writes the parameters that say by which models the asperities can be described.
-pub(crate) fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
     writer.number("/", "asperity_plasticity_index", scene.plasticity_index())?;
     writer.number("/", "plasticity_index", scene.surface_plasticity_index())
 }
 
 /// Writes what made the file, the scene, its numbers and its separations.
-pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, scene, &scene.text)?;
     writer.text("/", "history", scene.history_name())?;
     if let Some(contact) = scene.model.contact() {

@@ -1,6 +1,6 @@
 //! The results of a run in its file, under the names of the layout.
 
-use super::datasets::{PULL_OFF_QUANTILES, RUN, write_results};
+use super::datasets::{PULL_OFF_QUANTILES, RUN, curve_paths, write_results};
 use super::kept::{OutputLock, Restart, write_restart};
 use crate::engine::{QUANTILES, Ways, scalars};
 use crate::error::{Error, OutputError};
@@ -91,12 +91,6 @@ fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputEr
     }
     writer.group("ensemble")?;
     writer.scale_in("/ensemble", Dimension::Control)
-}
-
-/// The datasets of the curves of replicas: of each force on each way, in the order that a replica has them.
-pub(crate) fn curve_paths(ways: Ways) -> Vec<String> {
-    let of_ways = |force: &'static str| ways.prefixes().map(move |way| format!("/replicas/{way}{force}"));
-    ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect()
 }
 
 /// Writes the curves of all replicas, unless it is stopped.

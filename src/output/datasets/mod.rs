@@ -18,6 +18,7 @@ mod validation;
 
 pub(crate) use ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 pub(super) use independence::{read_independence, write_limits};
+pub(super) use replicas::curve_paths;
 
 use crate::engine::Ways;
 use crate::error::OutputError;

@@ -52,3 +52,9 @@ fn curves(history: History) -> [Dataset; 2] {
         Dataset::new(history.path(GROUP, force), dimensions, "N", meaning, |_| None::<Values>)
     })
 }
+
+/// The datasets of the curves of replicas: of each force on each way, in the order that a replica has them.
+pub(crate) fn curve_paths(ways: Ways) -> Vec<String> {
+    let of_ways = |force: &'static str| ways.prefixes().map(move |way| format!("/replicas/{way}{force}"));
+    ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect()
+}

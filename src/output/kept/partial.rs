@@ -6,7 +6,7 @@ use super::lock::{Kept, OutputLock};
 use super::state::{GROUP, Head, RESTART, State, decode, encode};
 use crate::error::{Error, OutputError};
 use crate::experiment::{CURVE_CHUNK, Curves};
-use crate::output::file::curve_paths;
+use crate::output::datasets::curve_paths;
 use crate::output::layouts::{RUN, SWEEP};
 use crate::output::reader::Reader;
 use crate::output::schema::Layout;

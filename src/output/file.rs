@@ -2,6 +2,7 @@
 
 use super::datasets::{PULL_OFF_QUANTILES, RUN, curve_paths, write_results};
 use super::kept::{OutputLock, Restart, write_restart};
+use super::task::Task;
 use crate::engine::{QUANTILES, Ways, scalars};
 use crate::error::{Error, OutputError};
 use crate::experiment::Results;
@@ -24,6 +25,21 @@ impl Results {
             .and_then(|writer| write(writer, self, None, &AtomicBool::new(false)));
         written.map(drop).map_err(|error| Error::NotWritten(error.writing(output)))
     }
+}
+
+/// Writes results into the output of a task; `false` if it was interrupted before the file was complete.
+///
+/// # Errors
+/// [`Error::NotWritten`].
+pub(super) fn write_output(
+    task: &Task<'_>,
+    results: &Results,
+    restart: Option<Restart>,
+    stop: &AtomicBool,
+) -> Result<bool, Error> {
+    let written = Writer::create(&RUN, task.lock, task.policy.force)
+        .and_then(|writer| write(writer, results, restart, stop));
+    written.map_err(|error| Error::NotWritten(error.writing(task.output)))
 }
 
 /// Writes results, and of partial ones the state; `false` if it was interrupted before the file was complete,

@@ -1,11 +1,9 @@
 //! The shards of a run put together into the result of one run of all.
 
-use super::file::write;
+use super::file::write_output;
 use super::kept::{Identity, KeptRun, PartialFile, Place, ShardSet, State};
-use super::layouts::RUN;
 use super::sweep::{Points, SweepPoint, stacked};
 use super::task::{Session, Task};
-use super::writer::Writer;
 use crate::engine::{Job, ReductionTree};
 use crate::error::Error;
 use crate::experiment::ensemble::set_ensemble;
@@ -98,14 +96,10 @@ impl Merge<'_> {
             ground.whole_results(&mut merged, (&summation, from_first), metadata, (workers, &mut phases))?;
         results.add_seconds(seconds_before);
         phases.phase("writing");
-        let written = Writer::create(&RUN, task.lock, task.policy.force)
-            .and_then(|writer| write(writer, &results, None, &workers.stop));
+        let written = write_output(task, &results, None, &workers.stop);
         phases.end();
-        match written {
-            Ok(true) => Ok(Box::new(results)),
-            Ok(false) => Err(Error::Interrupted { done: of, of, kept: false }),
-            Err(error) => Err(Error::NotWritten(error.writing(task.output))),
-        }
+        let interrupted = Error::Interrupted { done: of, of, kept: false };
+        if written? { Ok(Box::new(results)) } else { Err(interrupted) }
     }
 
     fn goes_on(&self, done: u64, of: u64) -> Result<(), Error> {

@@ -1,6 +1,6 @@
 //! One scene into its file of results, which goes on after an interruption.
 
-use super::kept::{Identity, Keeper, KeptRun, OutputLock, OverwritePolicy, PartialFile};
+use super::kept::{Identity, Keeper, KeptRun, OutputLock, OverwritePolicy, PartialFile, advised};
 use super::task::{INTERVAL, Task};
 use crate::engine::{Batch, Outcome, ReductionTree};
 use crate::error::Error;
@@ -58,11 +58,7 @@ fn run_scene(
     let asked = task.replicas(&scene);
     let (done, of) =
         (state.as_ref().map_or(0, |state| state.tree.replicas.len() as u64), asked.end - asked.start);
-    let interrupted = || {
-        let (kept, partial) = (done > 0, task.lock.partial());
-        let error = Error::Interrupted { done, of, kept };
-        if kept { Error::Kept { error: Box::new(error), replicas: done, partial } } else { error }
-    };
+    let interrupted = || advised(task.lock, done, Error::Interrupted { done, of, kept: done > 0 });
     let ground = PreparedRun::new(scene, laws, kept, workers, phases).ok_or_else(interrupted)?;
     let sampling = ground.sampling();
     let summation = Arc::new(sampling.summation(&workers.pool));

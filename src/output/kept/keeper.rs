@@ -2,13 +2,14 @@
 //! without its result.
 
 use super::identity::Identity;
+use super::lock::OutputLock;
 use super::partial::scene_file;
 use super::state::{Head, Restart, State, encode};
 use crate::engine::{Batch, ReductionTree, Summation};
 use crate::error::{Error, OutputError};
 use crate::experiment::results::{Partial, RunMetadata};
 use crate::experiment::{Curves, Phases, PreparedRun, Results, Workers};
-use crate::output::file::write;
+use crate::output::file::{write, write_output};
 use crate::output::layouts::RUN;
 use crate::output::task::Task;
 use crate::output::writer::Writer;
@@ -143,8 +144,7 @@ impl<'a> Keeper<'a> {
         };
         results.add_seconds(self.seconds_before);
         phases.phase("writing");
-        let written = Writer::create(&RUN, task.lock, task.policy.force)
-            .and_then(|writer| write(writer, &results, restart, &workers.stop));
+        let written = write_output(task, &results, restart, &workers.stop);
         phases.end();
         if let Ok(true) = written {
             if self.is_kept() {
@@ -156,7 +156,7 @@ impl<'a> Keeper<'a> {
         tree.give_back(*results.ensemble);
         let kept = self.save(&mut tree);
         match written {
-            Err(error) => Err(self.advised(Error::NotWritten(error.writing(task.output)))),
+            Err(error) => Err(self.advised(error)),
             Ok(_) => Err(kept.map_or_else(Error::from, |()| self.interrupted())),
         }
     }
@@ -207,10 +207,15 @@ impl<'a> Keeper<'a> {
 
     /// A failure with how to go on with the run, if anything was kept of it.
     pub fn advised(&self, failure: Error) -> Error {
-        if !self.is_kept() {
-            return failure;
-        }
-        let (replicas, partial) = (self.saved_done, self.task.lock.partial());
-        Error::Kept { error: Box::new(failure), replicas, partial }
+        advised(self.task.lock, self.saved_done, failure)
     }
+}
+
+/// A failure with how to go on with a run of which this number of replicas is kept, if any.
+pub(in crate::output) fn advised(lock: &OutputLock, replicas: u64, failure: Error) -> Error {
+    let partial = lock.partial();
+    if replicas == 0 || !partial.is_file() {
+        return failure;
+    }
+    Error::Kept { error: Box::new(failure), replicas, partial }
 }

@@ -12,7 +12,7 @@ mod shard_set;
 mod state;
 
 pub use identity::Identity;
-pub(super) use keeper::Keeper;
+pub(super) use keeper::{Keeper, advised};
 pub(super) use lock::made_anew;
 pub(crate) use lock::{Kept, OverwritePolicy};
 pub use lock::{OutputLock, PARTIAL, beside};

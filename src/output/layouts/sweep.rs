@@ -5,7 +5,7 @@ use super::RUN;
 use crate::engine::SCALARS;
 use crate::output::datasets::OPTIONAL_GROUPS;
 use crate::output::schema::{
-    Dimension, Layout, NONE, Row, Variable, features, group, joint_test, scale, variable, verdict,
+    Dimension, Layout, NONE, Row, Variable, features, group, joint_test, row, scale, variable,
 };
 use std::sync::LazyLock;
 
@@ -59,18 +59,21 @@ fn of_group(name: &str) -> Vec<Variable> {
             let error = "largest bound of the relative error of the integral";
             [
                 features(name, NONE, "the integral"),
-                group(name, NONE, &[("quadrature_error", NONE, "1", error)]),
+                group(name, NONE, &[row("quadrature_error", NONE, "1", error)]),
             ]
             .concat()
         }
-        "/independence" => verdict(NONE),
+        "/independence" => {
+            let meaning = "what independence of the asperities is worth: good, a shift or invalid";
+            group(name, NONE, &[row("verdict", NONE, "1", meaning)])
+        }
         "/coupling" => {
             let meaning = "unit of energy_class, pi R work_of_adhesion times the unit of interference";
-            group(name, NONE, &[("energy_unit", NONE, "J", meaning)])
+            group(name, NONE, &[row("energy_unit", NONE, "J", meaning)])
         }
         "/validation" => {
             let verdict = "verdict of the joint test at the point by itself";
-            [joint_test(NONE), group(name, NONE, &[("verdict", NONE, "1", verdict)])].concat()
+            [joint_test(NONE), group(name, NONE, &[row("verdict", NONE, "1", verdict)])].concat()
         }
         _ => Vec::new(),
     });
@@ -97,31 +100,31 @@ fn differences() -> Vec<Variable> {
 }
 
 const NUMBERS: &[Row] = &[
-    ("replica_count", NONE, "1", "replicas of the point"),
-    ("seed", NONE, "1", "seed of the point"),
-    ("adhesion_parameter", NONE, "1", "adhesion parameter lambda"),
-    ("asperity_plasticity_index", NONE, "1", "plasticity index psi of sigma_s"),
-    ("plasticity_index", NONE, "1", "plasticity index psi of sigma"),
-    ("reduced_modulus", NONE, "Pa", "reduced modulus"),
-    ("hardness", NONE, "Pa", "hardness of the softer body"),
-    ("poisson_ratio", NONE, "1", "Poisson ratio of the softer body"),
-    ("work_of_adhesion", NONE, "J m-2", "work of adhesion"),
-    ("equilibrium_spacing", NONE, "m", "equilibrium spacing"),
-    ("lubricant_thickness", NONE, "m", "thickness of the lubricant"),
-    ("critical_interference", NONE, "m", "critical interference of the asperities"),
-    ("critical_approach", NONE, "m", "critical approach where the scene sets it"),
-    ("stiffness_span", NONE, "m", "span of separation of the peak secant stiffness of replicas"),
-    ("surface_height_std", NONE, "m", "standard deviation of the surface heights"),
-    ("asperity_height_std", NONE, "m", "standard deviation of the asperity heights"),
-    ("mean_plane_offset", NONE, "m", "asperity mean plane above the surface mean plane"),
-    ("asperity_radius", NONE, "m", "radius of the asperities, the mean one where radii differ"),
-    ("asperity_density", NONE, "m-2", "asperities per nominal area"),
-    ("nominal_area", NONE, "m2", "nominal area"),
+    row("replica_count", NONE, "1", "replicas of the point"),
+    row("seed", NONE, "1", "seed of the point"),
+    row("adhesion_parameter", NONE, "1", "adhesion parameter lambda"),
+    row("asperity_plasticity_index", NONE, "1", "plasticity index psi of sigma_s"),
+    row("plasticity_index", NONE, "1", "plasticity index psi of sigma"),
+    row("reduced_modulus", NONE, "Pa", "reduced modulus"),
+    row("hardness", NONE, "Pa", "hardness of the softer body"),
+    row("poisson_ratio", NONE, "1", "Poisson ratio of the softer body"),
+    row("work_of_adhesion", NONE, "J m-2", "work of adhesion"),
+    row("equilibrium_spacing", NONE, "m", "equilibrium spacing"),
+    row("lubricant_thickness", NONE, "m", "thickness of the lubricant"),
+    row("critical_interference", NONE, "m", "critical interference of the asperities"),
+    row("critical_approach", NONE, "m", "critical approach where the scene sets it"),
+    row("stiffness_span", NONE, "m", "span of separation of the peak secant stiffness of replicas"),
+    row("surface_height_std", NONE, "m", "standard deviation of the surface heights"),
+    row("asperity_height_std", NONE, "m", "standard deviation of the asperity heights"),
+    row("mean_plane_offset", NONE, "m", "asperity mean plane above the surface mean plane"),
+    row("asperity_radius", NONE, "m", "radius of the asperities, the mean one where radii differ"),
+    row("asperity_density", NONE, "m-2", "asperities per nominal area"),
+    row("nominal_area", NONE, "m2", "nominal area"),
 ];
 
 const SUMS: &[Row] = &[
-    ("summation", NONE, "1", "how asperities were summed"),
-    ("sum_tolerance", NONE, "1", "tolerance of sums by moments, where they were asked for"),
-    ("sum_error", NONE, "1", "largest error of sums by moments on a few replicas"),
-    ("sum_refusal", NONE, "1", "why sums are direct although sums by moments were asked for"),
+    row("summation", NONE, "1", "how asperities were summed"),
+    row("sum_tolerance", NONE, "1", "tolerance of sums by moments, where they were asked for"),
+    row("sum_error", NONE, "1", "largest error of sums by moments on a few replicas"),
+    row("sum_refusal", NONE, "1", "why sums are direct although sums by moments were asked for"),
 ];

@@ -1,6 +1,6 @@
 //! The layout of a result of `stiction asperities`.
 
-use super::{Dimension, Layout, NONE, Row, Variable, group, with_coordinates};
+use super::{Dimension, Layout, NONE, Row, Variable, group, row, with_coordinates};
 use std::sync::LazyLock;
 
 const A: &[Dimension] = &[Dimension::Asperity];
@@ -30,25 +30,25 @@ fn variables() -> Vec<Variable> {
 }
 
 const EACH: &[Row] = &[
-    ("height", A, "m", "height of the asperity above the mean plane of the surface"),
-    ("radius", A, "m", "radius of the asperity, the reciprocal of its mean curvature"),
-    ("x", A, "m", "place of the asperity along the rows of the map"),
-    ("y", A, "m", "place of the asperity along the columns of the map"),
-    ("curvature_x", A, "m-1", "curvature of the asperity along the rows of the map"),
-    ("curvature_y", A, "m-1", "curvature of the asperity along the columns of the map"),
-    ("curvature_xy", A, "m-1", "mixed second derivative of the heights at the asperity, its sign changed"),
-    ("principal_radius_1", A, "m", "smaller principal radius of the asperity"),
-    ("principal_radius_2", A, "m", "larger principal radius of the asperity, NaN for a saddle"),
-    (
+    row("height", A, "m", "height of the asperity above the mean plane of the surface"),
+    row("radius", A, "m", "radius of the asperity, the reciprocal of its mean curvature"),
+    row("x", A, "m", "place of the asperity along the rows of the map"),
+    row("y", A, "m", "place of the asperity along the columns of the map"),
+    row("curvature_x", A, "m-1", "curvature of the asperity along the rows of the map"),
+    row("curvature_y", A, "m-1", "curvature of the asperity along the columns of the map"),
+    row("curvature_xy", A, "m-1", "mixed second derivative of the heights at the asperity, its sign changed"),
+    row("principal_radius_1", A, "m", "smaller principal radius of the asperity"),
+    row("principal_radius_2", A, "m", "larger principal radius of the asperity, NaN for a saddle"),
+    row(
         "equivalent_radius",
         A,
         "m",
         "geometric mean of the principal radii of the asperity; of a saddle that of the mean curvature",
     ),
-    ("prominence", A, "m", "height of the asperity above the key saddle to higher ground"),
+    row("prominence", A, "m", "height of the asperity above the key saddle to higher ground"),
 ];
 
-const MAP: &[Row] = &[(
+const MAP: &[Row] = &[row(
     "height",
     &[Dimension::MapY, Dimension::MapX],
     "m",
@@ -58,45 +58,50 @@ const MAP: &[Row] = &[(
 const C: &[Dimension] = &[Dimension::Cutoff];
 
 const CUTOFFS: &[Row] = &[
-    ("summit_count", C, "1", "asperities of the map that is smoothed with the cut-off"),
-    ("nominal_area", C, "m2", "area that was searched for them"),
-    ("asperity_density", C, "m-2", "asperities over the area searched"),
-    ("asperity_radius", C, "m", "reciprocal of the mean curvature of the asperities"),
-    ("asperity_height_std", C, "m", "standard deviation of the heights of the asperities"),
-    ("asperity_curvature_std", C, "m-1", "standard deviation of the mean curvatures of the asperities"),
+    row("summit_count", C, "1", "asperities of the map that is smoothed with the cut-off"),
+    row("nominal_area", C, "m2", "area that was searched for them"),
+    row("asperity_density", C, "m-2", "asperities over the area searched"),
+    row("asperity_radius", C, "m", "reciprocal of the mean curvature of the asperities"),
+    row("asperity_height_std", C, "m", "standard deviation of the heights of the asperities"),
+    row("asperity_curvature_std", C, "m-1", "standard deviation of the mean curvatures of the asperities"),
 ];
 
 const SURFACE: &[Row] = &[
-    ("m0", NONE, "m2", "mean square height of the surface"),
-    ("m2", NONE, "1", "mean square slope of profiles, over both directions"),
-    ("m4", NONE, "m-2", "mean square second derivative of profiles, over both directions"),
-    ("slope_x", NONE, "1", "mean square slope along the rows of the map"),
-    ("slope_y", NONE, "1", "mean square slope along the columns of the map"),
-    ("alpha", NONE, "1", "bandwidth parameter m0 m4 / m2^2"),
-    ("skewness", NONE, "1", "skewness of the heights of the surface"),
-    ("excess_kurtosis", NONE, "1", "excess kurtosis of the heights of the surface"),
+    row("m0", NONE, "m2", "mean square height of the surface"),
+    row("m2", NONE, "1", "mean square slope of profiles, over both directions"),
+    row("m4", NONE, "m-2", "mean square second derivative of profiles, over both directions"),
+    row("slope_x", NONE, "1", "mean square slope along the rows of the map"),
+    row("slope_y", NONE, "1", "mean square slope along the columns of the map"),
+    row("alpha", NONE, "1", "bandwidth parameter m0 m4 / m2^2"),
+    row("skewness", NONE, "1", "skewness of the heights of the surface"),
+    row("excess_kurtosis", NONE, "1", "excess kurtosis of the heights of the surface"),
 ];
 
 const MEASURED: &[Row] = &[
-    ("asperity_density", NONE, "m-2", "asperities over the area searched"),
-    ("asperity_radius", NONE, "m", "reciprocal of the mean curvature of the asperities"),
-    ("asperity_height_mean", NONE, "m", "mean height of the asperities above the mean plane of the surface"),
-    ("asperity_height_std", NONE, "m", "standard deviation of the heights of the asperities"),
-    ("asperity_curvature_std", NONE, "m-1", "standard deviation of the mean curvatures of the asperities"),
-    ("curvature_ratio_median", NONE, "1", "median ratio of the principal curvatures, saddles left out"),
-    ("saddle_count", NONE, "1", "asperities whose smaller principal curvature is not positive"),
+    row("asperity_density", NONE, "m-2", "asperities over the area searched"),
+    row("asperity_radius", NONE, "m", "reciprocal of the mean curvature of the asperities"),
+    row(
+        "asperity_height_mean",
+        NONE,
+        "m",
+        "mean height of the asperities above the mean plane of the surface",
+    ),
+    row("asperity_height_std", NONE, "m", "standard deviation of the heights of the asperities"),
+    row("asperity_curvature_std", NONE, "m-1", "standard deviation of the mean curvatures of the asperities"),
+    row("curvature_ratio_median", NONE, "1", "median ratio of the principal curvatures, saddles left out"),
+    row("saddle_count", NONE, "1", "asperities whose smaller principal curvature is not positive"),
 ];
 
 const EQUIVALENT: &[Row] = &[
-    ("asperity_density", NONE, "m-2", "asperity density by the spectral moments"),
-    ("asperity_radius", NONE, "m", "asperity radius by the spectral moments"),
-    (
+    row("asperity_density", NONE, "m-2", "asperity density by the spectral moments"),
+    row("asperity_radius", NONE, "m", "asperity radius by the spectral moments"),
+    row(
         "asperity_height_mean",
         NONE,
         "m",
         "mean height of asperities above the mean plane of the surface by the spectral moments",
     ),
-    (
+    row(
         "asperity_height_std",
         NONE,
         "m",

@@ -1,6 +1,6 @@
 //! Datasets that are there for each quantity, statistic and direction, of runs, points and laws alike.
 
-use super::{Dimension, N, Row, S, Variable, group, variable};
+use super::{Dimension, N, Row, S, Variable, group, row, variable};
 use crate::asperity::Quantity;
 use crate::engine::Scalar;
 
@@ -122,11 +122,11 @@ pub(crate) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Vari
 /// The joint test.
 pub(crate) fn joint_test(lead: &[Dimension]) -> Vec<Variable> {
     const ROWS: [Row; 5] = [
-        ("statistic", &[], "1", "sum of squared scores of ensemble against integral"),
-        ("degrees_of_freedom", &[], "1", "degrees of freedom of the joint test"),
-        ("kurtosis", &[], "1", "fourth cumulants of the scores of a replica, contracted"),
-        ("skewness", &[], "1", "third cumulants of the scores of a replica, squared and contracted"),
-        (
+        row("statistic", &[], "1", "sum of squared scores of ensemble against integral"),
+        row("degrees_of_freedom", &[], "1", "degrees of freedom of the joint test"),
+        row("kurtosis", &[], "1", "fourth cumulants of the scores of a replica, contracted"),
+        row("skewness", &[], "1", "third cumulants of the scores of a replica, squared and contracted"),
+        row(
             "p_value",
             &[],
             "1",

@@ -9,14 +9,12 @@
 
 mod asperities;
 mod curves;
-mod independence;
 
 pub use asperities::ASPERITIES;
 pub(crate) use curves::{
     OF_ENSEMBLE, OF_INTEGRAL, Statistic, features, forces, joint_test, quantile, quantities, regimes,
     scalars, scores,
 };
-pub(crate) use independence::{independence, verdict};
 
 use std::sync::LazyLock;
 
@@ -253,7 +251,7 @@ impl Variable {
     /// Whether it is a scale or accompanies one.
     pub fn is_coordinate(&self) -> bool {
         self.scales().is_some()
-            || self.dimensions == S && BESIDE_SEPARATION.iter().any(|(name, ..)| self.name() == *name)
+            || self.dimensions == S && BESIDE_SEPARATION.iter().any(|own| self.name() == own.name)
     }
 }
 
@@ -266,23 +264,37 @@ pub fn name_of_key(key: &str) -> String {
 pub const RANGE_ENDS: [&str; 2] = ["from", "to"];
 
 /// Name, units and meaning of what every group has besides the scale of the separations.
-// A table of texts, whose columns are in the line above, as of the rows below.
-const BESIDE_SEPARATION: [(&str, &str, &str); 2] = [
-    ("h_star", "1", "separation h over the standard deviation of the surface heights"),
-    ("asperity_separation", "m", "separation d = h - y_s of flat and asperity mean plane"),
+static BESIDE_SEPARATION: [Row; 2] = [
+    row("h_star", S, "1", "separation h over the standard deviation of the surface heights"),
+    row("asperity_separation", S, "m", "separation d = h - y_s of flat and asperity mean plane"),
 ];
 
 pub(crate) const NONE: &[Dimension] = &[];
 const S: &[Dimension] = &[Dimension::Separation];
 const N: &[Dimension] = &[Dimension::Replica];
 
-/// Name, dimensions, units and meaning of a dataset of a group. Units that end with `_units` name the dataset
-/// that lists the units of each row.
-pub(crate) type Row = (&'static str, &'static [Dimension], &'static str, &'static str);
+/// A dataset of a group.
+pub(crate) struct Row {
+    name: &'static str,
+    dimensions: &'static [Dimension],
+    /// Units; such as end with `_units` name the dataset that lists the units of each row.
+    units: &'static str,
+    long_name: &'static str,
+}
+
+/// A dataset of a group: its name, dimensions, units and meaning.
+pub(crate) const fn row(
+    name: &'static str,
+    dimensions: &'static [Dimension],
+    units: &'static str,
+    long_name: &'static str,
+) -> Row {
+    Row { name, dimensions, units, long_name }
+}
 
 /// The datasets of a group, their dimensions led by others.
 pub(crate) fn group(group: &str, lead: &[Dimension], rows: &[Row]) -> Vec<Variable> {
-    let own = |(name, dimensions, units, long_name): &Row| {
+    let own = |Row { name, dimensions, units, long_name }: &Row| {
         variable(format!("{group}/{name}"), &[lead, dimensions].concat(), units, *long_name)
     };
     rows.iter().map(own).collect()
@@ -304,7 +316,7 @@ pub(crate) fn variable(
         coordinates: are_listed.then_some(units).into_iter().collect(),
     };
     if dimensions.contains(&Dimension::Separation) && !variable.is_coordinate() {
-        variable.coordinates.extend(BESIDE_SEPARATION.map(|(name, ..)| name));
+        variable.coordinates.extend(BESIDE_SEPARATION.iter().map(|own| own.name));
     }
     variable
 }
@@ -327,10 +339,7 @@ pub(crate) fn with_coordinates(variables: Vec<Variable>) -> Vec<Variable> {
             }
             all.push(scale);
             if dimension == Dimension::Separation {
-                let beside = BESIDE_SEPARATION.iter();
-                all.extend(beside.map(|(name, units, long_name)| {
-                    variable(format!("{group}/{name}"), S, units, *long_name)
-                }));
+                all.extend(self::group(group, NONE, &BESIDE_SEPARATION));
             }
         }
         all.extend_from_slice(own);

@@ -169,7 +169,7 @@ fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
         + &meniscus.film.map_or_else(String::new, |film| films(scene, film))
 }
 
-/// Films of liquid on the faces.
+/// Films of liquid on the surfaces.
 fn films(scene: &Scene, film: Film) -> String {
     let on = if film.faces == 1 { "on one face" } else { "on both faces" };
     let thickness = si(film.thickness, "m");

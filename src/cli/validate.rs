@@ -1,4 +1,4 @@
-//! `stiction validate`: whether a file is damaged, and its cross-check computed anew.
+//! `stiction validate`: whether a file is damaged, and its cross-check computed again.
 
 use super::failure::Failure;
 use super::rows::row;

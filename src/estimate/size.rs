@@ -25,7 +25,7 @@ const BINNED: f64 = 20.0;
 const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Bytes of the moments of a period, of a dozen segments.
 const PERIOD: f64 = 16e3;
-/// Bytes of an asperity in the search for the pull-off, and of the top of one that has flowed.
+/// Bytes of an asperity in the search for the pull-off, and of the summit of one that has yielded.
 const SEARCHED: f64 = 14.0;
 const TOP: f64 = 1330.0;
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what

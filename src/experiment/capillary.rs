@@ -5,7 +5,7 @@ use crate::asperity::Quantity;
 use crate::liquid::COVERS;
 use crate::scene::Wet;
 
-/// The share of the nominal area from which on what lies between the faces is flooded.
+/// The share of the nominal area from which on what lies between the surfaces is flooded.
 const FLOODED: f64 = 0.9;
 
 /// The regime of a wet surface by the share of the nominal area that bridges cover (Matthewson and Mamin 1988).

@@ -6,7 +6,7 @@ use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, 
 use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead, yields};
 
-/// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
+/// Steps of h* that resolve the integral, which is an average over heights with a standard deviation of about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
 
 /// Step of h* over which a slope is taken at an end of the separations.
@@ -253,7 +253,7 @@ impl Integral {
         if scene.turns() || !(pull_off > 0.0) {
             return None;
         }
-        // The loop itself takes a hundred times as long where tops flow.
+        // The loop itself takes a hundred times as long where contacts yield.
         let touched = scene.touched_law().ok().filter(|other| other.boundaries() != law.boundaries())?;
         Some([pull_off, PathIntegral::of(scene, touched.view()).pull_off()])
     }

@@ -86,7 +86,7 @@ fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
     counts
 }
 
-/// The replicas of a run that hold harder than the restoring force of the device, if there is one; with preloads
+/// The replicas of a run with a pull-off force above the restoring force of the device, if there is one; with preloads
 /// [`Snaps::stuck`] has them.
 pub(crate) fn stuck(results: &Results) -> Option<Counts> {
     let force = results.scene.restoring_force.filter(|_| results.scene.instability.preload.is_empty())?;
@@ -197,7 +197,7 @@ impl<'a> Snaps<'a> {
         PulledOff::of(self.pull_offs(turn))
     }
 
-    /// The replicas that hold harder than a force, N, after a turn.
+    /// The replicas with a pull-off above a force, N, after a turn.
     pub fn stuck(&self, turn: usize, force: f64) -> Counts {
         holding(self.pull_offs(turn).into_iter(), force)
     }

@@ -30,8 +30,8 @@ pub(super) struct AsperityArguments {
     /// CSV with the columns lambda,delta, or with radius,reduced_modulus,work_of_adhesion,
     /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness, in SI
     /// or in the unit that the name has, as `radius (nm)`; - for standard input. With the latter the forces follow
-    /// its own columns, in SI. Where a row has a deepest_interference, the asperity was pressed to that and is on
-    /// its way back
+    /// its own columns, in SI. Where a row has a deepest_interference, the asperity was pressed to that and
+    /// unloads
     #[arg(long, value_name = "IN.csv")]
     pub table: Option<PathBuf>,
     /// History: approach or retraction

@@ -45,14 +45,14 @@ struct Column {
 struct Tip {
     needed: [f64; NEEDED.len() - 1],
     optional: [Option<f64>; OPTIONAL.len() - 1],
-    /// Whether it is on its way back.
+    /// Whether it unloads.
     is_back: bool,
 }
 
 /// The state of an asperity that is asked for.
 struct Asked {
     tip: Tip,
-    /// δ, and the deepest before where the asperity is on its way back, m.
+    /// δ, and the deepest before where the asperity unloads, m.
     interference: f64,
     deepest: Option<f64>,
 }
@@ -85,7 +85,7 @@ impl Known {
         }
     }
 
-    /// The problem of a state on the way back.
+    /// The problem of a state of unloading.
     fn problem(&self, asked: &Asked, law: &str) -> Option<String> {
         let Asked { interference, deepest, .. } = *asked;
         let (Self::Back(cycle), Some(deepest)) = (self, deepest) else { return None };

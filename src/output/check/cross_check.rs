@@ -1,4 +1,4 @@
-//! The cross-check of a run, or of a point of a sweep, computed anew from its datasets.
+//! The cross-check of a run, or of a point of a sweep, computed again from its datasets.
 
 use super::refused;
 use super::stored::StoredRun;
@@ -29,8 +29,7 @@ impl CrossCheck {
             let std = if run.group == 1 {
                 joined(run, &|way| format!("/integral/{way}{name}_std"))?
             } else {
-                let all: Result<Vec<_>, _> =
-                    ways.iter().map(|way| run.scatter_of_groups(way, name)).collect();
+                let all: Result<Vec<_>, _> = ways.iter().map(|way| run.std_of_groups(way, name)).collect();
                 all?.concat()
             };
             Ok([mean, expected, std])

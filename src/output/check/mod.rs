@@ -1,4 +1,4 @@
-//! Checks of files: whether one is damaged, and the cross-check of its ensemble computed anew.
+//! Checks of files: whether one is damaged, and the cross-check of its ensemble computed again.
 
 mod cross_check;
 mod run;
@@ -25,7 +25,7 @@ pub struct Checked {
     pub contradictions: Vec<String>,
 }
 
-/// The content of a file, with the cross-checks that were computed anew.
+/// The content of a file, with the cross-checks that were computed again.
 pub enum Content {
     /// One scene, and the number of ways that it has curves of.
     Run { cross_check: Box<CrossCheck>, ways: usize },
@@ -66,7 +66,7 @@ pub fn check(path: &Path) -> Result<Checked, OutputError> {
     Ok(checked)
 }
 
-/// A file whose verdict is not computed anew.
+/// A file whose verdict is not computed again.
 fn as_stored(verdict: Verdict, content: Content) -> Checked {
     Checked { content, verdict, contradictions: Vec::new() }
 }

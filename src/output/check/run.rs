@@ -46,7 +46,7 @@ pub(super) fn scheme(reader: &Reader) -> Result<SamplingScheme, OutputError> {
     })
 }
 
-/// A contradiction, where the verdict of a file is another than the one that was computed anew.
+/// A contradiction, where the verdict of a file is another than the one that was computed again.
 pub(super) fn contradiction(name: &str, stored: &str, own: Verdict) -> Option<String> {
     let (stored, own) = (one_line(stored), own.name());
     (stored != own).then(|| format!("/validation/{name} is \"{stored}\", and \"{own}\" follows"))

@@ -64,11 +64,10 @@ impl StoredRun<'_> {
     }
 
     /// Standard deviation of the mean of one group of replicas: 0 where all agree, which has no standard error.
-    pub fn scatter_of_groups(&self, way: &str, name: &str) -> Result<Vec<f64>, OutputError> {
+    pub fn std_of_groups(&self, way: &str, name: &str) -> Result<Vec<f64>, OutputError> {
         let groups = self.groups();
         let errors = self.values(&format!("{}_standard_error", self.independent(way, name)))?;
-        let scatter =
-            |error: &f64| if groups > 1 { (groups as f64).sqrt() * error.max(0.0) } else { f64::NAN };
-        Ok(errors.iter().map(scatter).collect())
+        let std = |error: &f64| if groups > 1 { (groups as f64).sqrt() * error.max(0.0) } else { f64::NAN };
+        Ok(errors.iter().map(std).collect())
     }
 }

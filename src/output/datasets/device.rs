@@ -33,10 +33,10 @@ fn stuck_replicas(
     who: &str,
     counts: fn(&Results) -> Option<Vec<Counts>>,
 ) -> Vec<Dataset> {
-    let hold = format!("{who} hold harder than the restoring force");
+    let who = format!("{who} have a pull-off force above the restoring force");
     let texts = Texts {
-        count: &format!("number of {hold}"),
-        share: &format!("share of {hold}"),
+        count: &format!("number of {who}"),
+        share: &format!("share of {who}"),
         probability: "to stay stuck",
     };
     proportions(|name| path(GROUP, &format!("stuck_{name}{of}")), dimensions, &texts, counts)

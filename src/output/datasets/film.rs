@@ -1,4 +1,4 @@
-//! Films of liquid on the faces.
+//! Films of liquid on the surfaces.
 
 use super::{Dataset, History, Results, path};
 use crate::liquid::Film;

@@ -78,7 +78,7 @@ fn of_history(history: History) -> [Dataset; 4] {
         own(
             "bridge_step_count",
             "1",
-            "asperities that become dry when the faces part from the separation before{}, or wet the other way, mean over replicas, 0 at the first",
+            "asperities that become dry when the surfaces detach from the separation before{}, or wet the other way, mean over replicas, 0 at the first",
             |_, bridges| {
                 let steps = bridges.wet.windows(2).map(|pair| pair[0].count() - pair[1].count());
                 [0.0].into_iter().chain(steps).collect()

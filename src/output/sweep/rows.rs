@@ -79,7 +79,7 @@ pub struct SweepPoint {
     pub most_differing: f64,
     /// The preload that the pull-off follows, N; NaN without one.
     pub preload: f64,
-    /// Share of the replicas that hold harder than the restoring force of the device; NaN without one.
+    /// Share of the replicas with a pull-off force above the restoring force of the device; NaN without one.
     pub stuck_probability: f64,
     /// The smallest and the largest by any plastic contact of that probability, or of the pull-off force, N, where there is
     /// no device; NaN where no contacts yield.

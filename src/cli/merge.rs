@@ -51,7 +51,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         Some(sweep) => {
             let (source, session, lock) = (&run.source, &session, &lock);
             let (replicas, seed) = (Some(run.identity.replicas), Some(run.identity.seed));
-            let points = Points { sweep, source, session, lock, policy, replicas, seed, shard: None };
+            let points = Points { replicas, seed, ..Points::new(sweep, source, session, lock, policy) };
             summary_of_points(&points, &merge.sweep(&points)?)?
         }
     };

@@ -78,8 +78,8 @@ pub(super) fn points<'a>(
     options: &RunOptions,
     session: &'a Session,
 ) -> Points<'a> {
-    let (policy, replicas, seed) = (options.policy(), options.replicas, options.seed);
-    Points { sweep, source, session, lock, policy, replicas, seed, shard: None }
+    let (replicas, seed) = (options.replicas, options.seed);
+    Points { replicas, seed, ..Points::new(sweep, source, session, lock, options.policy()) }
 }
 
 /// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the

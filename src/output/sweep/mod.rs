@@ -37,10 +37,9 @@ pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<Sw
     };
     let session = Session::unwatched()?;
     let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
-    let (sweep, session, lock) = (&sweep, &session, &lock);
     let policy = OverwritePolicy { resume: true, force: false };
-    let points = Points { sweep, source, session, lock, policy, replicas: None, seed: None, shard: None };
-    run_sweep(&points)?.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
+    run_sweep(&Points::new(&sweep, source, &session, &lock, policy))?
+        .ok_or_else(|| OutputError::Exists(output.to_owned()).into())
 }
 
 /// The files that a scene is made of: its own, and those that it takes values from.

@@ -17,12 +17,16 @@ use crate::output::layouts::{RUN, SWEEP};
 use crate::output::task::{Part, Session, Task};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Times that the result of a point is on the disk when all are put together.
 const COPIES: f64 = 2.0;
+/// Most points whose laws are kept until they are computed: to make one takes up to ten seconds, and its tables some megabytes.
+const MOST_LAWS: usize = 64;
 /// Files of others that are named.
 const NAMED: usize = 5;
 
@@ -40,6 +44,22 @@ pub(crate) struct Points<'a> {
     pub seed: Option<u64>,
     /// The shard that is computed, if not all points.
     pub shard: Option<Shard>,
+    /// Laws of points that have been made before they are computed.
+    pub laws: RefCell<HashMap<usize, SceneLaws>>,
+}
+
+impl<'a> Points<'a> {
+    /// All points of a sweep, with its own replicas and seed.
+    pub fn new(
+        sweep: &'a Sweep,
+        source: &'a Path,
+        session: &'a Session,
+        lock: &'a OutputLock,
+        policy: OverwritePolicy,
+    ) -> Self {
+        let laws = RefCell::default();
+        Self { sweep, source, session, lock, policy, replicas: None, seed: None, shard: None, laws }
+    }
 }
 
 impl Points<'_> {
@@ -78,19 +98,22 @@ impl Points<'_> {
         Error::Scene { path: self.source.to_owned(), error }
     }
 
-    /// Refuses points that cannot be computed: for each the law, and of all together memory and disk.
+    /// Refuses points that cannot be computed: for each the law, and of all together memory and disk. Those that are
+    /// complete have been.
     pub fn require(&self) -> Result<(), Error> {
-        let estimate = self.estimate(self.session.workers.count())?;
+        let Some(estimate) = self.estimate(self.session.workers.count())? else { return Ok(()) };
         let estimate = Estimate { files: COPIES * self.sweep.count() as f64, ..estimate };
         let output = (!self.folder().exists()).then_some(self.lock.output());
         let required = self.session.host.require(&estimate, output).map_err(Error::TooLarge);
         required.map_err(|error| error.in_scene(self.source))
     }
 
-    /// The estimate of the point that takes most memory.
-    fn estimate(&self, threads: usize) -> Result<Estimate, Error> {
+    /// The estimate of the point that takes most memory, of those that are left.
+    fn estimate(&self, threads: usize) -> Result<Option<Estimate>, Error> {
         let mut largest: Option<Estimate> = None;
-        for point in 0..self.sweep.count() {
+        for point in
+            (0..self.sweep.count()).filter(|point| !self.policy.resume || !self.file(*point).exists())
+        {
             let scene = self.scene(point)?;
             let laws = SceneLaws::within(&scene, &self.session.workers);
             let laws = laws.map_err(|error| self.at(point, error.in_scene(self.source)))?;
@@ -98,8 +121,11 @@ impl Points<'_> {
             if largest.is_none_or(|known| known.memory() < estimate.memory()) {
                 largest = Some(estimate);
             }
+            if point < MOST_LAWS {
+                self.laws.borrow_mut().insert(point, laws);
+            }
         }
-        Ok(largest.expect("a sweep has points"))
+        Ok(largest)
     }
 
     /// Whether anything is left to do for the output of all, which has this identity; then there is a folder for the points.
@@ -152,7 +178,9 @@ impl Points<'_> {
     fn compute_one(&self, point: usize, batches: Range<u64>) -> Result<(), Error> {
         let scene = self.scene(point)?;
         let lock = self.lock_of(point)?;
-        let task = self.task(&lock, self.shard.map(|shard| Part { shard, batches }));
+        let part = self.shard.map(|shard| Part { shard, batches });
+        let made = Cell::new(self.laws.borrow_mut().remove(&point));
+        let task = Task { made, ..self.task(&lock, part) };
         if self.session.workers.is_stopped() {
             let Range { start, end } = task.replicas(&scene);
             return Err(Error::Interrupted { done: 0, of: end - start, kept: self.done() > 0 });

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -11,9 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import quantities
 from ..errors import FileError, SceneError
-
-if TYPE_CHECKING:
-    from ..results import Run
+from ..results import Run
 
 __all__ = ["force_curve", "of_run"]
 

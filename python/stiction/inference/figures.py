@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, lettered, new_axes, scaled
 from .data import ABOVE, BELOW, MISSING
-from .posterior import Inference
+from .found import Inference
 
 __all__ = ["corner", "page", "predicted"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..results import Asperities, Place
+from ..opened import Asperities, Place
 
 __all__ = ["find_asperities"]
 

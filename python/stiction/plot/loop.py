@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from .. import quantities
+from ..force_curves.lever import of_run
 from ..results import Run
 from .run import WAYS, histogram, left_out, model_span, values
 from .style import (
@@ -259,7 +260,7 @@ def force_curve(
         As of `Run.force_curve`.
     """
     ax = new_axes(ax)
-    curve = run.force_curve(stiffness, replica=replica, preload=preload)
+    curve = of_run(run, stiffness, replica, preload)
     pull, force, piezo = float(curve["pull_off_force"]), curve["force"].values, curve["piezo_position"].values
     # Of the contact as much is shown as of the pull, where anything pulls.
     highest = min(float(force.max()), pull) if pull > 0.0 else float(force.max())

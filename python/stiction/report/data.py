@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from ..finite_size import is_study, study
+from ..finite_size.study import is_study, study
 from ..plot.run import WAYS
 from ..plot.sweep import QUANTITIES, model_range, of_points
 from ..results import Result, Run, Sweep

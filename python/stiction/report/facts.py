@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..finite_size import is_study, study
+from ..finite_size.study import is_study, study
 from ..results import Asperities, Finding, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
@@ -670,7 +670,7 @@ def _asperities(result: Asperities) -> Facts:
 
 
 def _finding(result: Finding) -> Facts:
-    return Facts(f"result of `{result.made_by}`", [], [], [], "", [])
+    return Facts(f"result of `{result.format.made_by}`", [], [], [], "", [])
 
 
 _OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Asperities: _asperities, Finding: _finding}

@@ -21,11 +21,13 @@ from matplotlib.figure import Figure
 
 from .. import files, quantities, stored
 from ..errors import FileError
+from ..opened import open_run
 from ..plot import page as drawn_page
 from ..plot import panels
 from ..plot.style import COLORS, context
 from ..plot.sweep import QUANTITIES
-from ..results import Finding, Result, Sweep, open_run
+from ..results import Finding, Result, Sweep
+from ..version import __version__
 from .data import tables
 from .facts import Facts, Table, Verdict, facts
 
@@ -79,8 +81,6 @@ def page(results: Sequence[Result]) -> str:
     """
     if not results:
         raise FileError("a report needs a result")
-    from .. import __version__
-
     said = [_read(result, facts) for result in results]
     pairs = list(zip(results, said, strict=True))
     names = _names(results)
@@ -235,10 +235,10 @@ def _against(first: Any, other: Any) -> str:
 def _figures(result: Result, numbers: Any) -> str:
     if isinstance(result, Finding):
         try:
-            drawing = result.figure("180mm")
+            drawing = drawn_page(result, "180mm")
         except FileError:
             return ""
-        return f"<figure>{_svg(drawing, f'f{next(numbers)}-', result.kind)}</figure>"
+        return f"<figure>{_svg(drawing, f'f{next(numbers)}-', result.format.kind)}</figure>"
     return f"<div class=figures>{''.join(_figure(result, name, next(numbers)) for name in panels(result))}</div>"
 
 

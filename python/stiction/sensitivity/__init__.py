@@ -5,6 +5,7 @@ of any other model. Needs ``pip install stiction[inference]``.
 """
 
 from .figure import draw
-from .study import QUANTITIES, sensitivity
+from .study import sensitivity
+from .words import QUANTITIES
 
 __all__ = ["QUANTITIES", "draw", "sensitivity"]

@@ -7,7 +7,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, lettered
-from .study import QUANTITIES
+from .words import QUANTITIES
 
 __all__ = ["draw"]
 

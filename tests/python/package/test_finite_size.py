@@ -209,7 +209,7 @@ def test_numbers_of_asperities_that_make_no_study_are_refused(counts, problem, t
 
 
 def test_numbers_may_be_lists_and_ranges():
-    from stiction.finite_size.study import _counts
+    from stiction.finite_size.patches import _counts
 
     assert _counts("10,1e3, 100,100") == [10, 100, 1000]
     assert _counts("10:1e6:6") == [10, 100, 1000, 10_000, 100_000, 1_000_000]

@@ -438,8 +438,8 @@ class Run(_Curves):
     def _summary(self) -> list[tuple[str, str]]:
         if not self.has_replicas:
             force = float(self.tree["integral"].attrs["pull_off_force"])
-            told = f"{quantities.si(force, 'N')}, of the integral alone" if force > 0.0 else "none: nothing pulls"
-            return [("law", f"{self.attrs['law']}, {self.attrs['history']}"), ("pull-off", told)]
+            text = f"{quantities.si(force, 'N')}, of the integral alone" if force > 0.0 else "none: nothing pulls"
+            return [("law", f"{self.attrs['law']}, {self.attrs['history']}"), ("pull-off", text)]
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]

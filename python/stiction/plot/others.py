@@ -97,10 +97,10 @@ def law_deviation(result: Sweep, ax: Axes | None = None) -> Axes:
     places = np.arange(off.size)
     ax.barh(places, np.nan_to_num(off), color=[COLORS[place % len(COLORS)] for place in places], height=0.6)
     for place, value, force in zip(places, off, forces, strict=True):
-        told = quantities.si(force, "N") if force > 0.0 else "no pull-off"
-        told += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
+        text = quantities.si(force, "N") if force > 0.0 else "no pull-off"
+        text += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
         ax.annotate(
-            told,
+            text,
             (max(float(np.nan_to_num(value)), 0.0), place),
             xytext=(3, 0),
             textcoords="offset points",
@@ -190,11 +190,11 @@ def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         ax.axhline(100.0 * accuracy, color="0.8", linewidth=0.5, zorder=0)
         if math.isfinite(count):
             ax.plot([count], [100.0 * accuracy], "s", color=GREEN, markerfacecolor="none")
-            told = f"{100 * accuracy:g} % from {quantities.number(count, 2)}" + (
+            text = f"{100 * accuracy:g} % from {quantities.number(count, 2)}" + (
                 " (extrapolated)" if str(source) == "extrapolated" else ""
             )
             left = count > 30.0 * n[0]
-            ax.annotate(told, (count, 100.0 * accuracy), xytext=(-5, -2) if left else (5, 2), textcoords="offset points",
+            ax.annotate(text, (count, 100.0 * accuracy), xytext=(-5, -2) if left else (5, 2), textcoords="offset points",
                         fontsize=7, color=GREEN, ha="right" if left else "left", va="top" if left else "bottom")  # fmt: skip
     if not (of > 0.0).any():
         return empty(ax, "no size has a positive bias")
@@ -401,8 +401,8 @@ def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
         (measured, "mean", "black", "-"),
         (theory, "by the moments", VERMILION, DASH_DOT),
     ):
-        told = f"{words}, R = {quantities.si(radius, 'm')}"
-        handles.append(ax.axvline(unit / radius, color=color, linestyle=line, label=told))
+        text = f"{words}, R = {quantities.si(radius, 'm')}"
+        handles.append(ax.axvline(unit / radius, color=color, linestyle=line, label=text))
     ax.set(xlabel=label("mean curvature", f"1/{sign}"), ylabel="asperities", xlim=(0.0, None))
     legend(ax, handles)
     return ax
@@ -429,9 +429,9 @@ def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str,
     line = ax.plot(cutoff / x_unit, of / factor, "o-", color=BLUE, markersize=3, label="of summits")
     handles: list[Any] = [*line, shade]
     if chosen > 0.0:
-        told = f"smoothed with {quantities.si(chosen, 'm')}"
+        text = f"smoothed with {quantities.si(chosen, 'm')}"
         handles += ax.plot(
-            chosen / x_unit, measured / factor, "D", color=VERMILION, markersize=5, label=told
+            chosen / x_unit, measured / factor, "D", color=VERMILION, markersize=5, label=text
         )
         ax.axvline(chosen / x_unit, color=VERMILION, linestyle=DASH_DOT, linewidth=0.8, zorder=0.5)
     else:

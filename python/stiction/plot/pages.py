@@ -177,20 +177,20 @@ def page(
         if len(names) > 1:
             lettered(ax, index)
     if title:
-        told = result.title or result.path.name
-        told = "".join(one if one.isprintable() else " " for one in told)
+        text = result.title or result.path.name
+        text = "".join(one if one.isprintable() else " " for one in text)
         figure.suptitle(
-            "\n".join(textwrap.wrap(told, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
+            "\n".join(textwrap.wrap(text, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
         )
     if result.is_partial:
         attrs = result.attrs
         whole = f" of {attrs['replicas_of_whole_run']}" if "replicas_of_whole_run" in attrs else ""
-        told = (
+        text = (
             plain(f"PARTIAL: {attrs.get('replicas', 'some')}{whole} replicas")
             if whole
             else "PARTIAL: some replicas are missing"
         )
-        figure.text(0.995, 0.995, told, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
+        figure.text(0.995, 0.995, text, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
     return figure
 
 

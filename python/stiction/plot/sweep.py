@@ -148,7 +148,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
     others.sort(key=lambda name: name != by)
     sizes = [result.points.sizes[name] for name in others]
     if int(np.prod(sizes)) > _MOST:
-        most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be told apart"
+        most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be distinguished"
         raise FileError(f"{most}: name the key with most values for the axis (x)")
     for place in np.ndindex(*sizes):
         chosen = dict(zip(others, place, strict=True))

@@ -123,10 +123,10 @@ def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) ->
     others = [dim for dim in array.dims if dim != main]
     turned = array.transpose(main, *others)
     for place in np.ndindex(*(array.sizes[dim] for dim in others)):
-        told = [
+        suffixes = [
             f"{dim} {array.coords[dim].values[i] if dim in array.coords else i}" for dim, i in zip(others, place, strict=True)
         ]
-        yield _header(" ".join([name, *told]), array), turned.values[(slice(None), *place)]
+        yield _header(" ".join([name, *suffixes]), array), turned.values[(slice(None), *place)]
 
 
 def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:

@@ -107,8 +107,8 @@ def sensitivity(
         if not np.isfinite(values).all():
             at = np.argwhere(~np.isfinite(values))[0]
             number = found.draw(cube[at[0]])[at[1] * (k + 2) + at[2]]
-            told = ", ".join(f"{prior.key} = {prior.text(value)}" for prior, value in zip(found.priors, number, strict=True))
-            raise StictionError(f"no {QUANTITIES[name][0]} of a patch at {told}: other ranges or separations are needed")
+            numbers = ", ".join(f"{prior.key} = {prior.text(value)}" for prior, value in zip(found.priors, number, strict=True))
+            raise StictionError(f"no {QUANTITIES[name][0]} of a patch at {numbers}: other ranges or separations are needed")
         try:
             estimated[name] = indices.estimated(values, level=level)
         except ValueError as error:

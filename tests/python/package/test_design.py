@@ -174,7 +174,7 @@ def test_pull_off_of_explicit_heights_is_the_programs(tmp_path):
     scene = {
         **tables,
         "surface": {"lubricant_thickness": "0.5 nm", "asperities": {"path": str(path), "sample": "whole"}},
-        "separation": {"h": [f"{d + plane!r} m" for d in patches.tops.tolist()]},
+        "separation": {"h": [f"{d + plane!r} m" for d in patches.from_summits.tolist()]},
         "ensemble": {"replicas": 1},
     }
     for tall, low, force in zip(some.tall, some.low, some.force, strict=True):

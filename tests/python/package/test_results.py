@@ -32,7 +32,7 @@ def test_every_kind_opens_as_its_class_and_says_what_it_is(result, name):
         assert set(opened.tree.children) == {group for group in file if isinstance(file[group], h5py.Group)}
 
 
-def test_what_is_wrong_with_a_file_is_told(result, tmp_path):
+def test_what_is_wrong_with_a_file_is_reported(result, tmp_path):
     with pytest.raises(FileError, match=r"none\.h5: no such file"):
         stiction.open_run(tmp_path / "none.h5")
     (tmp_path / "text.h5").write_text("no")

@@ -45,11 +45,7 @@ _LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
 def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
     """External force of the integral by each law; means over replicas as dots where there are ensembles.
 
-    Parameters
-    ----------
-    result : Sweep
-        Over `model.law` alone.
-    ax : matplotlib.axes.Axes, optional
+    For sweeps over `model.law` alone.
     """
     ax = new_axes(ax)
     x, forces, laws = (values(result, path) for path in ("integral/h_star", "integral/external_force", "model_law"))
@@ -84,11 +80,7 @@ def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
 def law_deviation(result: Sweep, ax: Axes | None = None) -> Axes:
     """The deviation of the pull-off force of each law from the first law's, in per cent.
 
-    Parameters
-    ----------
-    result : Sweep
-        Over `model.law` alone.
-    ax : matplotlib.axes.Axes, optional
+    For sweeps over `model.law` alone.
     """
     ax = new_axes(ax)
     forces = values(result, "integral/pull_off_force")
@@ -128,11 +120,7 @@ _COUNT = "asperities of a patch"
 def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Pull-off force of single patches over the integral's, by the number of asperities of a patch.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, quantile = values(study, "asperity_count"), values(study, "pull_off_quantiles")
@@ -158,11 +146,7 @@ def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """The excess of the mean pull-off of patches over the integral's, with the law that is fitted to it.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, of, error = (values(study, name) for name in ("asperity_count", "bias", "bias_standard_error"))
@@ -209,11 +193,7 @@ def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Scatter of the pull-off force from patch to patch, by the number of asperities of a patch.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, of = values(study, "asperity_count"), 100.0 * values(study, "relative_std")
@@ -250,11 +230,7 @@ def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
     """The map with the asperities that were found on it.
 
-    Parameters
-    ----------
-    result : Asperities
-        Files of before version 2.1 have no map; their asperities are drawn by their heights.
-    ax : matplotlib.axes.Axes, optional
+    Files before version 2.1 have no map; their asperities are drawn by their heights.
     """
     ax = new_axes(ax)
     dy, dx = (float(size) for size in result.attrs["pixel_size"])
@@ -323,13 +299,7 @@ def nayak(s: Any, alpha: float) -> Any:
 
 @dressed
 def heights(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the heights of the asperities, with Nayak's density and the equivalent Gaussian.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Distribution of the heights of the asperities, with Nayak's density and the equivalent Gaussian."""
     ax = new_axes(ax)
     of, alpha, m0 = (
         values(result, "asperities/height"),
@@ -360,13 +330,7 @@ def heights(result: Asperities, ax: Axes | None = None) -> Axes:
 
 @dressed
 def relation(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Curvature of the asperities over their height; the legend has the correlation.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Curvature of the asperities over their height; the legend has the correlation."""
     ax = new_axes(ax)
     of, curvature = values(result, "asperities/height"), 1.0 / values(result, "asperities/radius")
     unit, sign = scaled("m", of)
@@ -385,13 +349,7 @@ def relation(result: Asperities, ax: Axes | None = None) -> Axes:
 
 @dressed
 def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the curvatures of the asperities, their mean, and the equivalent surface's.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Distribution of the curvatures of the asperities, their mean, and the equivalent surface's."""
     ax = new_axes(ax)
     curvature = 1.0 / values(result, "asperities/radius")
     measured, theory = float(result["measured/asperity_radius"]), float(result["equivalent/asperity_radius"])
@@ -458,11 +416,7 @@ def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str,
 def density_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Density of the summits over the cut-off of the filter; where it settles there is more than noise.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_density", "density of summits", "m-2", -2)
 
@@ -471,11 +425,7 @@ def density_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
 def radius_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Radius of the summits, the reciprocal of their mean curvature, over the cut-off of the filter.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_radius", "radius, 1/mean curvature", "m")
 
@@ -484,11 +434,7 @@ def radius_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
 def scatter_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Standard deviation of the heights of the summits over the cut-off of the filter.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_height_std", "σₛ of summit heights", "m")
 

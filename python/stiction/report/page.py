@@ -247,7 +247,7 @@ def _figure(result: Result, name: str, number: int) -> str:
     words = name.replace("pull_off", "pull-off").replace("_", " ")
     caption = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
     if isinstance(result, Sweep) and name in QUANTITIES:
-        caption = QUANTITIES[name][0]
+        caption = QUANTITIES[name].words
     stem = result.path.stem
     links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
     return (

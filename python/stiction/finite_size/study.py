@@ -141,7 +141,7 @@ def _scatter(values: Array) -> tuple[float, float, Array]:
     n, off = values.size, values - values.mean()
     with np.errstate(invalid="ignore", divide="ignore"):
         std = float(values.std(ddof=1) / abs(values.mean())) if n > 1 else math.nan
-        skewness = math.sqrt(n * (n - 1)) / (n - 2) * float((off**3).mean() / (off**2).mean() ** 1.5) if n > 2 else math.nan
+        skewness = float(math.sqrt(n * (n - 1)) / (n - 2) * (off**3).mean() / (off**2).mean() ** 1.5) if n > 2 else math.nan
     return std, skewness, np.quantile(values, QUANTILES)
 
 

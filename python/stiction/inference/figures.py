@@ -14,7 +14,7 @@ from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, 
 from .data import ABOVE, BELOW, MISSING
 from .found import Inference
 
-__all__ = ["corner", "page", "predicted"]
+__all__ = ["page", "predicted"]
 
 _SHARES = (0.5, 0.9)
 
@@ -54,24 +54,8 @@ def page(result: Inference, width: str | float | None = None, truth: Mapping[str
     return figure
 
 
-@dressed
-def corner(result: Inference, figure: Figure | None = None) -> Figure:
-    """Posterior of each parameter (with its prior within the range, grey) and of each pair (50 and 90 % of the draws within the lines).
-
-    Parameters
-    ----------
-    result : Inference
-    figure : matplotlib.figure.Figure, optional
-        What to draw into; a new one of 180 mm by default.
-    """
-    from matplotlib import pyplot
-
-    figure = figure or pyplot.figure(figsize=(inches(180), inches(171)))
-    _corner(result, figure, figure.add_gridspec(len(result.names), len(result.names)), {})
-    return figure
-
-
 def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, float]) -> None:
+    """Posterior of each parameter, with its prior within the range in grey, and 50 and 90 % of the draws of each pair."""
     names = result.names
     values, labels, priors, logs, truths = [], [], [], [], []
     for name in names:

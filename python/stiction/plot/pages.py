@@ -153,6 +153,8 @@ def page(
         There is no such figure for this kind of result, or it has not what the figure is of.
     """
     if isinstance(result, Finding):
+        if what is not None or options:
+            raise FileError(f"{result.path}: a result of `{result.format.made_by}` has one figure; leave out {', '.join(['what', *options])}")
         return _of_finding(result, width)
     fitting = panels(result)
     known = fitting | of_replica(result)

@@ -43,7 +43,7 @@ class Run(results.Run, Result):
     """A result of `stiction run` of one scene."""
 
     def force_curve(self, stiffness: Any = None, *, replica: int = 0, preload: Any = None) -> xarray.Dataset:
-        """The force curve of one spot on a cantilever, as an AFM records it: force over piezo position, both ways, with jumps.
+        """The force curve of one patch on a cantilever, as an AFM records it: force over piezo position, both branches, with jumps.
 
         It is followed along the curves that the file keeps of each replica of a loop with ``curves = true`` in ``[output]``.
 
@@ -52,9 +52,9 @@ class Run(results.Run, Result):
         stiffness : str or float, optional
             Of the cantilever: a text such as ``"40 N/m"``, or N/m; by default the one spring of ``[instability]``.
         replica : int
-            The spot.
+            The patch.
         preload : str or float, optional
-            The force at which it turns, one of ``[instability]``; by default the largest that the spot reaches. Without
+            The force at which it turns, one of ``[instability]``; by default the largest that the patch reaches. Without
             preloads in the scene it turns at the smallest separation.
 
         Returns
@@ -65,9 +65,9 @@ class Run(results.Run, Result):
         Raises
         ------
         FileError
-            The file is of no loop, or has no curves of its replicas, or the spot reaches no preload.
+            The file is of no loop, or has no curves of its replicas, or the patch reaches no preload.
         SceneError
-            There is no such replica or preload, no stiffness greater than 0; or the tip snaps in outside of the separations.
+            There is no such replica or preload, no stiffness greater than 0; or the tip jumps in outside of the separations.
         """
         return of_run(self, stiffness, replica, preload)
 

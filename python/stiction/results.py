@@ -27,7 +27,7 @@ OF_WHOLE_LOOP = ("pull_off_force", "pull_off_separation")
 
 
 def agreement(replicas: int, most_differing: float) -> str:
-    """The statement where all replicas agree; most_differing is the share of patches that differ at most."""
+    """The statement where all replicas agree; most_differing is the fraction of patches that differ at most."""
     share = quantities.number(100.0 * most_differing)
     return f"all {replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
 
@@ -52,7 +52,7 @@ class PullOff:
     replicas : int
         How many replicas it is the mean of.
     most_differing : float or None
-        Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
+        Where all replicas agree, the fraction of patches that differ at most, with 95 % confidence; otherwise None.
     preload : float or None
         The preload before the pull-off, N: the largest that is reached, where the scene has preloads. Mean curve and
         integral then refer to the whole loop.
@@ -190,7 +190,7 @@ class Result:
         return True
 
     def group(self, name: str) -> xarray.Dataset:
-        """A group as a dataset of its own; a group that the file does not have is an error.
+        """A group as a separate dataset; a group that the file does not have is an error.
 
         Raises
         ------
@@ -554,7 +554,7 @@ class Asperities(Result):
 
     @cached_property
     def cutoffs(self) -> xarray.Dataset:
-        """Number, density (1/m²), radius (m) and scatter of heights (m) of the summits over the dimension `cutoff` (m) of the filter.
+        """Number, density (1/m²), radius (m) and standard deviation of heights (m) of the summits over the dimension `cutoff` (m) of the filter.
 
         Raises
         ------

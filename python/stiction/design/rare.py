@@ -35,7 +35,8 @@ _FORCES, _NEAR = 20, 1.5
 _MISSED = 0.05
 # Standard deviations below the lowest height at which nothing acts, and above the largest separation from which on heights are alike.
 _FAR, _BEYOND = 50.0, 8.0
-# Scatter of low heights that splitting leaves out at most, as a share of the least pull-off of the pilot, and of the scatter of pull-offs.
+# Standard deviation by low heights that splitting leaves out at most, as a fraction of the least pull-off of the pilot, and of the standard
+# deviation of pull-offs.
 _IN_BINS, _OF_SCATTER = 2e-3, 0.03
 
 

@@ -59,9 +59,9 @@ _RAREST = 1e-12
 _TALL = 20_000
 # Terms that are looked up at once: what a cache holds.
 _BLOCK = 2**18
-# Patches of a run, their share below the next level, moves at each level, and how many of these are to be taken.
+# Patches of a run, their fraction below the next level, moves at each level, and how many of these are to be taken.
 _PATCHES, _SHARE, _MOVES, _TAKEN = 250, 0.3, 6, 0.3
-# Runs at least, more runs than the scatter of the first ones says, and as how many alike ones all weigh at least.
+# Runs at least, more runs than the standard deviation of the first ones asks for, and as how many alike ones all weigh at least.
 _RUNS, _MARGIN, _EFFECTIVE = 16, 1.5, 8.0
 
 
@@ -88,7 +88,7 @@ class Curves:
     count : float
         Asperities of a patch.
     poisson : bool
-        Whether their number scatters about it.
+        Whether their number varies about it.
     asperity : tuple of Array
         Interferences (m) and attraction there (N).
     columns : Array
@@ -201,7 +201,7 @@ class Curves:
         return 1.0 / self._ratio(some.tall)
 
     def moved(self, some: _Some, level: float, q: float, rng: np.random.Generator) -> float:
-        """Moves patches that are below a level, in place; the share of moves that were taken."""
+        """Moves patches that are below a level, in place; the fraction of moves that were taken."""
         taken = 0
         step = max(_BLOCK // max(some.tall.shape[1], self.columns.size), 1)
         for first in range(0, len(some.force), step):
@@ -386,7 +386,7 @@ class Splitting:
         return force(runs), (low, high)
 
     def _levels(self, enough: Callable[[float, float], bool]) -> tuple[list[tuple[float, float]], int] | None:
-        """Levels (N) with the share of asperities that moves draw again, until enough is said of a level and its probability; patches spent. None
+        """Levels (N) with the fraction of asperities that moves draw again, until enough is said of a level and its probability; patches spent. None
         where that is rarer than `LEAST`.
         """
         some, q, reached = self.curves.drawn(_PATCHES, self.rng), 0.5, 1.0
@@ -408,7 +408,7 @@ class Splitting:
     def _sampled(
         self, levels: list[tuple[float, float]], spent: int, threshold: Callable[[_Runs], float], error: float, most: int
     ) -> tuple[Probability, _Runs]:
-        """Runs of fixed levels, as many as the error takes by the scatter of the first ones, which are thrown away."""
+        """Runs of fixed levels, as many as the error takes by the standard deviation of the first ones, which are thrown away."""
         patches = _PATCHES * (1 + _MOVES * len(levels))
         first = self._runs(levels, _RUNS)
         x = threshold(first)

@@ -125,7 +125,7 @@ class Patch:
     count : float
         Asperities of a patch.
     poisson : bool
-        Whether their number scatters about it.
+        Whether their number varies about it.
     one : callable
         Attraction of one asperity, N, (separations, cells), on the unloading branch at separations h, m.
     pull_off : callable
@@ -141,7 +141,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class Mixture:
-    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and the share of the
+    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and the fraction of the
     patches that each has.
     """
 
@@ -150,7 +150,7 @@ class Mixture:
     shares: Array
 
     def drawn(self, patches: int, rng: np.random.Generator) -> Drawn:
-        """Patches, of each law as many as its share on average."""
+        """Patches, of each law as many as its fraction on average."""
         places = (np.arange(patches) + rng.random()) / patches
         laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
@@ -180,7 +180,7 @@ class Mixture:
         return np.asarray(np.exp(-special.logsumexp(drawn.likelihood, axis=1, b=self.shares)))
 
     def fitted(self, pilot: Drawn, threshold: float) -> Mixture:
-        """The mixture whose shares are the probabilities that a patch of the event is of each law."""
+        """The mixture whose fractions are the probabilities that a patch of the event is of each law."""
         if self.shares.size == 1:
             return self
         weights = self.weights(pilot)

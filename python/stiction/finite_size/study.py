@@ -50,7 +50,7 @@ def is_study(sweep: Sweep) -> bool:
 
 
 def study(sweep: Sweep | str | Path) -> xarray.Dataset:
-    """Bias, scatter and power law of finite patches, from a sweep over the nominal area.
+    """Bias, standard deviation and power law of finite patches, from a sweep over the nominal area.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def study(sweep: Sweep | str | Path) -> xarray.Dataset:
         the pull-off force of a patch, its `pull_off_quantiles` over the integral's over `quantile`,
         `nominal_area` (m²),
         `p_value` of the cross-check, `summation`, `independence` (the verdict), and where all replicas
-        agree `most_differing`, the share
+        agree `most_differing`, the fraction
         of patches that differ at most. Over `accuracy`: `count_at_accuracy`, asperities from which on the
         bias is within it, and
         `count_at_accuracy_source`. Attributes: `integral_pull_off_per_asperity` (N); `fit_coefficient`,

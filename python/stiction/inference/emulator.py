@@ -45,7 +45,7 @@ _NEAR = 3.0
 _TRIED, _FAR_OFF = 16, 1e3
 #: The key of the factor that all measured forces share; the scene of the program has none.
 FORCE_SCALE = "calibration.force_scale"
-# The largest share of patches at a point that may lack an outcome, as a spot without tall tips that no preload reaches.
+# The largest fraction of patches at a point that may lack an outcome, as a patch without tall tips that no preload reaches.
 _MOST_LACKING = 0.02
 # Beginnings of units with a newton.
 _OF_FORCES = ("N", "J")

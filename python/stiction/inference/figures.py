@@ -75,7 +75,7 @@ def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, fl
                 first, last = ranges[row]
                 bins: Any = np.geomspace(first, last, 41) if logs[row] else np.linspace(first, last, 41)
                 ax.hist(values[row], bins, density=True, histtype="stepfilled", color=BLUE, alpha=0.35)
-                # Wider bins, as few draws of a wide prior are within the range; its share outside is not drawn.
+                # Wider bins, as few draws of a wide prior are within the range; its fraction outside is not drawn.
                 counts, edges = np.histogram(priors[row], bins[::4])
                 ax.stairs(counts / (priors[row].size * np.diff(edges)), edges, color=GREY)
                 low, middle, high = np.quantile(values[row], [0.025, 0.5, 0.975])
@@ -100,7 +100,7 @@ def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, fl
 
 
 def _pair(ax: Axes, x: Any, y: Any, x_range: Any, y_range: Any) -> None:
-    """The draws of a pair and the lines within which shares of them lie."""
+    """The draws of a pair and the lines within which fractions of them lie."""
     from scipy.ndimage import gaussian_filter
 
     counts, x_edges, y_edges = np.histogram2d(x, y, 60, [x_range, y_range])

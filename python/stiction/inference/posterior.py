@@ -273,8 +273,8 @@ def _identifiability(
 ) -> xarray.Dataset:
     """Combinations of the parameters by how far the data narrow them, and the Fisher information at the posterior's mean.
 
-    A combination is Σ a_k q_k of the logarithms of the parameters; of one that may be negative q is the number over its prior's scatter. Those that are
-    independent under prior and posterior are the solutions of C_posterior a = r C_prior a, with r the share of the variance that is left.
+    A combination is Σ a_k q_k of the logarithms of the parameters; of one that may be negative q is the number over the standard deviation of its prior. Those that are
+    independent under prior and posterior are the solutions of C_posterior a = r C_prior a, with r the fraction of the variance that is left.
     """
     positive = (values > 0.0).all(axis=0) & (drawn > 0.0).all(axis=0)
     scale = np.where(positive, 1.0, drawn.std(axis=0))
@@ -287,7 +287,7 @@ def _identifiability(
     after = np.cov(flat.T).reshape(flat.shape[1], -1)
     prior = np.cov(before.T).reshape(after.shape)
     ratios, vectors = linalg.eigh(after, prior)
-    # The largest share is 1; shares are of parameters as their priors scatter.
+    # The largest fraction is 1; fractions are of parameters over the standard deviations of their priors.
     scaled = vectors * np.sqrt(np.diag(prior))[:, None]
     vectors = vectors / vectors[np.abs(scaled).argmax(axis=0), np.arange(len(ratios))]
     spreads = np.sqrt(np.einsum("ik,ij,jk->k", vectors, after, vectors))

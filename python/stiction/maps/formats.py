@@ -127,7 +127,7 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
-    """The file itself, or what a packed file has inside, in a folder of its own."""
+    """The file itself, or what a packed file has inside, in a separate folder."""
     with path.open("rb") as file:
         beginning = file.read(6)
     packer = next((name for mark, name in _PACKED.items() if beginning.startswith(mark)), None)

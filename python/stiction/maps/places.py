@@ -20,7 +20,7 @@ _REGULAR = "only regular lists of points are read"
 MOST_AXES = 6
 #: Fewest rows of what may be a map of its own.
 BLOCK = 3
-# The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
+# The fraction of a step by which places of points may be off their grid, and rounded places of a whole grid.
 _OFF, _OFF_ROUNDED = 0.02, 0.5
 
 _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}

@@ -68,7 +68,7 @@ _HEADER = {
 }
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRI_MISSING = -9999.0
-# Numbers to their last bit, which pandas gives from 3 on by itself.
+# Numbers to their last bit, which pandas gives from 3 on by default.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # Pixels of other sides than that are not square.
 _SQUARE = 0.01

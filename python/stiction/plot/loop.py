@@ -1,4 +1,4 @@
-"""Figures of loops and of surfaces on springs: contacts made and lost, energy, snaps, pull-off after preloads."""
+"""Figures of loops and of surfaces on springs: contacts made and lost, energy, jumps, pull-off after preloads."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def snaps(run: Run, ax: Axes | None = None) -> Axes:
-    """Probability that a surface on a spring snaps, over the stiffness of the spring, with 95 % intervals.
+    """Probability that a surface on a spring jumps in or off, over the stiffness of the spring, with 95 % intervals.
 
     For scenes with ``[instability]``.
     """
@@ -229,7 +229,7 @@ def _model_range(ax: Axes, run: Run, name: str, x: Any, unit: float = 1.0) -> li
 def force_curve(
     run: Run, ax: Axes | None = None, *, stiffness: Any = None, replica: int = 0, preload: Any = None
 ) -> Axes:
-    """Force of one spot on a cantilever over the position of its piezo, as an AFM draws it: both branches, with jumps.
+    """Force of one patch on a cantilever over the position of its piezo, as an AFM draws it: both branches, with jumps.
 
     Parameters
     ----------

@@ -81,7 +81,7 @@ def left_out(run: Run) -> list[Line2D]:
 
 
 def is_invalid(run: Run) -> Any:
-    """Whether asperities are taken as independent and may not be, at each separation: closer than `independent_from` of a run of that verdict."""
+    """Whether asperities are taken as independent and may not be, at each separation: closer than `independent_from` of a run that is invalid."""
     from_where = float(run["independence/independent_from"])
     whole = str(run["independence"].attrs["verdict"]) == "invalid" and "coupling" not in run
     return whole & ~(values(run, "integral/separation") >= from_where)
@@ -198,7 +198,7 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
 
 
 def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> list[Any]:
-    """Markers on the curve where surfaces on a spring snap in on approach, on average."""
+    """Markers on the curve where surfaces on a spring jump in on approach, on average."""
     if "replicas/snap_in_separation" not in run:
         return []
     snaps = run["replicas/snap_in_separation"]

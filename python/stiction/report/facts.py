@@ -1,4 +1,4 @@
-"""Facts of a result: the numbers to quote, what was computed, verdicts, how to make it again."""
+"""Facts of a result: the numbers to quote, what was computed, assessments, how to make it again."""
 
 from __future__ import annotations
 

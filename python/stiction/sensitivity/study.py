@@ -67,9 +67,9 @@ def sensitivity(
     -------
     xarray.Dataset
         Over `quantity` (pull_off_force, N; peak_secant_stiffness, N/m; energy, J) and `key`: `first_order` and `total` indices of the mean
-        over patches, `scatter`, the share of the scatter between patches in the variance of one patch, their `…_interval` over `range_end`,
+        over patches, `scatter`, the fraction of the variance of one patch that is between patches, their `…_interval` over `range_end`,
         `mean` and `standard_deviation` of one patch in SI units. Energy is what a cycle dissipates with
-        ``history = "loop"``, else the work to part the surfaces from where they hold by themselves to the
+        ``history = "loop"``, else the work to detach the surfaces from where they adhere without a force to the
         largest separation.
 
     Raises

@@ -15,7 +15,7 @@ QUANTITIES = {
     "peak_secant_stiffness": ("largest stiffness", "N m-1"),
     "energy": ("energy", "J"),
 }
-# Indices that differ by less are alike, as chance has them of numbers that act each by itself.
+# Indices that differ by less are alike, as chance has them of numbers that act separately.
 _ROUNDED = 0.01
 
 

@@ -6,12 +6,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import xarray
+
 from . import files, results
 from .force_curves.lever import of_run
 
 if TYPE_CHECKING:
-    import xarray
-
     from .plot.accessors import Plot
 
 __all__ = ["Asperities", "Finding", "Place", "Result", "Run", "Sweep", "open_run"]

@@ -5,14 +5,14 @@
 results, `stiction.report` makes a page of them.
 """
 
-from importlib.metadata import PackageNotFoundError, version
-
 from .errors import FileError, SceneError, StictionError
 from .experiments import check, compare, integral, run, sweep
 from .maps import SpectralMoments, find_asperities, spectral_moments
-from .results import Asperities, CrossCheck, PullOff, Result, Run, Sweep, open_run
+from .opened import Asperities, Result, Run, Sweep, open_run
+from .results import CrossCheck, PullOff
 from .single import asperity
 from .tables import read_table
+from .version import __version__ as __version__
 
 __all__ = [
     "Asperities",
@@ -36,8 +36,3 @@ __all__ = [
     "spectral_moments",
     "sweep",
 ]
-
-try:
-    __version__ = version("stiction")
-except PackageNotFoundError:  # a checkout that is not installed
-    __version__ = "unknown"

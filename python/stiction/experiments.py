@@ -10,7 +10,7 @@ import xarray
 
 from . import program
 from .errors import SceneError
-from .results import Place, Run, Sweep
+from .opened import Place, Run, Sweep
 from .scenes import Scene, Source
 
 __all__ = ["check", "compare", "integral", "run", "sweep"]

@@ -310,8 +310,8 @@ def _prior(key: str, table: Mapping[str, Any]) -> Any:
     if log_std != "1":
         raise SceneError(f"{key}.log_std = {table['log_std']!r}: a number without a unit is needed")
     if not quantities.of_one_dimension(units.values()):
-        told = ", ".join(f"{name} = {table[name]!r}" for name in units)
-        raise SceneError(f"{key}: {told}: all of them have to be of one dimension")
+        listed = ", ".join(f"{name} = {table[name]!r}" for name in units)
+        raise SceneError(f"{key}: {listed}: all of them have to be of one dimension")
     # For a normal law that is cut the covariance is not the covariance of its normal scores.
     std = numbers.get("log_std", None if numbers.keys() & {"from", "to"} else numbers.get("std"))
     return Prior(key, law, next(iter(units.values())), std, _distribution(key, law, table, numbers))

@@ -96,29 +96,29 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
             env=environment,
         )  # fmt: skip
         assert process.stderr is not None
-        told: list[str] = []
+        lines: list[str] = []
         try:
-            _read(process.stderr, told, _Bars(progress))
+            _read(process.stderr, lines, _Bars(progress))
             code = process.wait()
         except BaseException as stop:
             # On a terminal the program has had the same signal; of two that come together it takes one.
             process.send_signal(signal.SIGINT)
             try:
-                _read(process.stderr, told, _Bars(progress=False))
+                _read(process.stderr, lines, _Bars(progress=False))
                 process.wait()
             except KeyboardInterrupt:
                 process.kill()
                 process.wait()
             if not isinstance(stop, KeyboardInterrupt):
                 raise
-            raise KeyboardInterrupt(_message(told)) from None
+            raise KeyboardInterrupt(_message(lines)) from None
         finally:
             process.stderr.close()
         out.seek(0)
         printed = out.read()
     if code == 0:
         return printed
-    message = _message(told) or f"{' '.join(arguments[:1])}: the program ended with code {code}"
+    message = _message(lines) or f"{' '.join(arguments[:1])}: the program ended with code {code}"
     if code == _INTERRUPTED:
         raise KeyboardInterrupt(message)
     raise (SceneError if code == 2 else StictionError)(message, code)
@@ -134,9 +134,9 @@ def _check_text(argument: str) -> None:
         raise SceneError(f"{argument[:100]!r}: a text cannot have the character NUL, nor half of a surrogate pair")
 
 
-def _message(told: Sequence[str]) -> str:
+def _message(lines: Sequence[str]) -> str:
     """The message of an error, without commands to give, and with options as Python has them."""
-    text = re.split(r"\n\n(?:Usage:|For more information)|; to go on:\n", "\n".join(told).strip())[0]
+    text = re.split(r"\n\n(?:Usage:|For more information)|; to go on:\n", "\n".join(lines).strip())[0]
     for option, argument in _ARGUMENTS.items():
         text = text.replace(option, argument)
     text = re.sub(r"(?<!\S)--set (?=\S)", "", text)
@@ -146,14 +146,14 @@ def _message(told: Sequence[str]) -> str:
     return text.removeprefix("stiction: ").removeprefix("error: ")
 
 
-def _read(lines: IO[str], told: list[str], bars: _Bars) -> None:
+def _read(lines: IO[str], kept: list[str], bars: _Bars) -> None:
     """Reads standard error to its end: progress is shown, the rest kept."""
     try:
         for line in lines:
             if line.startswith("{"):
                 bars.show(json.loads(line))
             else:
-                told.append(line.rstrip("\n"))
+                kept.append(line.rstrip("\n"))
     finally:
         bars.close()
 

@@ -1,16 +1,16 @@
-"""Results of the program: thin things over the `xarray.DataTree` of a file."""
+"""What files of results contain: thin layers over the `xarray.DataTree` of a file. Figures of them are above, in `opened`."""
 
 from __future__ import annotations
 
 import math
-import os
 import re
 import shutil
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import h5py
 import numpy as np
@@ -20,31 +20,14 @@ import xarray
 from . import files, quantities, stored
 from .errors import FileError
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from .plot.accessors import Plot
-
-__all__ = [
-    "Asperities",
-    "CrossCheck",
-    "Finding",
-    "Place",
-    "PullOff",
-    "Result",
-    "Run",
-    "Sweep",
-    "indexed",
-    "is_result",
-    "open_run",
-]
+__all__ = ["OF_WHOLE_LOOP", "Asperities", "CrossCheck", "Finding", "Format", "PullOff", "Result", "Run", "Sweep", "agreement", "format_of", "indexed", "is_result"]
 
 # Numbers of replicas that are of the whole loop, where they may be taken for the ones after a preload.
 OF_WHOLE_LOOP = ("pull_off_force", "pull_off_separation")
 
 
 def agreement(replicas: int, most_differing: float) -> str:
-    """The statement where all replicas agree; most_differing is the share of patches that differ at most."""
+    """The statement where all replicas agree; most_differing is the fraction of patches that differ at most."""
     share = quantities.number(100.0 * most_differing)
     return f"all {replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
 
@@ -69,7 +52,7 @@ class PullOff:
     replicas : int
         How many replicas it is the mean of.
     most_differing : float or None
-        Where all replicas agree, the share of patches that differ at most, with 95 % confidence; otherwise None.
+        Where all replicas agree, the fraction of patches that differ at most, with 95 % confidence; otherwise None.
     preload : float or None
         The preload before the pull-off, N: the largest that is reached, where the scene has preloads. Mean curve and
         integral then refer to the whole loop.
@@ -126,29 +109,28 @@ class CrossCheck:
         return f"{self.verdict} at the {100 * self.significance:g} % level, p = {self.p_value:.3g}"
 
 
+@dataclass(frozen=True)
+class Format:
+    """A format of result files: its kind, the command that makes them, and the major version that this package reads."""
+
+    kind: str
+    made_by: str
+    major_version: int = 1
+
+
 class Result:
-    """A result file that is open for reading.
+    """The contents of a result file."""
 
-    Attributes
-    ----------
-    path : pathlib.Path
-        The file.
-    tree : xarray.DataTree
-        All groups, datasets and attributes of the file; values are read when they are needed.
-    """
-
-    kind: ClassVar[str] = ""
-    #: The root attribute `format` of such files, and the major version that this package reads.
-    format: ClassVar[str] = ""
-    major_version: ClassVar[int] = 0
-    made_by: ClassVar[str] = ""
+    #: The formats of such files by their root attribute `format`.
+    formats: ClassVar[Mapping[str, Format]] = {}
     #: Groups that all such files have.
     groups: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self._folder: files.Folder | None = None
-        _checked(self.path, type(self))
+        #: The folder of a file without a name, which is deleted with the result.
+        self.folder: files.Folder | None = None
+        self.format = FORMATS[format_of(self.path, type(self))]
         stored.check(self.path)
         with stored.reading(self.path):
             opened = xarray.open_datatree(self.path, engine="h5netcdf", decode_times=False)
@@ -195,13 +177,6 @@ class Result:
         """Whether replicas of the run are missing: in a shard, an interrupted run, or a merge without some shards."""
         return "partial" in self.tree.attrs
 
-    @property
-    def plot(self) -> Plot:
-        """Figures: ``result.plot()`` draws the page of its kind, ``result.plot.force(ax=ax)`` a part of it."""
-        from .plot.accessors import of
-
-        return of(self)
-
     def __getitem__(self, path: str) -> Any:
         """A group (`xarray.DataTree`) or dataset (`xarray.DataArray`) by its path in the file."""
         return self.tree[path]
@@ -215,7 +190,7 @@ class Result:
         return True
 
     def group(self, name: str) -> xarray.Dataset:
-        """A group as a dataset of its own; a group that the file does not have is an error.
+        """A group as a separate dataset; a group that the file does not have is an error.
 
         Raises
         ------
@@ -268,10 +243,6 @@ class Result:
             for name, value in rows
         )
         return f"<table><caption>{escape(self.title or self.path.name)}</caption>{cells}</table>"
-
-
-# Results without a name are read into memory up to this size, bytes.
-_IN_MEMORY = 100_000_000
 
 
 class _Curves(Result):
@@ -395,9 +366,9 @@ class _Curves(Result):
 
 
 class Run(_Curves):
-    """A result of `stiction run` of one scene."""
+    """The contents of a run of one scene."""
 
-    kind, format, major_version, made_by = "run", "stiction-run", 3, "stiction run"
+    formats = {"stiction-run": Format("run", "stiction run", 3)}
 
     @cached_property
     def pull_off(self) -> PullOff:
@@ -434,37 +405,6 @@ class Run(_Curves):
             most_differing=differing if differing > 0.0 else None,
         )
 
-    def force_curve(self, stiffness: Any = None, *, replica: int = 0, preload: Any = None) -> xarray.Dataset:
-        """The force curve of one spot on a cantilever, as an AFM records it: force over piezo position, both ways, with jumps.
-
-        It is followed along the curves that the file keeps of each replica of a loop with ``curves = true`` in ``[output]``.
-
-        Parameters
-        ----------
-        stiffness : str or float, optional
-            Of the cantilever: a text such as ``"40 N/m"``, or N/m; by default the one spring of ``[instability]``.
-        replica : int
-            The spot.
-        preload : str or float, optional
-            The force at which it turns, one of ``[instability]``; by default the largest that the spot reaches. Without
-            preloads in the scene it turns at the smallest separation.
-
-        Returns
-        -------
-        xarray.Dataset
-            As of `stiction.force_curves.force_curve`, with the coordinates `replica` and `preload`.
-
-        Raises
-        ------
-        FileError
-            The file is of no loop, or has no curves of its replicas, or the spot reaches no preload.
-        SceneError
-            There is no such replica or preload, no stiffness greater than 0; or the tip snaps in outside of the separations.
-        """
-        from .force_curves.lever import of_run
-
-        return of_run(self, stiffness, replica, preload)
-
     @cached_property
     def mean_plane_forces(self) -> dict[str, str]:
         """Datasets of the forces between the mean planes, N over the separations, by the name of each force."""
@@ -498,8 +438,8 @@ class Run(_Curves):
     def _summary(self) -> list[tuple[str, str]]:
         if not self.has_replicas:
             force = float(self.tree["integral"].attrs["pull_off_force"])
-            told = f"{quantities.si(force, 'N')}, of the integral alone" if force > 0.0 else "none: nothing pulls"
-            return [("law", f"{self.attrs['law']}, {self.attrs['history']}"), ("pull-off", told)]
+            text = f"{quantities.si(force, 'N')}, of the integral alone" if force > 0.0 else "none: nothing pulls"
+            return [("law", f"{self.attrs['law']}, {self.attrs['history']}"), ("pull-off", text)]
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
@@ -533,17 +473,9 @@ class Run(_Curves):
 
 
 class Sweep(_Curves):
-    """A result of `stiction run` of a scene with `[sweep]`, or of `stiction compare`: points along its keys.
+    """The contents of a sweep, or of a comparison of laws."""
 
-    Points are selected by values of the keys, and by names where a key is a choice: ``sweep.integral.sel(model_law="emd")``.
-    """
-
-    kind, format, major_version, made_by = (
-        "sweep",
-        "stiction-sweep",
-        4,
-        "stiction run of a scene with [sweep]",
-    )
+    formats = {"stiction-sweep": Format("sweep", "stiction run of a scene with [sweep]", 4)}
 
     @property
     def keys(self) -> list[str]:
@@ -596,10 +528,9 @@ class Sweep(_Curves):
 
 
 class Asperities(Result):
-    """A result of `stiction asperities`: the asperities of a measured surface."""
+    """The contents of a file of asperities of a measured surface."""
 
-    kind, format, major_version = "asperities", "stiction-asperities", 2
-    made_by = "stiction asperities"
+    formats = {"stiction-asperities": Format("asperities", "stiction asperities", 2)}
 
     @cached_property
     def asperities(self) -> xarray.Dataset:
@@ -623,7 +554,7 @@ class Asperities(Result):
 
     @cached_property
     def cutoffs(self) -> xarray.Dataset:
-        """Number, density (1/m²), radius (m) and scatter of heights (m) of the summits over the dimension `cutoff` (m) of the filter.
+        """Number, density (1/m²), radius (m) and standard deviation of heights (m) of the summits over the dimension `cutoff` (m) of the filter.
 
         Raises
         ------
@@ -659,124 +590,49 @@ class Asperities(Result):
 
 
 class Finding(Result):
-    """What `stiction infer`, `sensitivity` or `design` found: words and a figure."""
+    """What `stiction infer`, `sensitivity` or `design` found, in words."""
 
-    major_version = 1
+    formats = {
+        "stiction-inference": Format("inference", "stiction infer"),
+        "stiction-sensitivity": Format("sensitivity", "stiction sensitivity"),
+        "stiction-design": Format("design", "stiction design"),
+    }
 
     @property
     def words(self) -> str:
-        """What the command said."""
+        """What the command printed."""
         return str(self.attrs["summary"])
-
-    def figure(self, width: str | float | None = None) -> Figure:
-        """The figure of the command.
-
-        Parameters
-        ----------
-        width : str or float, optional
-            A text such as ``85mm``, or mm; 180mm by default.
-        """
-        raise NotImplementedError
 
     def _summary(self) -> list[tuple[str, str]]:
         return [("", line) for line in self.words.splitlines()]
 
 
-class _Inferred(Finding):
-    kind, format, made_by = "inference", "stiction-inference", "stiction infer"
-
-    def figure(self, width: str | float | None = None) -> Figure:
-        from .inference import figures, open_inference
-
-        return figures.page(open_inference(self.path), width)
+#: Formats of all results by their root attribute `format`.
+FORMATS = {**Run.formats, **Sweep.formats, **Asperities.formats, **Finding.formats}
 
 
-class _OfSensitivity(Finding):
-    kind, format, made_by = "sensitivity", "stiction-sensitivity", "stiction sensitivity"
-
-    def figure(self, width: str | float | None = None) -> Figure:
-        from .sensitivity import draw
-
-        return draw(self.tree.to_dataset(), width or "180mm")
-
-
-class _Designed(Finding):
-    kind, format, made_by = "design", "stiction-design", "stiction design"
-
-    def figure(self, width: str | float | None = None) -> Figure:
-        from .design.figure import draw
-
-        return draw(self.tree.to_dataset(), width or "90mm")
-
-
-_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Asperities, _Inferred, _OfSensitivity, _Designed)}
-
-
-def open_run(path: str | os.PathLike[str]) -> Any:
-    """Opens a result of the program, of any kind.
-
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        A file of `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design`.
-
-    Returns
-    -------
-    Run, Sweep, Asperities or Finding
-        By the root attribute `format` of the file.
+def format_of(path: Path, kind: type[Result] = Result) -> str:
+    """The root attribute `format` of a file.
 
     Raises
     ------
     FileError
-        There is no such file, it is no result of stiction, or one of a version that this package does not read.
+        There is no such file, it is no result of stiction, one of another kind, or of a version that this package does not read.
     """
-    path = Path(path)
-    kind = _KINDS.get(_checked(path, None))
-    if kind is None:
-        raise FileError(f"{path}: no result of stiction that is known here")
-    return kind(path)
-
-
-class Place:
-    """The place of a result that is about to be computed: a path, or without one a folder that is deleted."""
-
-    def __init__(self, output: str | Path | None) -> None:
-        self._folder = files.Folder() if output is None else None
-        self.path = self._folder.path / "result.h5" if self._folder is not None else Path(output or "")
-
-    def __enter__(self) -> Place:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None and self._folder is not None:
-            self._folder.delete()
-
-    def result(self) -> Any:
-        """The result that is there now. What is in a folder that is deleted is so when the result is garbage."""
-        result = open_run(self.path)
-        if self._folder is not None:
-            if self.path.stat().st_size <= _IN_MEMORY:
-                # Parts of it may be wanted for longer than the result.
-                result.tree.load()
-            result._folder = self._folder
-        return result
-
-
-def _checked(path: Path, kind: type[Result] | None) -> str:
-    """The format of a file, which has to be the format of the kind, in its major version."""
     if not path.exists():
         raise FileError(f"{path}: no such file")
     if not path.is_file() or not h5py.is_hdf5(path):
         raise FileError(f"{path}: not an HDF5 file")
     stored.require_end(path)
     name, version = _format(path)
-    known = _KINDS.get(name)
+    known = FORMATS.get(name)
     if known is None:
         raise FileError(
-            f"{path}: not a result of stiction: its attribute `format` is not one of {', '.join(_KINDS)}"
+            f"{path}: not a result of stiction: its attribute `format` is not one of {', '.join(FORMATS)}"
         )
-    if kind is not None and known is not kind:
-        raise FileError(f"{path}: a result of `{known.made_by}`, not of `{kind.made_by}`; open_run opens any")
+    if kind.formats and name not in kind.formats:
+        needed = next(iter(kind.formats.values()))
+        raise FileError(f"{path}: a result of `{known.made_by}`, not of `{needed.made_by}`; open_run opens any")
     if version != known.major_version:
         raise FileError(
             f"{path}: its format version is {version}.x, this package reads {known.major_version}.x: "
@@ -795,7 +651,7 @@ def _format(path: Path) -> tuple[str, int]:
 
 def is_result(path: Path) -> bool:
     """Whether a file is a result of stiction of any kind, by its root attribute `format`."""
-    return bool(h5py.is_hdf5(path)) and _format(path)[0] in _KINDS
+    return bool(h5py.is_hdf5(path)) and _format(path)[0] in FORMATS
 
 
 def indexed(group: xarray.Dataset) -> xarray.Dataset:

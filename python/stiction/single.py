@@ -76,7 +76,7 @@ def asperity(
         Of the softer body; needed with `hardness`.
     lubricant_thickness : m, optional
     deepest_interference : m, optional
-        To which the asperity was pressed before: then it is on its way back. Of laws of loading alone it may not have flowed.
+        To which the asperity was pressed before: then it is on its unloading branch. By laws of loading alone it may not have yielded.
     path : {"approach", "retraction"}
         Which solution where there are two.
     **others

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import difflib
 import itertools
@@ -10,33 +9,18 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import xarray
 
 from . import quantities
 from .errors import FileError
+from .texts import GAPS, SHEET_ERROR, head, is_number, opened
 
-__all__ = ["Column", "Table", "decoded", "meant", "no_numbers", "read", "read_table"]
+__all__ = ["Column", "Table", "meant", "read", "read_table"]
 
 Name = str | os.PathLike[str]
 
-# The beginnings of files that are no texts, and what they are.
-_NO_TEXTS = {
-    b"PK\x03\x04": "is a workbook or an archive; save the sheet as CSV",
-    b"\xd0\xcf\x11\xe0": "is a workbook; save the sheet as CSV",
-    b"\x89HDF": "is an HDF5 file, not a table",
-    b"\x1f\x8b": "is compressed; unpack it",
-}
-_PICTURE = re.compile(rb"\x89PNG|\xff\xd8\xff|GIF8[79]a|BM.{4}\0{4}", re.DOTALL)
-# Characters that no text has.
-_CONTROLS = bytes(sorted({*range(32)} - {*b"\t\n\v\f\r\x1a\x1b"}))
-# What people write where nothing was measured, in small letters.
-_GAPS = {"", "na", "n/a", "nan", "<na>", "null", "none", "-", "--", "---", "–", "—"}
-# What spreadsheets write there, in any language: #N/A, #NV, #REF!, #NOM?
-_ERROR = r"#(?:N/?[ADV]|[^\W\d_a-z][^\Wa-z]*(?:/[^\Wa-z]+)?[!?])"
-_NUMBER = r"[-+−]?(?:[0-9]+{0}?[0-9]*|{0}[0-9]+)(?:[eE][-+]?[0-9]+)?"
 # Lines that a quoted cell may have, as names above columns in spreadsheets do.
 _MOST_LINES = 20
 
@@ -77,14 +61,12 @@ class Column:
     def is_gap(self, row: int) -> bool:
         """Whether nothing, or the error of a spreadsheet, is in a cell."""
         cell = self.cells[row]
-        return cell.casefold() in _GAPS or re.fullmatch(_ERROR, cell) is not None
+        return cell.casefold() in GAPS or re.fullmatch(SHEET_ERROR, cell) is not None
 
     def is_text(self) -> bool:
         """Whether something is in it, and no number anywhere."""
         given = [cell for row, cell in enumerate(self.cells) if not self.is_gap(row)]
-        return bool(given) and not any(
-            re.fullmatch(_NUMBER.format("[.,]"), cell.lstrip("<> ")) for cell in given
-        )
+        return bool(given) and not any(is_number(cell.lstrip("<> ")) for cell in given)
 
     def number(self, row: int, *, behind: int = 0) -> str:
         """The number in a cell, behind some characters, as Python writes it.
@@ -99,10 +81,10 @@ class Column:
         where = self.where(row)
         if self.is_gap(row):
             raise FileError(f"{where}: {cell or 'nothing'}: a gap; fill it, or take the line out")
-        comma, decimal = self.table.comma, "," if self.table.comma else r"\."
-        if re.fullmatch(_NUMBER.format(decimal), text):
+        comma = self.table.comma
+        if is_number(text, "," if comma else "."):
             return text.replace(",", ".").replace("−", "-")
-        if re.fullmatch(_NUMBER.format("[.,]"), text):
+        if is_number(text):
             other = f"{comma} has a decimal comma" if comma else "commas are between the columns"
             raise FileError(
                 f"{where}: {cell}, but {other}; write all numbers with points, or semicolons between columns"
@@ -175,13 +157,13 @@ def read(path: Name) -> Table:
         The file cannot be read, a row begins with # or has another number of cells than the header, or two
         columns have one name.
     """
-    text = _text(path)
+    text = opened(path)
     records = itertools.dropwhile(lambda record: record[1] == [""], _records(str(path), text))
     header, names = next(records, (1, []))
     rows = [(line, row) for line, row in records if row != [""] or len(names) == 1]
     if not rows:
         raise FileError(f"{path}: a header and a line for each row are needed")
-    if all(re.fullmatch(_NUMBER.format("[.,]"), name) for name in names):
+    if all(map(is_number, names)):
         raise FileError(f"{path}, line {header}: numbers, where the names of the columns belong")
     width = len(names)
     for line, row in rows:
@@ -194,7 +176,7 @@ def read(path: Name) -> Table:
         zip(names, zip(*(row[:width] for _, row in rows), strict=True), strict=True), 1
     ):
         if name or any(cells):
-            columns.append(Column(*_head(name), place, cells, table))
+            columns.append(Column(*head(name), place, cells, table))
     _check_names(f"{path}, line {header}", names, columns)
     table.columns = tuple(columns)
     if _separator(text) != ",":
@@ -253,75 +235,13 @@ def meant(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def _text(path: Name) -> str:
-    """The text of a file, with a line feed at the end of each line."""
-    try:
-        content = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise FileError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        raise FileError(f"{path}: cannot be read: {error}") from None
-    what = no_numbers(content) or next((of for mark, of in _NO_TEXTS.items() if content.startswith(mark)), "")
-    if what:
-        raise FileError(f"{path}: {what}")
-    text = decoded(content)
-    if text is None:
-        raise FileError(f"{path}: cannot be read as text in UTF-8, UTF-16 or Windows-1252")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def no_numbers(beginning: bytes) -> str:
-    """What a file with these first bytes is, where neither a table nor a map may be in it; or nothing."""
-    if _PICTURE.match(beginning):
-        return "is a picture: colours are no heights and no measured numbers; export these as a text"
-    if beginning.startswith(b"version https://git-lfs"):
-        return "is a pointer of Git LFS, not the file; run `git lfs pull`"
-    return ""
-
-
-def decoded(data: bytes, *, any_bytes: bool = False) -> str | None:
-    """The text of a file by its byte order mark, as UTF-16, UTF-8 or Windows-1252; None if it is no text.
-
-    With `any_bytes` a text may have bytes that Windows-1252 leaves out, read as Latin-1.
-
-    Examples
-    --------
-    >>> decoded("1\\t2".encode("utf-16")), decoded("5 µm".encode("cp1252")), decoded(b"\\x00\\x01\\x02")
-    ('1\\t2', '5 µm', None)
-    """
-    coding: str | None = None
-    for mark, name in (
-        (codecs.BOM_UTF8, "utf-8-sig"),
-        (codecs.BOM_UTF16_LE, "utf-16"),
-        (codecs.BOM_UTF16_BE, "utf-16"),
-    ):
-        if data.startswith(mark):
-            coding = name
-    beginning = data[:4096]
-    if coding is None and b"\0" in beginning:
-        # Texts of UTF-16 without a mark have a NUL in every other byte.
-        odd, even = beginning[1::2].count(0), beginning[0::2].count(0)
-        if max(odd, even) < 4 * min(odd, even) + len(beginning) // 4:
-            return None
-        coding = "utf-16-le" if odd > even else "utf-16-be"
-    if coding is None and len(data.translate(None, _CONTROLS)) < len(data):
-        return None
-    for name in (coding,) if coding else ("utf-8", "cp1252", *(["latin-1"] if any_bytes else [])):
-        try:
-            text = data.decode(name)
-        except UnicodeDecodeError:
-            continue
-        return text.rstrip("\x1a")
-    return None
-
-
 def _is_blank(line: str) -> bool:
     return not line.strip(" ")
 
 
 def _is_comment(line: str) -> bool:
     start = line.lstrip()
-    return start.startswith("#") and re.match(rf"{_ERROR}\s*(?:[,;\t]|$)", start) is None
+    return start.startswith("#") and re.match(rf"{SHEET_ERROR}\s*(?:[,;\t]|$)", start) is None
 
 
 def _separator(text: str) -> str:
@@ -357,7 +277,7 @@ def _check_comment(where: str, line: str, separator: str, width: int) -> None:
         raise FileError(f"{where}: # alone, where a column was too narrow; {advice}")
     fewest, most = (text.count(separator) + 1 for text in (line.rstrip(f"{separator} "), line))
     others = [cell.strip('" ') for cell in line.split(separator)[1:]]
-    is_row = any(re.fullmatch(_NUMBER.format("[.,]"), cell) for cell in others) or not any(others)
+    is_row = any(map(is_number, others)) or not any(others)
     if width > 1 and fewest <= width <= most and (is_row or line.lstrip().startswith("##")):
         raise FileError(
             f"{where}: begins with #, as a comment, and has the cells of a row; put quotes around the label, "
@@ -383,26 +303,6 @@ def _cells(path: str, lines: list[str], number: int, separator: str) -> tuple[li
     raise FileError(f"{path}, line {number}: {problem}; the quotation marks of a cell begin and end it")
 
 
-def _head(text: str) -> tuple[str, str]:
-    """Name and unit of what stands above a column."""
-    bracket = re.fullmatch(r"(.*?)\s*[(\[{]\s*([^)\]}]*?)\s*[)\]}]", text)
-    if bracket is not None:
-        return _plain(bracket[1]), bracket[2]
-    for place in (found.start() for found in re.finditer(r"[\s_]", text)):
-        name, written = text[:place].rstrip(" ,:/_"), text[place + 1 :]
-        try:
-            quantities.unit(written)
-        except ValueError:
-            continue
-        if name and written:
-            return _plain(re.sub(r"[\s_]in$", "", name)), written
-    return _plain(text), ""
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[\s-]+", "_", name.strip().lower())
-
-
 def _check_names(where: str, written: list[str], columns: list[Column]) -> None:
     for place, text in enumerate(written, 1):
         # As pandas has them.
@@ -425,5 +325,5 @@ def _commas(columns: list[Column]) -> Iterator[str]:
     """Places of numbers with a comma."""
     for column in columns:
         for row, cell in enumerate(column.cells):
-            if "," in cell and re.fullmatch(_NUMBER.format(","), cell.lstrip("<> ")):
+            if "," in cell and is_number(cell.lstrip("<> "), ","):
                 yield f"line {column.table.lines[row]}, column {column.place}"

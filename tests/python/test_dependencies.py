@@ -125,7 +125,7 @@ def test_unsafe_is_in_the_named_places_only():
         assert found == (path in named), path
 
 
-def test_licences_of_what_is_linked_in_are_told():
+def test_licences_of_what_is_linked_in_are_reported():
     """Every crate of the program stands in THIRD-PARTY-LICENSES; versions may be those of before an update."""
     tree = ["cargo", "tree", "--locked", "--offline", "--edges", "normal,no-proc-macro", "--prefix", "none", "--target", "x86_64-unknown-linux-gnu"]
     linked = {line.split()[0] for line in subprocess.check_output(tree, cwd=ROOT, text=True).splitlines() if line}

@@ -213,7 +213,7 @@ def test_bad_scenes_are_refused(site, arguments, message):
     assert not site.calls("sbatch") and not (site.folder / "bad").exists()
 
 
-def test_a_machine_without_slurm_is_told_so(site):
+def test_a_machine_without_slurm_is_reported(site):
     # Everything but Slurm.
     tools = site.folder / "tools"
     tools.mkdir()

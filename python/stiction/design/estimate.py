@@ -73,7 +73,7 @@ NEVER = Probability(0.0, 0.0, 0, 0, 1.0, 0.0, 0.0, 0.0)
 
 
 def shared(weights: NDArray[np.float64]) -> tuple[float, float]:
-    """The number of alike weights that weights count as, and the share of the largest."""
+    """The number of alike weights that weights count as, and the fraction of the largest."""
     if not weights.any():
         return 0.0, 1.0
     return float(weights.sum() ** 2 / (weights**2).sum()), float(weights.max() / weights.sum())

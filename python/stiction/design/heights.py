@@ -45,7 +45,7 @@ def attraction(run: Mapping[Any, Any], low: float, high: float) -> tuple[Array, 
 
     `run` are the attributes of a run, with the numbers of its asperities.
     """
-    # Without a hardness nothing flows.
+    # Without a hardness nothing yields.
     known = (key for key in _ASPERITY if key == "law" or np.isfinite(run[key]))
     law = {key: run[key] for key in known} | {"radius": run["asperity_radius"]}
 

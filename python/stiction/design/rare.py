@@ -35,7 +35,8 @@ _FORCES, _NEAR = 20, 1.5
 _MISSED = 0.05
 # Standard deviations below the lowest height at which nothing acts, and above the largest separation from which on heights are alike.
 _FAR, _BEYOND = 50.0, 8.0
-# Scatter of low heights that splitting leaves out at most, as a share of the least pull-off of the pilot, and of the scatter of pull-offs.
+# Standard deviation by low heights that splitting leaves out at most, as a fraction of the least pull-off of the pilot, and of the standard
+# deviation of pull-offs.
 _IN_BINS, _OF_SCATTER = 2e-3, 0.03
 
 
@@ -89,8 +90,8 @@ class Patches:
         self.count = float(self._scene["asperity_density"]) * float(self._scene["nominal_area"]) if self.poisson else count
         self.heights = heights.law(surface.get("heights", "gaussian"), float(self._scene["asperity_height_std"]))
         self._ends = float(self.heights.ppf(1e-18)), float(self.heights.isf(1e-18))
-        # Separations of the mean plane of the asperities.
-        self.tops = self.separations - float(self._scene["mean_plane_offset"])
+        # Separations from the mean plane of the summits.
+        self.from_summits = self.separations - float(self._scene["mean_plane_offset"])
 
     def _sampled(self, replicas: int) -> Any:
         """A run of patches of the scene's own law."""
@@ -130,7 +131,7 @@ class Patches:
             return self._of(run)
 
     def _one(self, h: Array) -> Array:
-        """Attraction, N, of single asperities, (separations, cells), on the way back from where patches turn."""
+        """Attraction, N, of single asperities, (separations, cells), on the unloading branch from where patches turn."""
         # What an asperity remembers is from where the patches turn.
         given = h if self.history == "approach" else np.unique([self._turn, *h])
         separation = {"h": [f"{float(one)!r} m" for one in given]}
@@ -140,13 +141,13 @@ class Patches:
         return np.asarray(-force[np.searchsorted(given, h)])
 
     def _force(self, run: Any) -> Any:
-        """External force of the patches of a run, N; of a loop on the way back."""
+        """External force of the patches of a run, N; of a loop on retraction."""
         return run["replicas/retraction_external_force" if self.history == "loop" else "replicas/external_force"]
 
     @functools.cached_property
     def _cells(self) -> tilting.Cells:
         sigma = float(self.heights.std())
-        high = min(self._ends[1], max(float(self.tops.max()) + _BEYOND * sigma, self._ends[0] + sigma))
+        high = min(self._ends[1], max(float(self.from_summits.max()) + _BEYOND * sigma, self._ends[0] + sigma))
         return tilting.Cells(self.heights, self._ends[0], high)
 
     @functools.cached_property
@@ -158,7 +159,7 @@ class Patches:
     @functools.cached_property
     def _asperity(self) -> tuple[Array, Array]:
         """Interferences (m) and attraction (N) of one asperity."""
-        return heights.attraction(self._scene, self._ends[0] - float(self.tops.max()), self._ends[1] - float(self.tops.min()))
+        return heights.attraction(self._scene, self._ends[0] - float(self.from_summits.max()), self._ends[1] - float(self.from_summits.min()))
 
     @functools.cached_property
     def _below(self) -> splitting.Curves:
@@ -169,12 +170,12 @@ class Patches:
         with self._sampled(_PILOT_BELOW) as run:
             forces = self._of(run)
             # Where each patch pulls most, nearly.
-            most = self.tops[self._force(run).transpose("replica", "separation").values.argmin(axis=1)]
+            most = self.from_summits[self._force(run).transpose("replica", "separation").values.argmin(axis=1)]
         low, middle, high = (float(of(most)) for of in (np.min, np.median, np.max))
         # Half as far again as patches of the pilot reach.
-        where = max(1.5 * low - 0.5 * middle, float(self.tops.min())), min(1.5 * high - 0.5 * middle, float(self.tops.max()))
+        where = max(1.5 * low - 0.5 * middle, float(self.from_summits.min())), min(1.5 * high - 0.5 * middle, float(self.from_summits.max()))
         error = min(_IN_BINS * max(float(forces.min()), 0.1 * float(np.median(forces))), _OF_SCATTER * float(forces.std()))
-        return splitting.Curves(self.heights, self.count, self.poisson, self._asperity, np.sort(self.tops), where, error)
+        return splitting.Curves(self.heights, self.count, self.poisson, self._asperity, np.sort(self.from_summits), where, error)
 
     def probability(self, threshold: float, *, below: bool = False, error: float = 0.1, most: int | None = None) -> Probability:
         """The probability that the pull-off force of a patch is above (or below) a threshold.

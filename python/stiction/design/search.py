@@ -199,7 +199,7 @@ def design(
     first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
 
     def excess(share: float) -> tuple[float, float]:
-        """ln of the probability over the wanted one, and its standard error, at a share of the range."""
+        """ln of the probability over the wanted one, and its standard error, at a fraction of the range."""
         value = float(prior.distribution.ppf(share))
         tables = _with(found.tables, prior.key, prior.text(value))
         own = int(np.random.default_rng([first, len(tried)]).integers(2**62))
@@ -240,7 +240,7 @@ def design(
 
 
 def _crossing(shares: Array, values: Array, spreads: Array) -> tuple[float, float]:
-    """The share of the range at which values with standard errors are 0, and half of what holds it in 95 of 100 cases.
+    """The fraction of the range at which values with standard errors are 0, and half of what holds it in 95 of 100 cases.
 
     It is where a parabola through all of them is 0, of which the far ones weigh little. One value and the
     slope to the next would not do: the search ends where a value happens to be near 0, and the next may be so

@@ -4,7 +4,7 @@ A patch pulls less than x where *no* separation pulls more. So it is reached in 
 
 .. math:: P(F < x) = P(F < x_1) \prod_l P(F < x_{l+1} \mid F < x_l).
 
-Patches below a level are copied and moved by a Markov chain that keeps their law: each asperity is drawn anew with a probability q, and the patch that
+Patches below a level are copied and moved by a Markov chain that keeps their law: each asperity is drawn again with a probability q, and the patch that
 results is taken if it is below the level. Levels and q are found by a first run that is not in the estimate. Runs of
 fixed levels are unbiased, and their scatter is the error. How many there are is by the scatter of 16 others: to stop
 where an error looks small favours runs that have missed the rarest patches.
@@ -15,7 +15,7 @@ go from one kind to the other. So patches are of a law in which the highest aspe
 .. math:: r(z_{max}) = \tfrac12 + \frac{c}{2\,P(z_{max} > z)},
 
 which makes each tenth of that probability as common as the next, down to 1e-12, and half of the patches remain. A patch weighs 1/r ≤ 2. A
-second move draws the highest asperity alone anew.
+second move draws the highest asperity alone again.
 
 Heights are drawn here and not by the program. Heights that are within the steep part of the attraction are kept one by one, in steps of σ_s/2¹⁴ or less. Of
 lower ones the number in each of some bins is kept, with the mean attraction there. Curves are known at the scene's separations, and at closer ones
@@ -59,9 +59,9 @@ _RAREST = 1e-12
 _TALL = 20_000
 # Terms that are looked up at once: what a cache holds.
 _BLOCK = 2**18
-# Patches of a run, their share below the next level, moves at each level, and how many of these are to be taken.
+# Patches of a run, their fraction below the next level, moves at each level, and how many of these are to be taken.
 _PATCHES, _SHARE, _MOVES, _TAKEN = 250, 0.3, 6, 0.3
-# Runs at least, more runs than the scatter of the first ones says, and as how many alike ones all weigh at least.
+# Runs at least, more runs than the standard deviation of the first ones asks for, and as how many alike ones all weigh at least.
 _RUNS, _MARGIN, _EFFECTIVE = 16, 1.5, 8.0
 
 
@@ -88,11 +88,11 @@ class Curves:
     count : float
         Asperities of a patch.
     poisson : bool
-        Whether their number scatters about it.
+        Whether their number varies about it.
     asperity : tuple of Array
         Interferences (m) and attraction there (N).
     columns : Array
-        Separations of the tops, m, rising.
+        Separations from the mean plane of the summits, m, rising.
     where : tuple of float
         The least and the largest at which patches of the scene's law pull most.
     error : float
@@ -110,7 +110,7 @@ class Curves:
     nothing : int
         Value in tall heights where there is none.
     edges, separations : Array
-        Of the bins of low heights, falling, and of the tops at the columns, m.
+        Of the bins of low heights, falling, and of the separations from the summits' mean plane at the columns, m.
     """
 
     def __init__(
@@ -201,7 +201,7 @@ class Curves:
         return 1.0 / self._ratio(some.tall)
 
     def moved(self, some: _Some, level: float, q: float, rng: np.random.Generator) -> float:
-        """Moves patches that are below a level, in place; the share of moves that were taken."""
+        """Moves patches that are below a level, in place; the fraction of moves that were taken."""
         taken = 0
         step = max(_BLOCK // max(some.tall.shape[1], self.columns.size), 1)
         for first in range(0, len(some.force), step):
@@ -226,7 +226,7 @@ class Curves:
         return taken / len(some.force)
 
     def _move_highest(self, some: _Some, part: slice, level: float, rng: np.random.Generator) -> None:
-        """Draws the highest asperity of each patch anew, above the next one."""
+        """Draws the highest asperity of each patch again, above the next one."""
         tall = some.tall[part].copy()
         row, span = np.arange(len(tall)), self.columns[-1]
         heights = np.where(tall < self.nothing, tall, -1)
@@ -386,7 +386,7 @@ class Splitting:
         return force(runs), (low, high)
 
     def _levels(self, enough: Callable[[float, float], bool]) -> tuple[list[tuple[float, float]], int] | None:
-        """Levels (N) with the share of asperities that moves draw anew, until enough is said of a level and its probability; patches spent. None
+        """Levels (N) with the fraction of asperities that moves draw again, until enough is said of a level and its probability; patches spent. None
         where that is rarer than `LEAST`.
         """
         some, q, reached = self.curves.drawn(_PATCHES, self.rng), 0.5, 1.0
@@ -408,7 +408,7 @@ class Splitting:
     def _sampled(
         self, levels: list[tuple[float, float]], spent: int, threshold: Callable[[_Runs], float], error: float, most: int
     ) -> tuple[Probability, _Runs]:
-        """Runs of fixed levels, as many as the error takes by the scatter of the first ones, which are thrown away."""
+        """Runs of fixed levels, as many as the error takes by the standard deviation of the first ones, which are thrown away."""
         patches = _PATCHES * (1 + _MOVES * len(levels))
         first = self._runs(levels, _RUNS)
         x = threshold(first)

@@ -1,6 +1,6 @@
 r"""Patches that pull more than a threshold, by tilted heights.
 
-The heights of a patch are independent, and without coupling its attraction on the way back is a sum, S(h) = Σ_i a(z_i; h), with the attraction a (minus the external
+The heights of a patch are independent, and without coupling its attraction on retraction is a sum, S(h) = Σ_i a(z_i; h), with the attraction a (minus the external
 force) of one asperity of the height z at the separation h, and its pull-off F about the largest S. Heights are drawn from tilted laws
 
 .. math:: q_j(z) = p(z) \exp(\theta_j\, a(z; h_j) - \psi_j), \qquad \psi_j = \log \operatorname{E} \exp(\theta_j\, a(z; h_j)),
@@ -12,7 +12,7 @@ loop, or after a preload; also of coupled asperities, which have their places at
 
 which is unbiased for any shares α_j and tilts that do not depend on these patches. F above x is a union over
 separations. For each of them θ is that of Chernoff's bound, the supremum of θx − Nψ(θ), which makes x the mean of S(h):
-all tops that pull together are drawn more often, not the highest alone.
+all asperities that pull together are drawn more often, not the highest alone.
 
 **Every separation at which the event happens has a law.** An asperity pulls over a part of a nanometre only. A patch
 whose best separation is between the laws, or beyond the last one, would have a large weight that few samples see. So
@@ -125,9 +125,9 @@ class Patch:
     count : float
         Asperities of a patch.
     poisson : bool
-        Whether their number scatters about it.
+        Whether their number varies about it.
     one : callable
-        Attraction of one asperity, N, (separations, cells), on the way back at separations h, m.
+        Attraction of one asperity, N, (separations, cells), on the unloading branch at separations h, m.
     pull_off : callable
         Pull-off force of patches, N, by their heights (n, asperities), m, with NaN where there is none.
     """
@@ -141,7 +141,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class Mixture:
-    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and the share of the
+    """Tilted laws, the scene's own first: ln of their masses over the scene's own (laws, cells), and the fraction of the
     patches that each has.
     """
 
@@ -150,7 +150,7 @@ class Mixture:
     shares: Array
 
     def drawn(self, patches: int, rng: np.random.Generator) -> Drawn:
-        """Patches, of each law as many as its share on average."""
+        """Patches, of each law as many as its fraction on average."""
         places = (np.arange(patches) + rng.random()) / patches
         laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
@@ -180,7 +180,7 @@ class Mixture:
         return np.asarray(np.exp(-special.logsumexp(drawn.likelihood, axis=1, b=self.shares)))
 
     def fitted(self, pilot: Drawn, threshold: float) -> Mixture:
-        """The mixture whose shares are the probabilities that a patch of the event is of each law."""
+        """The mixture whose fractions are the probabilities that a patch of the event is of each law."""
         if self.shares.size == 1:
             return self
         weights = self.weights(pilot)

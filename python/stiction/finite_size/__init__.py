@@ -4,6 +4,7 @@
 goes to the pull-off of the integral, with the power law that `Approach` is.
 """
 
-from .study import ACCURACIES, QUANTILES, Approach, NoApproach, is_study, reached, run, study
+from .patches import run
+from .study import ACCURACIES, QUANTILES, Approach, NoApproach, is_study, reached, study
 
 __all__ = ["ACCURACIES", "QUANTILES", "Approach", "NoApproach", "is_study", "reached", "run", "study"]

@@ -17,7 +17,8 @@ from ..errors import SceneError
 from ..results import Sweep, agreement
 from ..scenes import Scene
 from ..terminal import ended
-from .study import run, study
+from .patches import run
+from .study import study
 
 __all__ = ["main"]
 

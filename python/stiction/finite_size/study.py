@@ -7,7 +7,6 @@ mean: patches pull harder than the integral, and the less so the more asperities
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,10 @@ import xarray
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from .. import experiments
 from ..errors import SceneError
-from ..results import Run, Sweep
-from ..scenes import Scene
+from ..results import Sweep
 
-__all__ = ["ACCURACIES", "QUANTILES", "Approach", "NoApproach", "is_study", "reached", "run", "study"]
+__all__ = ["ACCURACIES", "KEY", "QUANTILES", "Approach", "NoApproach", "is_study", "reached", "study"]
 
 Array = NDArray[np.float64]
 
@@ -30,9 +27,8 @@ Array = NDArray[np.float64]
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 #: Accuracies for which the number of asperities is sought from which on the integral has them.
 ACCURACIES = (0.10, 0.05, 0.01)
-_KEY = "surface.nominal_area"
-_COUNTS = "10:1e6:11"
-_MOST_SIZES, _LARGEST = 100, 10**8
+#: The key that sweeps over sizes have.
+KEY = "surface.nominal_area"
 # The power law is fitted to biases of at most so much, of this many sizes at least; with two it would go
 # through both.
 _FITTED, _FEWEST = 0.5, 3
@@ -42,107 +38,19 @@ _REJECTED = 0.01
 _KNOWN = 0.5
 
 
-def run(
-    scene: Scene,
-    counts: Sequence[int] | str = _COUNTS,
-    output: str | Path | None = None,
-    *,
-    replicas: int | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-    resume: bool = False,
-    force: bool = False,
-    progress: bool | None = None,
-    **overrides: Any,
-) -> Sweep:
-    """Computes patches of several sizes: a sweep over the nominal area, with sums by moments where these
-    are as good.
-
-    All other arguments are as of `stiction.run`.
-
-    Parameters
-    ----------
-    counts : sequence of int, or str
-        Numbers of asperities, or a text of numbers and of ranges ``FROM:TO:COUNT`` spaced by equal factors,
-        with commas between them.
-
-    Examples
-    --------
-    >>> from stiction import finite_size
-    >>> patches = finite_size.run("configs/case_ii.toml", [30, 100, 300], replicas=20)
-    >>> bias = finite_size.study(patches)["bias"].values
-    >>> bool(bias[0] > bias[2])
-    True
-    """
-    sizes = _counts(counts)
-    # A lattice is for the numbers of asperities, and not for the area of the scene.
-    alone = experiments.run(scene, replicas=0, progress=False, **{**overrides, "substrate.coupling": "none"})
-    if not isinstance(alone, Run):
-        raise SceneError(
-            "the scene has a table [sweep]: leave it out; patches of several sizes are a sweep of their own"
-        )
-    if not float(alone.tree["integral"].attrs["pull_off_force"]) > 0.0:
-        raise SceneError("the integral has no pull-off, so patches have none to be compared with")
-    density = float(alone.attrs["asperity_density"])
-    areas = [f"{count / density!r} m^2" for count in sizes]
-    options: dict[str, Any] = {
-        "replicas": replicas,
-        "seed": seed,
-        "threads": threads,
-        "resume": resume,
-        "force": force,
-    }
-    moments = {"solver.summation": "moments", **experiments.ONE_MODEL, **overrides}
-    return experiments.sweep(scene, {_KEY: areas}, output, progress=progress, **options, **moments)
-
-
-def _counts(given: Sequence[int] | str) -> list[int]:
-    """Numbers of asperities, rising."""
-    listed = given if isinstance(given, str) else ",".join(str(count) for count in given)
-    try:
-        sizes = sorted({count for item in listed.split(",") for count in _of_item(item)})
-        if not 2 <= len(sizes) <= _MOST_SIZES:
-            raise ValueError(f"{len(sizes)} different numbers of asperities; 2 to {_MOST_SIZES} are needed")
-    except ValueError as error:
-        raise SceneError(f"counts {listed}: {error}, such as 10,100,1e4 or {_COUNTS}") from None
-    return sizes
-
-
-def _of_item(item: str) -> list[int]:
-    parts = item.split(":")
-    if len(parts) == 1:
-        return [_whole(item)]
-    if len(parts) != 3:
-        raise ValueError(f"`{item}` is neither a number nor a range FROM:TO:COUNT")
-    low, high, count = (_whole(part) for part in parts)
-    if not (high > low and 2 <= count <= _MOST_SIZES):
-        raise ValueError(f"a range rises, and has 2 to {_MOST_SIZES} numbers")
-    return [round(low * (high / low) ** (i / (count - 1))) for i in range(count)]
-
-
-def _whole(text: str) -> int:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (1.0 <= value <= _LARGEST and value.is_integer()):
-        raise ValueError(f"`{text.strip()}` is no whole number from 1 to {_LARGEST:.0e}".replace("e+0", "e"))
-    return int(value)
-
-
 def is_study(sweep: Sweep) -> bool:
     """Whether a sweep is of patches of several sizes that pull: over the nominal area alone, complete, with
     replicas."""
-    of_area = sweep.keys == [_KEY] and "ensemble" in sweep and not sweep.is_partial
+    of_area = sweep.keys == [KEY] and "ensemble" in sweep and not sweep.is_partial
     return (
         of_area
-        and sweep[_KEY.replace(".", "_")].size > 1
+        and sweep[KEY.replace(".", "_")].size > 1
         and bool((sweep["integral/pull_off_force"] > 0.0).all())
     )
 
 
 def study(sweep: Sweep | str | Path) -> xarray.Dataset:
-    """Bias, scatter and power law of finite patches, from a sweep over the nominal area.
+    """Bias, standard deviation and power law of finite patches, from a sweep over the nominal area.
 
     Parameters
     ----------
@@ -158,7 +66,7 @@ def study(sweep: Sweep | str | Path) -> xarray.Dataset:
         the pull-off force of a patch, its `pull_off_quantiles` over the integral's over `quantile`,
         `nominal_area` (m²),
         `p_value` of the cross-check, `summation`, `independence` (the verdict), and where all replicas
-        agree `most_differing`, the share
+        agree `most_differing`, the fraction
         of patches that differ at most. Over `accuracy`: `count_at_accuracy`, asperities from which on the
         bias is within it, and
         `count_at_accuracy_source`. Attributes: `integral_pull_off_per_asperity` (N); `fit_coefficient`,
@@ -178,7 +86,7 @@ def study(sweep: Sweep | str | Path) -> xarray.Dataset:
             opened.close()
     if not is_study(sweep):
         raise SceneError(
-            f"{sweep.path}: no sweep over {_KEY} alone of patches that pull, complete and with replicas"
+            f"{sweep.path}: no sweep over {KEY} alone of patches that pull, complete and with replicas"
         )
     order = np.argsort(sweep["nominal_area"].values)
     counts = np.rint(sweep["asperity_density"].values * sweep["nominal_area"].values)[order]
@@ -232,12 +140,8 @@ def _scatter(values: Array) -> tuple[float, float, Array]:
     patches."""
     n, off = values.size, values - values.mean()
     with np.errstate(invalid="ignore", divide="ignore"):
-        std = float(np.sqrt((off**2).sum() / (n - 1)) / abs(values.mean())) if n > 1 else math.nan
-        skewness = (
-            float(math.sqrt(n * (n - 1)) / (n - 2) * (off**3).mean() / (off**2).mean() ** 1.5)
-            if n > 2
-            else math.nan
-        )
+        std = float(values.std(ddof=1) / abs(values.mean())) if n > 1 else math.nan
+        skewness = float(math.sqrt(n * (n - 1)) / (n - 2) * (off**3).mean() / (off**2).mean() ** 1.5) if n > 2 else math.nan
     return std, skewness, np.quantile(values, QUANTILES)
 
 

@@ -1,6 +1,6 @@
 """Force curves of an AFM: of a surface on a cantilever, and the pull-offs of recorded ones.
 
-`force_curve` follows a surface on a cantilever along its curves of force over separation; `Run.force_curve` does so for a spot of a result.
+`force_curve` follows a surface on a cantilever along its curves of force over separation; `Run.force_curve` does so for a patch of a result.
 `pull_offs` reads files of instruments; it needs ``pip install stiction[afm]``.
 """
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
@@ -11,15 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import quantities
 from ..errors import FileError, SceneError
-
-if TYPE_CHECKING:
-    from ..results import Run
+from ..results import Run
 
 __all__ = ["force_curve", "of_run"]
 
 Array = NDArray[np.float64]
 APPROACH, RETRACTION = "approach", "retraction"
-# How much further than a snap-off the piezo goes, over the length of its way until there.
+# How much further than a jump-off the piezo goes, over the length of its way until there.
 _BEYOND = 0.1
 _SAMPLES = {
     "piezo_position": ("m", "position of the base of the cantilever, h - F/k: the separation without deflection"),
@@ -43,7 +41,7 @@ def force_curve(approach: ArrayLike, retraction: ArrayLike, stiffness: float) ->
     is monotone along the curve. Where dF/dh exceeds k it is not, and the tip jumps, at constant z, to the next separation on its
     way with this z. Between samples curves are straight.
 
-    A tip that snaps off and finds no stop within the separations is free, at the force 0, and so is the approach from that far on.
+    A tip that jumps off and finds no stop within the separations is free, at the force 0, and so is the approach from that far on.
 
     Parameters
     ----------
@@ -63,7 +61,7 @@ def force_curve(approach: ArrayLike, retraction: ArrayLike, stiffness: float) ->
     Raises
     ------
     SceneError
-        The stiffness is not greater than 0; or the tip has snapped in before the separations begin, or snaps in beyond their end.
+        The stiffness is not greater than 0; or the tip has jumped in before the separations begin, or jumps in beyond their end.
 
     References
     ----------
@@ -71,7 +69,7 @@ def force_curve(approach: ArrayLike, retraction: ArrayLike, stiffness: float) ->
 
     Examples
     --------
-    A well of 2 N at 2 m, as steep as 1 N/m beyond: on half of that it snaps in from 4 m.
+    A well of 2 N at 2 m, as steep as 1 N/m beyond: on half of that it jumps in from 4 m.
 
     >>> well = [[0, 1, 2, 3, 4, 5], [2, 0, -2, -1, 0, 0]]
     >>> curve = force_curve(well, well, stiffness=0.5)
@@ -199,7 +197,7 @@ def _stiffness(run: Run, given: Any) -> float:
 
 
 def _turn(run: Run, spot: xarray.Dataset, given: Any) -> int | None:
-    """The preload that the spot turns at, by its index: one that is given, or the largest that it reaches; None at the smallest separation."""
+    """The preload that the patch turns at, by its index: one that is given, or the largest that it reaches; None at the smallest separation."""
     known = spot["preload"].values if "preload" in spot else np.array([np.nan])
     loads = known[np.isfinite(known)]
     if given is None and not loads.size:

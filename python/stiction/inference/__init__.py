@@ -3,6 +3,7 @@
 `infer` takes a CSV file and a scene with priors; needs ``pip install stiction[inference]``.
 """
 
-from .posterior import Inference, infer, models, open_inference
+from .found import Inference, models, open_inference
+from .posterior import infer
 
 __all__ = ["Inference", "infer", "models", "open_inference"]

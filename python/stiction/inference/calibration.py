@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from .. import priors as scenes
-from ..errors import SceneError
 from ..priors import Priors
 from .check import check_p_values
 from .data import EXACT, Group
@@ -22,6 +21,8 @@ from .emulator import Emulator, design, simulate
 __all__ = ["Calibration", "calibrate", "weighted_posterior"]
 
 Array = NDArray[np.float64]
+# What is measured.
+_OUTCOMES = ("pull_off_force",)
 # Draws of the prior that all experiments begin with, and draws of the last proposal.
 _BANK, _DRAWS = 4000, 3000
 # Draws of a posterior that its check looks at.
@@ -63,12 +64,10 @@ def calibrate(
     patches: int,
     points: int = 512,
     replicas: int = 300,
-    outcome: str = "pull_off_force",
     seed: int = 1,
     threads: int | None = None,
-    data_scene: str | Path | Mapping[str, Any] | None = None,
 ) -> Calibration:
-    """Simulation-based calibration: parameters from the prior, data from the program at them, and the posterior from these data.
+    """Simulation-based calibration: parameters from the prior, pull-offs from the program at them, and the posterior from these.
 
     All posteriors have one density, fitted over the whole prior.
 
@@ -80,29 +79,22 @@ def calibrate(
         Synthetic experiments, and patches measured in each.
     points, replicas : int
         Parameter sets from which the density is fitted, and simulated patches at each.
-    outcome : str
-        What is measured.
     seed : int
         Of everything. Experiments and density share no random numbers.
     threads : int, optional
         Of the simulations.
-    data_scene : path or dict, optional
-        Another scene with equal priors that makes the data, to see whether the check finds a wrong model.
 
     Raises
     ------
     SceneError
-        A scene is wrong, or the two have different priors.
+        The scene is wrong.
     """
     priors = scenes.read(scene)
-    maker = priors if data_scene is None else scenes.read(data_scene)
-    if maker.priors != priors.priors:
-        raise SceneError(f"data_scene: its priors are of {', '.join(maker.keys)}; those of the scene are needed, of {', '.join(priors.keys)}")
     seeds = [int(one) for one in np.random.SeedSequence(seed).generate_state(6) >> 1]
     random = np.random.default_rng(seeds[0])
-    made = simulate(priors, (outcome,), design(priors, points, seeds[1]), replicas=replicas, seed=seeds[2], threads=threads)
+    made = simulate(priors, _OUTCOMES, design(priors, points, seeds[1]), replicas=replicas, seed=seeds[2], threads=threads)
     true = priors.of_scores(random.standard_normal((experiments, len(priors.priors))))
-    data = simulate(maker, (outcome,), true, replicas=patches, seed=seeds[3], threads=threads)
+    data = simulate(priors, _OUTCOMES, true, replicas=patches, seed=seeds[3], threads=threads)
     emulator = Emulator(priors, [made], seed=seeds[4])
     bank = random.standard_normal((_BANK, len(priors.priors)))
     ranks, checks = [], []

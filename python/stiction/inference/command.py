@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _infer(given: argparse.Namespace) -> None:
     try:
         from ..plot.style import picture
-        from . import figures, posterior
+        from . import figures, found, posterior
     except ImportError as error:
         raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
     output = given.output or Path(f"{given.scene.stem}_infer.h5")
@@ -82,5 +82,5 @@ def _infer(given: argparse.Namespace) -> None:
             with files.writing(given.figure, force=given.force, inputs=inputs) as part:
                 part.write_bytes(picture(figures.page(result), given.figure.suffix))
     if given.model:
-        print(f"\n{posterior.models(results)[['elpd_loo', 'elpd_diff', 'dse', 'weight', 'warning']].to_string()}")
+        print(f"\n{found.models(results)[['elpd_loo', 'elpd_diff', 'dse', 'weight', 'warning']].to_string()}")
     print("\n".join(str(path) for path in written))

@@ -1,7 +1,7 @@
 """The distribution of a patch's outcome over parameters: mixtures of Gaussians whose parts depend on the parameters.
 
 Few asperities pull in steps: the logarithm of a small patch's pull-off has a peak where one asperity pulls, another where two do. In the
-logarithm such peaks move with the parameters, and their shares change, both smoothly. So the density of the logarithms **y** of the
+logarithm such peaks move with the parameters, and their fractions change, both smoothly. So the density of the logarithms **y** of the
 outcomes at the parameters **x** is taken as
 
     p(y | x) = Σ_k w_k(x) Π_j φ((y_j − μ_kj(x)) / σ_kj(x)) / σ_kj(x),
@@ -25,7 +25,7 @@ __all__ = ["Density", "features", "fit", "log_sum_exp"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
-# The least width of a part, over the scatter of all outcomes.
+# The least width of a part, over the standard deviation of all outcomes.
 _SMALLEST_WIDTH = 3e-3
 # The pull of every coefficient towards the beginning of the fit, in patches of unit information.
 _RIDGE = 1.0
@@ -175,7 +175,7 @@ def fit(
 
 
 def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
-    """Coefficients of parts of equal shares, from the first outcome's low tail to its high one."""
+    """Coefficients of parts of equal fractions, from the first outcome's low tail to its high one."""
     _, replicas, outcomes = y.shape
     order = np.argsort(y[:, :, 0], axis=1)
     y = np.take_along_axis(y, order[:, :, None], axis=1)
@@ -184,7 +184,7 @@ def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
         y[:, slice(*np.clip([k * share, (k + 1) * share if k < parts - 1 else replicas], 0, replicas))]
         for k in range(parts)
     ]
-    # A single patch has no scatter: a part is at least as wide as a share of the point's own.
+    # A single patch has no standard deviation: a part is at least as wide as a fraction of the point's own.
     least = 0.3 * y.std(axis=1) / parts + 1e-6
     root = np.sqrt(weights)[:, None]
     result = np.zeros((table.shape[1], parts, 1 + 2 * outcomes))

@@ -33,7 +33,8 @@ _LIMIT_WEIGHTS = _LIMIT_WEIGHTS / _LIMIT_WEIGHTS.sum()
 _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
-_PARTS, _DEGREE = 6, 2
+# Parts and degree of a density, and members of the ensemble by which the uncertainty of the fit is carried.
+_PARTS, _DEGREE, _MEMBERS = 6, 2, 5
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
 # Weight of a patch far from the posterior, against one that is there.
@@ -44,7 +45,7 @@ _NEAR = 3.0
 _TRIED, _FAR_OFF = 16, 1e3
 #: The key of the factor that all measured forces share; the scene of the program has none.
 FORCE_SCALE = "calibration.force_scale"
-# The largest share of patches at a point that may lack an outcome, as a spot without tall tips that no preload reaches.
+# The largest fraction of patches at a point that may lack an outcome, as a patch without tall tips that no preload reaches.
 _MOST_LACKING = 0.02
 # Beginnings of units with a newton.
 _OF_FORCES = ("N", "J")
@@ -293,8 +294,6 @@ class Emulator:
         For each set of conditions.
     centre, covariance : arrays (parameters,), (parameters, parameters), optional
         Mean and covariance of the posterior of `Priors.natural`, where patches count fully; without them all count alike.
-    members : int
-        Members of the ensemble by which the fit's uncertainty is carried.
     seed : int
         Of the bootstrap.
     """
@@ -306,7 +305,6 @@ class Emulator:
         *,
         centre: Array | None = None,
         covariance: Array | None = None,
-        members: int = 5,
         seed: int = 1,
     ) -> None:
         self._priors = priors
@@ -323,7 +321,7 @@ class Emulator:
                 distance = np.einsum("pi,pi->p", away, np.linalg.solve(covariance, away.T).T)
                 weights = np.maximum(np.exp(-0.5 * distance / _NEAR**2), _FAR)
             made: Density = fit(
-                self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=members, random=random
+                self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=_MEMBERS, random=random
             )
             self.densities.append(made)
 

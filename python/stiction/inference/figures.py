@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, lettered, new_axes, scaled
 from .data import ABOVE, BELOW, MISSING
-from .posterior import Inference
+from .found import Inference
 
-__all__ = ["corner", "page", "predicted"]
+__all__ = ["page", "predicted"]
 
 _SHARES = (0.5, 0.9)
 
@@ -54,24 +54,8 @@ def page(result: Inference, width: str | float | None = None, truth: Mapping[str
     return figure
 
 
-@dressed
-def corner(result: Inference, figure: Figure | None = None) -> Figure:
-    """Posterior of each parameter (with its prior within the range, grey) and of each pair (50 and 90 % of the draws within the lines).
-
-    Parameters
-    ----------
-    result : Inference
-    figure : matplotlib.figure.Figure, optional
-        What to draw into; a new one of 180 mm by default.
-    """
-    from matplotlib import pyplot
-
-    figure = figure or pyplot.figure(figsize=(inches(180), inches(171)))
-    _corner(result, figure, figure.add_gridspec(len(result.names), len(result.names)), {})
-    return figure
-
-
 def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, float]) -> None:
+    """Posterior of each parameter, with its prior within the range in grey, and 50 and 90 % of the draws of each pair."""
     names = result.names
     values, labels, priors, logs, truths = [], [], [], [], []
     for name in names:
@@ -91,7 +75,7 @@ def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, fl
                 first, last = ranges[row]
                 bins: Any = np.geomspace(first, last, 41) if logs[row] else np.linspace(first, last, 41)
                 ax.hist(values[row], bins, density=True, histtype="stepfilled", color=BLUE, alpha=0.35)
-                # Wider bins, as few draws of a wide prior are within the range; its share outside is not drawn.
+                # Wider bins, as few draws of a wide prior are within the range; its fraction outside is not drawn.
                 counts, edges = np.histogram(priors[row], bins[::4])
                 ax.stairs(counts / (priors[row].size * np.diff(edges)), edges, color=GREY)
                 low, middle, high = np.quantile(values[row], [0.025, 0.5, 0.975])
@@ -116,7 +100,7 @@ def _corner(result: Inference, figure: Figure, grid: Any, truth: Mapping[str, fl
 
 
 def _pair(ax: Axes, x: Any, y: Any, x_range: Any, y_range: Any) -> None:
-    """The draws of a pair and the lines within which shares of them lie."""
+    """The draws of a pair and the lines within which fractions of them lie."""
     from scipy.ndimage import gaussian_filter
 
     counts, x_edges, y_edges = np.histogram2d(x, y, 60, [x_range, y_range])

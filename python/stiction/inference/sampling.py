@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 _ENSEMBLES = 4
 # Walkers for each parameter: more of them tell densities better, fewer begin sooner.
 _WALKERS = 48
-_BLOCK, _MOST_DRAWS = 20, 400
+# Draws between two looks at the chains, the most draws, and steps from one draw to the next.
+_BLOCK, _MOST_DRAWS, _THIN = 20, 400, 4
 _LEAST_EFFECTIVE = 1600.0
 _R_HAT = 1.01
 
@@ -62,7 +63,6 @@ def sample(
     effective: float = _LEAST_EFFECTIVE,
     r_hat: float = _R_HAT,
     start: Array | None = None,
-    thin: int = 4,
 ) -> Chains:
     """Samples the posterior by several independent ensembles of walkers (density estimates and differential evolution).
 
@@ -81,8 +81,6 @@ def sample(
         The least effective sample size at which it ends.
     start : array (points, parameters), optional
         Normal scores of a former posterior to begin at; without it the best of many draws of the prior.
-    thin : int
-        Steps from one kept draw to the next.
 
     Raises
     ------
@@ -110,7 +108,7 @@ def sample(
     draws = 0
     while True:
         for place, sampler in enumerate(samplers):
-            states[place] = sampler.run_mcmc(states[place], _BLOCK, thin_by=thin, skip_initial_state_check=True)
+            states[place] = sampler.run_mcmc(states[place], _BLOCK, thin_by=_THIN, skip_initial_state_check=True)
         draws += _BLOCK
         # The first quarter is dropped.
         skip = draws // 4

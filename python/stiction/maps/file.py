@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from .. import files
+from ..version import __version__
 from .layout import FORMAT, VARIABLES, VERSION
 from .spectrum import Equivalent
 from .summits import Measured
@@ -50,8 +51,6 @@ def write(
 
 
 def _attributes(surface: Surface, height_unit: str) -> dict[str, Any]:
-    from .. import __version__
-
     steps, map = surface.steps, surface.map
     width, height = surface.grid.pixel
     return {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..results import Asperities, Place
+from ..opened import Asperities, Place
 
 __all__ = ["find_asperities"]
 
@@ -68,7 +68,7 @@ def find_asperities(
         count.
     cutoffs : int, optional
         Over how many cut-offs, 2 to 100, from two pixels to a quarter of the shorter side, density, radius
-        and scatter of the summits are computed too, with the other options as they are: `Asperities.cutoffs`.
+        and standard deviation of the heights of the summits are computed too, with the other options as they are: `Asperities.cutoffs`.
     figure : path, optional
         A picture, ``.png``, ``.pdf`` or ``.svg``, of the map with its summits as measured and after each
         step.

@@ -17,7 +17,7 @@ import numpy as np
 import xarray
 from scipy import io
 
-from .. import files, stored, tables
+from .. import files, stored, texts
 from ..errors import SceneError, StictionError
 from . import text
 from .channels import named, numbered
@@ -83,7 +83,7 @@ def _reader(path: Path, beginning: bytes) -> Callable[[Path, str | None], Raw]:
     suffix = path.suffix.lower()
     if not beginning:
         raise SceneError("is empty")
-    if what := tables.no_numbers(beginning):
+    if what := texts.no_numbers(beginning):
         raise SceneError(what)
     for mark, what in _OTHERS.items():
         if beginning.startswith(mark):
@@ -127,7 +127,7 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
-    """The file itself, or what a packed file has inside, in a folder of its own."""
+    """The file itself, or what a packed file has inside, in a separate folder."""
     with path.open("rb") as file:
         beginning = file.read(6)
     packer = next((name for mark, name in _PACKED.items() if beginning.startswith(mark)), None)
@@ -465,7 +465,7 @@ def extra(module: str) -> Any:
 
 def _text_or_instrument(path: Path, channel: str | None) -> Raw:
     data = path.read_bytes() if path.stat().st_size <= _MOST_BYTES else b"\0"
-    content = tables.decoded(data, any_bytes=True)
+    content = texts.decoded(data, any_bytes=True)
     if content is None:
         return _instrument(path, channel)
     if _TEXT_OF_INSTRUMENTS.search(content[:_BEGINNING]):

@@ -11,8 +11,8 @@ import xarray
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from ..texts import HEIGHT
 from .declared import Raw, from_array, from_data_array
-from .dialect import NUMBER
 from .labels import counting, without_labels
 from .places import axes_of, points
 
@@ -66,7 +66,7 @@ def _places(names: pd.Index[Any]) -> NDArray[np.float64] | None:
     found = [re.fullmatch(r"(.+?)(?:\.\d+)?", name) for name in written]
     plain = [one[1] if one and one[1] in written else name for one, name in zip(found, written, strict=True)]
     numbers = np.array(
-        [float(name) if NUMBER.fullmatch(name) and "," not in name else np.nan for name in plain]
+        [float(name) if HEIGHT.fullmatch(name) and "," not in name else np.nan for name in plain]
     )
     return numbers if np.isfinite(numbers).any() else None
 

@@ -45,7 +45,7 @@ _DETERMINED = 1e-9
 _NOTED = 0.01
 # Relative rise of the standard deviation from which on it is said.
 _RAISED = 1e-3
-# Steps of a row over their typical size, and over the scatter of its pixels' own steps: of one, and of most.
+# Steps of a row over their typical size, and over the standard deviation of its pixels' own steps: of one, and of most.
 _OUTLYING, _JUMP, _UNSTEADY = 5.0, 1.0, 0.5
 # Standard deviation of a Gaussian over its median absolute deviation.
 _GAUSSIAN = 1.4826
@@ -224,7 +224,7 @@ def _missing(heights: Any) -> Iterator[str]:
 
 
 def _equal(heights: Any) -> Iterator[str]:
-    """The share of pairs of pixels side by side that are equally high, along x or y."""
+    """The fraction of pairs of pixels side by side that are equally high, along x or y."""
     known = ~np.isnan(heights)
     share = 0.0
     for one, other in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):

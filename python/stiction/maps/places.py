@@ -12,7 +12,7 @@ from ..errors import SceneError
 from .declared import Raw
 from .lengths import Steps, metres
 
-__all__ = ["BLOCK", "MOST_AXES", "Places", "axes_of", "begin_with_grid", "on_grid", "placed", "points"]
+__all__ = ["BLOCK", "MOST_AXES", "NAMED", "Places", "axes_of", "begin_with_grid", "on_grid", "placed", "points"]
 
 # What messages say of points that are no grid.
 _REGULAR = "only regular lists of points are read"
@@ -20,11 +20,12 @@ _REGULAR = "only regular lists of points are read"
 MOST_AXES = 6
 #: Fewest rows of what may be a map of its own.
 BLOCK = 3
-# The share of a step by which places of points may be off their grid, and rounded places of a whole grid.
+# The fraction of a step by which places of points may be off their grid, and rounded places of a whole grid.
 _OFF, _OFF_ROUNDED = 0.02, 0.5
 
 _AXES = {"x": "x", "y": "y", "z": "z", "height": "z"}
-_NAMED = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
+#: A name of a column with its unit.
+NAMED = re.compile(r'"?([A-Za-z]+)"?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]"?)?')
 
 _Array = NDArray[np.float64]
 
@@ -59,7 +60,7 @@ def axes_of(columns: list[str], *, line_scans: bool = False) -> Axes | None:
 
     With `line_scans` columns x and z alone are, too.
     """
-    found = [_NAMED.fullmatch(name.strip()) for name in columns]
+    found = [NAMED.fullmatch(name.strip()) for name in columns]
     names = [_AXES.get(one[1].lower(), "") if one else "" for one in found]
     if not ({"x", "y", "z"} <= set(names) or (line_scans and names == ["x", "z"])):
         return None

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
+from ..texts import HEIGHT, MISSING, any_number, dialect_of, hint, is_value
 from .channels import numbered
 from .declared import Raw, unpacked
-from .dialect import MISSING, NUMBER, any_number, dialect_of, hint, is_value
 from .labels import counting, without_labels, wrapped
 from .lengths import Steps, length
-from .places import BLOCK, MOST_AXES, axes_of, on_grid, placed, points
+from .places import BLOCK, MOST_AXES, NAMED, axes_of, on_grid, placed, points
 
 __all__ = ["LINE_SCAN", "NoNumbers", "read"]
 
@@ -66,11 +66,9 @@ _HEADER = {
     for known, colon in ((_LABELS, "[:=：]"), (_KEYS, "[:=：\\s]"))
     for name, labels in known.items()
 }
-# A name of a column with its unit.
-_AXIS = re.compile(r'"?[A-Za-z]+"?\s*(?:[\[(]\s*[^\])]*?\s*[\])]"?)?')
 # What ESRI takes for NODATA_value where a grid does not say it.
 _ESRI_MISSING = -9999.0
-# Numbers to their last bit, which pandas gives from 3 on by itself.
+# Numbers to their last bit, which pandas gives from 3 on by default.
 _EXACT = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
 # Pixels of other sides than that are not square.
 _SQUARE = 0.01
@@ -111,7 +109,7 @@ def read(text: str, channel: str | None = None) -> Raw:
     """
     if _WEB_PAGE.match(text):
         raise SceneError("is a web page, not a map: of a login or a download; save the file that it leads to")
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").replace("−", "-").split("\n")
+    lines = text.replace("−", "-").split("\n")
     reader = _Reader(lines)
     blocks = reader.blocks()
     names = [block.header.get("channel", f"map {number}") for number, block in enumerate(blocks)]
@@ -216,7 +214,7 @@ class _Reader:
 
     def _is_axes(self, line: str, block: _Block) -> bool:
         """Whether a line names the columns of a list of points, such as ``X[nm] Y[nm] Z[nm]``."""
-        found = axes_of(_AXIS.findall(line), line_scans=True)
+        found = axes_of([name[0] for name in NAMED.finditer(line)], line_scans=True)
         if found is None or block.lines:
             return False
         # The column of names of rows of pandas has none itself.
@@ -364,7 +362,7 @@ class _Reader:
         points, other = ("commas", ".") if decimal == "," else ("points", ",")
         for number in numbers:
             for column, cell in enumerate(self.dialect.cells(self.lines[number])):
-                is_number = NUMBER.fullmatch(cell) is not None
+                is_number = HEIGHT.fullmatch(cell) is not None
                 if cell.lower() in MISSING or (is_number and other not in cell):
                     continue
                 advice = hint(cell) or (

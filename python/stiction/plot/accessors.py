@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..results import Result
 from .pages import of_replica, page, panels
 
-__all__ = ["Plot", "of"]
+__all__ = ["Plot"]
 
 
 class Plot:
@@ -33,8 +33,3 @@ class Plot:
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._panels]
-
-
-def of(result: Result) -> Plot:
-    """The figures of a result."""
-    return Plot(result)

@@ -10,7 +10,8 @@ from typing import Any
 
 from .. import files, stored
 from ..errors import FileError
-from ..results import Finding, Sweep, open_run
+from ..opened import open_run
+from ..results import Finding, Sweep
 from ..terminal import ended
 from .pages import OF_REPLICA, of_replica, page, panels
 from .style import inches, picture
@@ -100,8 +101,8 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
     with open_run(path) as result:
         if isinstance(result, Finding):
             if given.what is not None or given.x is not None or given.by is not None:
-                raise FileError(f"{path}: a result of `{result.made_by}` has one figure; leave out --what, --x and --by")
-            return picture(result.figure(given.width), ending, given.dpi)
+                raise FileError(f"{path}: a result of `{result.format.made_by}` has one figure; leave out --what, --x and --by")
+            return picture(page(result, given.width), ending, given.dpi)
         if given.what == "list":
             return "\n".join(panels(result) | of_replica(result)).encode()
         options: dict[str, Any] = {}

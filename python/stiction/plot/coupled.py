@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..results import Run
-from .run import values, ways
+from .run import branches, values
 from .style import (
     BLUE,
     DASH_DOT,
@@ -32,17 +32,13 @@ __all__ = ["avalanches", "coupling", "coupling_difference"]
 def coupling(run: Run, ax: Axes | None = None) -> Axes:
     """External force with coupling, and of the same asperities without.
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``[substrate]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``[substrate]``.
     """
     ax = new_axes(ax)
     x = values(run, "ensemble/h_star")
     curves: list[Any] = []
-    for way, prefix, color, _ in ways(run):
-        of = f", {way}" if len(ways(run)) > 1 else ""
+    for way, prefix, color, _ in branches(run):
+        of = f", {way}" if len(branches(run)) > 1 else ""
         curves.append((values(run, f"ensemble/{prefix}external_force_mean"), f"coupled{of}", color, "-"))
         independent = values(run, f"coupling/{prefix}independent_external_force_mean")
         curves.append((independent, f"independent{of}", color if of else VERMILION, DASH_DOT))
@@ -64,11 +60,7 @@ def coupling(run: Run, ax: Axes | None = None) -> Axes:
 def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
     """The change of the external force by coupling, of the same asperities, with two standard errors.
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``[substrate]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``[substrate]``.
     """
     ax = new_axes(ax)
     x, pull = values(run, "ensemble/h_star"), -float(np.nanmin(values(run, "ensemble/external_force_mean")))
@@ -82,7 +74,7 @@ def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
                 for of in ("mean", "standard_error")
             ),
         )
-        for way, prefix, color, line in ways(run)
+        for way, prefix, color, line in branches(run)
     ]
     unit, sign = scaled("N", pull)
     handles, near = [], np.zeros(x.size, bool)
@@ -112,11 +104,7 @@ def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
 def avalanches(run: Run, ax: Axes | None = None) -> Axes:
     """Numbers of avalanches by their size, over all replicas and separations.
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``[substrate]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``[substrate]``.
     """
     ax = new_axes(ax)
     size, count = values(run, "coupling/avalanche_size"), values(run, "coupling/avalanche_size_count")

@@ -1,4 +1,4 @@
-"""Figures of loops and of surfaces on springs: contacts made and lost, energy, snaps, pull-off after preloads."""
+"""Figures of loops and of surfaces on springs: contacts made and lost, energy, jumps, pull-off after preloads."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from .. import quantities
+from ..force_curves.lever import of_run
 from ..results import Run
-from .run import WAYS, histogram, left_out, model_span, values
+from .run import BRANCHES, histogram, left_out, model_span, values
 from .style import (
     BLUE,
     COLORS,
@@ -37,16 +38,12 @@ __all__ = ["contacts", "energy", "force_curve", "preloads", "snaps", "stuck"]
 def contacts(run: Run, ax: Axes | None = None) -> Axes:
     """Asperities that come into contact on approach and lose it on retraction, on each step of the separation.
 
-    Parameters
-    ----------
-    run : Run
-        A loop.
-    ax : matplotlib.axes.Axes, optional
+    For loops.
     """
     ax = new_axes(ax)
     x, handles = values(run, "ensemble/step") / float(run.attrs["surface_height_std"]), []
     words = ("come into contact", "lose contact")
-    for (_, _, color, line), name, word in zip(WAYS[:2], ("jump_in", "jump_off"), words, strict=True):
+    for (_, _, color, line), name, word in zip(BRANCHES[:2], ("jump_in", "jump_off"), words, strict=True):
         handles += ax.plot(
             x, values(run, f"ensemble/{name}_count_mean"), color=color, linestyle=line, label=word
         )
@@ -67,11 +64,7 @@ def contacts(run: Run, ax: Axes | None = None) -> Axes:
 def energy(run: Run, ax: Axes | None = None) -> Axes:
     """Distribution of the energy that is dissipated in a cycle, its mean, and the area of the integral's loop.
 
-    Parameters
-    ----------
-    run : Run
-        A loop.
-    ax : matplotlib.axes.Axes, optional
+    For loops.
     """
     ax = new_axes(ax)
     lost = values(run, "replicas/dissipated_energy")
@@ -95,13 +88,9 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def snaps(run: Run, ax: Axes | None = None) -> Axes:
-    """Probability that a surface on a spring snaps, over the stiffness of the spring, with 95 % intervals.
+    """Probability that a surface on a spring jumps in or off, over the stiffness of the spring, with 95 % intervals.
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``[instability]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``[instability]``.
     """
     ax = new_axes(ax)
     stiffness = np.atleast_1d(values(run, "replicas/stiffness"))
@@ -161,11 +150,7 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
 def preloads(run: Run, ax: Axes | None = None) -> Axes:
     """Pull-off force after preloads: means over replicas, and where 90 % of them are (in older files their standard deviation).
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``preload`` in ``[instability]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``preload`` in ``[instability]``.
     """
     ax = new_axes(ax)
     preload, reached = values(run, "replicas/preload"), values(run, "instability/preload_reached_count") > 0
@@ -204,11 +189,7 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
 def stuck(run: Run, ax: Axes | None = None) -> Axes:
     """Probability that the restoring force does not part the surfaces, over the preload, with 95 % intervals.
 
-    Parameters
-    ----------
-    run : Run
-        Of a scene with ``preload`` in ``[instability]`` and with ``[device]``.
-    ax : matplotlib.axes.Axes, optional
+    For scenes with ``preload`` in ``[instability]`` and with ``[device]``.
     """
     ax = new_axes(ax)
     preload = values(run, "replicas/preload")
@@ -248,7 +229,7 @@ def _model_range(ax: Axes, run: Run, name: str, x: Any, unit: float = 1.0) -> li
 def force_curve(
     run: Run, ax: Axes | None = None, *, stiffness: Any = None, replica: int = 0, preload: Any = None
 ) -> Axes:
-    """Force of one spot on a cantilever over the position of its piezo, as an AFM draws it: both ways, with jumps.
+    """Force of one patch on a cantilever over the position of its piezo, as an AFM draws it: both branches, with jumps.
 
     Parameters
     ----------
@@ -259,7 +240,7 @@ def force_curve(
         As of `Run.force_curve`.
     """
     ax = new_axes(ax)
-    curve = run.force_curve(stiffness, replica=replica, preload=preload)
+    curve = of_run(run, stiffness, replica, preload)
     pull, force, piezo = float(curve["pull_off_force"]), curve["force"].values, curve["piezo_position"].values
     # Of the contact as much is shown as of the pull, where anything pulls.
     highest = min(float(force.max()), pull) if pull > 0.0 else float(force.max())
@@ -267,12 +248,12 @@ def force_curve(
     unit, sign = scaled("N", max(pull, highest))
     length, length_sign = scaled("m", np.ptp(shown))
     handles: list[Any] = []
-    # Where both ways lie on one line, the approach is the thin one.
-    for (way, _, color, _), width in zip(WAYS[:2], (0.9, 2.0), strict=True):
+    # Where both branches lie on one line, the approach is the thin one.
+    for (way, _, color, _), width in zip(BRANCHES[:2], (0.9, 2.0), strict=True):
         own = curve.isel(sample=np.flatnonzero(curve["way"] == way))
         x, y = own["piezo_position"].values / length, own["force"].values / unit
         jumps = curve.isel(jump=np.flatnonzero(curve["jump_way"] == way))
-        # The line of the way is broken at each jump, and that is dashed.
+        # The line is broken at each jump, and that is dashed.
         breaks = np.flatnonzero(np.isin(own["separation"].values, jumps["jump_separation"].values)) + 1
         order = 4.0 - width
         line = ax.plot(np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), color=color, linewidth=width, zorder=order)

@@ -45,11 +45,7 @@ _LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
 def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
     """External force of the integral by each law; means over replicas as dots where there are ensembles.
 
-    Parameters
-    ----------
-    result : Sweep
-        Over `model.law` alone.
-    ax : matplotlib.axes.Axes, optional
+    For sweeps over `model.law` alone.
     """
     ax = new_axes(ax)
     x, forces, laws = (values(result, path) for path in ("integral/h_star", "integral/external_force", "model_law"))
@@ -84,11 +80,7 @@ def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
 def law_deviation(result: Sweep, ax: Axes | None = None) -> Axes:
     """The deviation of the pull-off force of each law from the first law's, in per cent.
 
-    Parameters
-    ----------
-    result : Sweep
-        Over `model.law` alone.
-    ax : matplotlib.axes.Axes, optional
+    For sweeps over `model.law` alone.
     """
     ax = new_axes(ax)
     forces = values(result, "integral/pull_off_force")
@@ -97,10 +89,10 @@ def law_deviation(result: Sweep, ax: Axes | None = None) -> Axes:
     places = np.arange(off.size)
     ax.barh(places, np.nan_to_num(off), color=[COLORS[place % len(COLORS)] for place in places], height=0.6)
     for place, value, force in zip(places, off, forces, strict=True):
-        told = quantities.si(force, "N") if force > 0.0 else "no pull-off"
-        told += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
+        text = quantities.si(force, "N") if force > 0.0 else "no pull-off"
+        text += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
         ax.annotate(
-            told,
+            text,
             (max(float(np.nan_to_num(value)), 0.0), place),
             xytext=(3, 0),
             textcoords="offset points",
@@ -128,11 +120,7 @@ _COUNT = "asperities of a patch"
 def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Pull-off force of single patches over the integral's, by the number of asperities of a patch.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, quantile = values(study, "asperity_count"), values(study, "pull_off_quantiles")
@@ -158,11 +146,7 @@ def sizes(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """The excess of the mean pull-off of patches over the integral's, with the law that is fitted to it.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, of, error = (values(study, name) for name in ("asperity_count", "bias", "bias_standard_error"))
@@ -190,11 +174,11 @@ def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         ax.axhline(100.0 * accuracy, color="0.8", linewidth=0.5, zorder=0)
         if math.isfinite(count):
             ax.plot([count], [100.0 * accuracy], "s", color=GREEN, markerfacecolor="none")
-            told = f"{100 * accuracy:g} % from {quantities.number(count, 2)}" + (
+            text = f"{100 * accuracy:g} % from {quantities.number(count, 2)}" + (
                 " (extrapolated)" if str(source) == "extrapolated" else ""
             )
             left = count > 30.0 * n[0]
-            ax.annotate(told, (count, 100.0 * accuracy), xytext=(-5, -2) if left else (5, 2), textcoords="offset points",
+            ax.annotate(text, (count, 100.0 * accuracy), xytext=(-5, -2) if left else (5, 2), textcoords="offset points",
                         fontsize=7, color=GREEN, ha="right" if left else "left", va="top" if left else "bottom")  # fmt: skip
     if not (of > 0.0).any():
         return empty(ax, "no size has a positive bias")
@@ -209,11 +193,7 @@ def bias(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
     """Scatter of the pull-off force from patch to patch, by the number of asperities of a patch.
 
-    Parameters
-    ----------
-    study : xarray.Dataset
-        What `stiction.finite_size.study` says of a sweep.
-    ax : matplotlib.axes.Axes, optional
+    It takes what `stiction.finite_size.study` finds in a sweep.
     """
     ax = new_axes(ax)
     n, of = values(study, "asperity_count"), 100.0 * values(study, "relative_std")
@@ -250,11 +230,7 @@ def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
 def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
     """The map with the asperities that were found on it.
 
-    Parameters
-    ----------
-    result : Asperities
-        Files of before version 2.1 have no map; their asperities are drawn by their heights.
-    ax : matplotlib.axes.Axes, optional
+    Files before version 2.1 have no map; their asperities are drawn by their heights.
     """
     ax = new_axes(ax)
     dy, dx = (float(size) for size in result.attrs["pixel_size"])
@@ -323,13 +299,7 @@ def nayak(s: Any, alpha: float) -> Any:
 
 @dressed
 def heights(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the heights of the asperities, with Nayak's density and the equivalent Gaussian.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Distribution of the heights of the asperities, with Nayak's density and the equivalent Gaussian."""
     ax = new_axes(ax)
     of, alpha, m0 = (
         values(result, "asperities/height"),
@@ -360,13 +330,7 @@ def heights(result: Asperities, ax: Axes | None = None) -> Axes:
 
 @dressed
 def relation(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Curvature of the asperities over their height; the legend has the correlation.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Curvature of the asperities over their height; the legend has the correlation."""
     ax = new_axes(ax)
     of, curvature = values(result, "asperities/height"), 1.0 / values(result, "asperities/radius")
     unit, sign = scaled("m", of)
@@ -385,13 +349,7 @@ def relation(result: Asperities, ax: Axes | None = None) -> Axes:
 
 @dressed
 def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
-    """Distribution of the curvatures of the asperities, their mean, and the equivalent surface's.
-
-    Parameters
-    ----------
-    result : Asperities
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Distribution of the curvatures of the asperities, their mean, and the equivalent surface's."""
     ax = new_axes(ax)
     curvature = 1.0 / values(result, "asperities/radius")
     measured, theory = float(result["measured/asperity_radius"]), float(result["equivalent/asperity_radius"])
@@ -401,8 +359,8 @@ def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
         (measured, "mean", "black", "-"),
         (theory, "by the moments", VERMILION, DASH_DOT),
     ):
-        told = f"{words}, R = {quantities.si(radius, 'm')}"
-        handles.append(ax.axvline(unit / radius, color=color, linestyle=line, label=told))
+        text = f"{words}, R = {quantities.si(radius, 'm')}"
+        handles.append(ax.axvline(unit / radius, color=color, linestyle=line, label=text))
     ax.set(xlabel=label("mean curvature", f"1/{sign}"), ylabel="asperities", xlim=(0.0, None))
     legend(ax, handles)
     return ax
@@ -429,9 +387,9 @@ def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str,
     line = ax.plot(cutoff / x_unit, of / factor, "o-", color=BLUE, markersize=3, label="of summits")
     handles: list[Any] = [*line, shade]
     if chosen > 0.0:
-        told = f"smoothed with {quantities.si(chosen, 'm')}"
+        text = f"smoothed with {quantities.si(chosen, 'm')}"
         handles += ax.plot(
-            chosen / x_unit, measured / factor, "D", color=VERMILION, markersize=5, label=told
+            chosen / x_unit, measured / factor, "D", color=VERMILION, markersize=5, label=text
         )
         ax.axvline(chosen / x_unit, color=VERMILION, linestyle=DASH_DOT, linewidth=0.8, zorder=0.5)
     else:
@@ -458,11 +416,7 @@ def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str,
 def density_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Density of the summits over the cut-off of the filter; where it settles there is more than noise.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_density", "density of summits", "m-2", -2)
 
@@ -471,11 +425,7 @@ def density_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
 def radius_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Radius of the summits, the reciprocal of their mean curvature, over the cut-off of the filter.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_radius", "radius, 1/mean curvature", "m")
 
@@ -484,11 +434,7 @@ def radius_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
 def scatter_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
     """Standard deviation of the heights of the summits over the cut-off of the filter.
 
-    Parameters
-    ----------
-    result : Asperities
-        Made with `cutoffs`.
-    ax : matplotlib.axes.Axes, optional
+    For asperities that were found with `cutoffs`.
     """
     return _over_cutoff(new_axes(ax), result, "asperity_height_std", "σₛ of summit heights", "m")
 

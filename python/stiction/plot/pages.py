@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import FileError
-from ..finite_size import is_study, study
-from ..results import Result, Run, Sweep
+from ..finite_size.study import is_study, study
+from ..results import Asperities, Finding, Result, Run, Sweep
 from . import coupled, loop, others, run
 from .heat_map import heat_map, is_map
 from .style import VERMILION, dressed, inches, lettered, plain
@@ -60,8 +60,10 @@ def panels(result: Result) -> dict[str, Panel]:
         if is_study(result):
             return {name: _of_study(figure) for name, figure in _OF_STUDIES.items()} | of_sweep
         return _OF_LAWS | of_sweep if result.keys == ["model.law"] else of_sweep
-    if not isinstance(result, Run):
+    if isinstance(result, Asperities):
         return _OF_ASPERITIES | (_OVER_CUTOFF if "cutoffs" in result else {})
+    if not isinstance(result, Run):
+        return {}
     if not result.has_replicas:
         return {"integral": run.integral}
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
@@ -126,11 +128,11 @@ def page(
     title: bool = False,
     **options: Any,
 ) -> Figure:
-    """The figures of a result on one page.
+    """The figures of a result on one page; an inference, sensitivity or design has one figure.
 
     Parameters
     ----------
-    result : Run, Sweep or Asperities
+    result : Run, Sweep, Asperities or Finding
     width : str or float, optional
         Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
         in one column.
@@ -150,6 +152,10 @@ def page(
     FileError
         There is no such figure for this kind of result, or it has not what the figure is of.
     """
+    if isinstance(result, Finding):
+        if what is not None or options:
+            raise FileError(f"{result.path}: a result of `{result.format.made_by}` has one figure; leave out {', '.join(['what', *options])}")
+        return _of_finding(result, width)
     fitting = panels(result)
     known = fitting | of_replica(result)
     names = _by_default(fitting, options) if what is None else [what] if isinstance(what, str) else list(what)
@@ -173,18 +179,34 @@ def page(
         if len(names) > 1:
             lettered(ax, index)
     if title:
-        told = result.title or result.path.name
-        told = "".join(one if one.isprintable() else " " for one in told)
+        text = result.title or result.path.name
+        text = "".join(one if one.isprintable() else " " for one in text)
         figure.suptitle(
-            "\n".join(textwrap.wrap(told, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
+            "\n".join(textwrap.wrap(text, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
         )
     if result.is_partial:
         attrs = result.attrs
         whole = f" of {attrs['replicas_of_whole_run']}" if "replicas_of_whole_run" in attrs else ""
-        told = (
+        text = (
             plain(f"PARTIAL: {attrs.get('replicas', 'some')}{whole} replicas")
             if whole
             else "PARTIAL: some replicas are missing"
         )
-        figure.text(0.995, 0.995, told, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
+        figure.text(0.995, 0.995, text, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
     return figure
+
+
+def _of_finding(result: Finding, width: str | float | None) -> Figure:
+    """The figure of an inference, sensitivity or design; their packages need extras."""
+    if result.format.kind == "inference":
+        from ..inference.figures import page as posterior
+        from ..inference.found import open_inference
+
+        return posterior(open_inference(result.path), width)
+    if result.format.kind == "sensitivity":
+        from ..sensitivity.figure import draw
+
+        return draw(result.tree.to_dataset(), width or "180mm")
+    from ..design.figure import draw as searched
+
+    return searched(result.tree.to_dataset(), width or "90mm")

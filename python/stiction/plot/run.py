@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,11 +36,20 @@ from .style import (
 
 __all__ = ["attraction", "deviation", "force", "histogram", "integral", "pull_off", "regimes"]
 
-# Way, what its datasets begin with, colour and line.
-WAYS = (
-    ("approach", "", BLUE, "-"),
-    ("retraction", "retraction_", VERMILION, DASH_DOT),
-    ("second approach", "reapproach_", COLORS[2], (0, (1.2, 1.2))),
+
+class Branch(NamedTuple):
+    """A branch of curves: its name, the prefix of its datasets, and how it is drawn."""
+
+    name: str
+    prefix: str
+    color: str
+    line: Any
+
+
+BRANCHES = (
+    Branch("approach", "", BLUE, "-"),
+    Branch("retraction", "retraction_", VERMILION, DASH_DOT),
+    Branch("second approach", "reapproach_", COLORS[2], (0, (1.2, 1.2))),
 )
 _REGIMES = {
     "total": ("black", "-"),
@@ -58,11 +67,11 @@ def values(run: Any, path: str) -> Any:
     return run[path].values
 
 
-def ways(run: Run) -> list[tuple[str, str, str, Any]]:
-    """The ways that a run has gone."""
+def branches(run: Run) -> list[Branch]:
+    """The branches of the curves of a run."""
     if run.attrs["history"] == "loop":
-        return [way for way in WAYS if f"integral/{way[1]}external_force" in run]
-    return [(plain(run.attrs["history"]), "", BLUE, "-")]
+        return [branch for branch in BRANCHES if f"integral/{branch.prefix}external_force" in run]
+    return [Branch(plain(run.attrs["history"]), "", BLUE, "-")]
 
 
 def left_out(run: Run) -> list[Line2D]:
@@ -72,7 +81,7 @@ def left_out(run: Run) -> list[Line2D]:
 
 
 def is_invalid(run: Run) -> Any:
-    """Whether asperities are taken as independent and may not be, at each separation: closer than `independent_from` of a run of that verdict."""
+    """Whether asperities are taken as independent and may not be, at each separation: closer than `independent_from` of a run that is invalid."""
     from_where = float(run["independence/independent_from"])
     whole = str(run["independence"].attrs["verdict"]) == "invalid" and "coupling" not in run
     return whole & ~(values(run, "integral/separation") >= from_where)
@@ -85,7 +94,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     Parameters
     ----------
     run : Run
-        The result; of a loop all its ways are drawn.
+        The result; of a loop all its branches are drawn.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in; new ones by default.
     band : bool
@@ -98,10 +107,10 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     ax = new_axes(ax)
     x, lowest, highest = values(run, "ensemble/h_star"), 0.0, 0.0
     handles: list[Any] = []
-    means = {way: values(run, f"ensemble/{prefix}external_force_mean") for way, prefix, _, _ in ways(run)}
-    integrals = {way: values(run, f"integral/{prefix}external_force") for way, prefix, _, _ in ways(run)}
+    means = {of.name: values(run, f"ensemble/{of.prefix}external_force_mean") for of in branches(run)}
+    integrals = {of.name: values(run, f"integral/{of.prefix}external_force") for of in branches(run)}
     bands = {}
-    for way, prefix, _, _ in ways(run):
+    for way, prefix, *_ in branches(run):
         lowest = min(lowest, float(np.nanmin(means[way])))
         highest = max(highest, float(np.nanmax(means[way])))
         name = f"ensemble/{prefix}external_force_quantile"
@@ -114,7 +123,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     depth = -lowest if lowest < 0.0 else highest
     unit, sign = scaled("N", depth)
     several = len(means) > 1
-    for way, _, color, line in ways(run):
+    for way, _, color, line in branches(run):
         mean = means[way]
         if way in bands:
             quantile = bands[way] / unit
@@ -141,7 +150,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         )
     handles += integral
     if bands:
-        # One entry is for both ways, and grey then.
+        # One entry is for both branches, and grey then.
         handles.append(Patch(color=GREY, alpha=0.4, linewidth=0, label=shade.get_label()) if several else shade)
     attrs = run["ensemble"].attrs
     pull, place = (
@@ -150,7 +159,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     )
     if pull > 0.0:
         # The marker of a loop is on retraction.
-        way, _, color, _ = ways(run)[:2][-1]
+        way, _, color, _ = branches(run)[:2][-1]
         at = np.interp(place, x, means[way]) / unit
         marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
         of = "whole loop" if isinstance(run, Run) and run.after_largest_preload is not None else "mean"
@@ -169,15 +178,9 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
 
 @dressed
 def integral(run: Run, ax: Axes | None = None) -> Axes:
-    """External force of the integral over the separation, on all ways.
-
-    Parameters
-    ----------
-    run : Run
-    ax : matplotlib.axes.Axes, optional
-    """
+    """External force of the integral over the separation, on all branches."""
     ax = new_axes(ax)
-    curves = [(way, values(run, f"integral/{prefix}external_force"), color, line) for way, prefix, color, line in ways(run)]
+    curves = [(way, values(run, f"integral/{prefix}external_force"), color, line) for way, prefix, color, line in branches(run)]
     lowest, highest = (float(of([of(force) for _, force, _, _ in curves])) for of in (np.nanmin, np.nanmax))
     depth = -lowest if lowest < 0.0 else highest
     unit, sign = scaled("N", depth)
@@ -195,7 +198,7 @@ def integral(run: Run, ax: Axes | None = None) -> Axes:
 
 
 def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> list[Any]:
-    """Markers on the curve where surfaces on a spring snap in on approach, on average."""
+    """Markers on the curve where surfaces on a spring jump in on approach, on average."""
     if "replicas/snap_in_separation" not in run:
         return []
     snaps = run["replicas/snap_in_separation"]
@@ -215,13 +218,7 @@ def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> li
 
 @dressed
 def regimes(run: Run, ax: Axes | None = None) -> Axes:
-    """Adhesion force by regime over the separation: means as lines, the integral as dots.
-
-    Parameters
-    ----------
-    run : Run
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Adhesion force by regime over the separation: means as lines, the integral as dots."""
     ax = new_axes(ax)
     x = values(run, "ensemble/h_star")
     curves = {"total": (values(run, "ensemble/adhesion_force_mean"), values(run, "integral/adhesion_force"))}
@@ -260,15 +257,11 @@ def regimes(run: Run, ax: Axes | None = None) -> Axes:
 def attraction(run: Run, ax: Axes | None = None) -> Axes:
     """Attraction over the separation: by asperities, mean over replicas, and by terms of the mean planes.
 
-    Parameters
-    ----------
-    run : Run
-        A run with forces between the mean planes. Of a loop the asperities are on retraction.
-    ax : matplotlib.axes.Axes, optional
+    For runs with forces between the mean planes. Of a loop the asperities are on retraction.
     """
     ax = new_axes(ax)
     x = values(run, "background/h_star")
-    prefix = ways(run)[-1][1]
+    prefix = branches(run)[-1].prefix
     asperities = values(run, f"ensemble/{prefix}adhesion_force_mean")
     looks = itertools.cycle(zip((VERMILION, *COLORS[2:]), itertools.cycle((DASH_DOT, DASHED))))
     planes = [(name, values(run, path), *next(looks)) for name, path in run.mean_plane_forces.items()]
@@ -298,13 +291,7 @@ def attraction(run: Run, ax: Axes | None = None) -> Axes:
 
 @dressed
 def deviation(run: Run, ax: Axes | None = None) -> Axes:
-    """Deviation of the means from the integral, in standard errors, and what the joint test leaves out.
-
-    Parameters
-    ----------
-    run : Run
-    ax : matplotlib.axes.Axes, optional
-    """
+    """Deviation of the means from the integral, in standard errors, and what the joint test leaves out."""
     ax = new_axes(ax)
     x, limit = values(run, "validation/h_star"), 3.0
     handles: list[Any] = []
@@ -372,7 +359,7 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     run : Run
-        Of a loop both ways are drawn; where there are preloads, the pull-off after the largest that is reached.
+        Of a loop both branches are drawn; where there are preloads, the pull-off after the largest that is reached.
     ax : matplotlib.axes.Axes, optional
     """
     ax = new_axes(ax)

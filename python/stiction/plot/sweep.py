@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -31,14 +31,22 @@ from .style import (
 
 __all__ = ["QUANTITIES", "sweep"]
 
-# Quantities over the points: words, unit, mean and standard error over replicas, of the integral.
-QUANTITIES: dict[str, tuple[str, str, str | None]] = {
-    "pull_off_force": ("pull-off force", "N", "pull_off_force"),
-    "pull_off_excess": ("excess over the integral", "%", None),
-    "pull_off_scatter": ("scatter between patches", "%", None),
-    "pull_off_separation": ("pull-off separation $h^*$", "", "pull_off_separation"),
-    "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
-    "stuck_probability": ("probability to stay stuck", "", None),
+
+class Quantity(NamedTuple):
+    """A quantity over the points of a sweep: its words, unit, and dataset of the integral."""
+
+    words: str
+    unit: str
+    of_integral: str | None = None
+
+
+QUANTITIES = {
+    "pull_off_force": Quantity("pull-off force", "N", "pull_off_force"),
+    "pull_off_excess": Quantity("excess over the integral", "%"),
+    "pull_off_scatter": Quantity("scatter between patches", "%"),
+    "pull_off_separation": Quantity("pull-off separation $h^*$", "", "pull_off_separation"),
+    "peak_secant_stiffness": Quantity("largest stiffness", "N m-1", "peak_stiffness"),
+    "stuck_probability": Quantity("probability to stay stuck", ""),
 }
 # Most curves that can be distinguished.
 _MOST = len(COLORS)
@@ -46,7 +54,7 @@ _MOST = len(COLORS)
 
 def quantities_of(result: Sweep) -> list[str]:
     """The quantities of a sweep; of integrals alone those that they have."""
-    names = [name for name, (_, _, of_integral) in QUANTITIES.items() if result.has_replicas or of_integral]
+    names = [name for name, of in QUANTITIES.items() if result.has_replicas or of.of_integral]
     # The integral and the separation of pull-off are of whole loops.
     left_out = set() if "device" in result else {"stuck_probability"}
     if result.has_replicas and result.after_largest_preload is not None:
@@ -62,7 +70,7 @@ def of_points(
     A probability has in the place of the error how far its 95 % interval reaches below and above, over `range_end`.
     """
     if not result.has_replicas:
-        integral = result[f"integral/{QUANTITIES[quantity][2]}"]
+        integral = result[f"integral/{QUANTITIES[quantity].of_integral}"]
         if quantity.endswith("separation"):
             integral = integral / result["surface_height_std"]
         return integral, xarray.full_like(integral, np.nan), None
@@ -87,7 +95,7 @@ def of_points(
     if quantity == "pull_off_scatter":
         replicas = result["replicas/pull_off_force"]
         return _scatter(replicas.std("replica", ddof=1) / replicas.mean("replica"), replicas.sizes["replica"])
-    integral_name = QUANTITIES[quantity][2]
+    integral_name = QUANTITIES[quantity].of_integral
     integral = result[f"integral/{integral_name}"]
     if quantity.endswith("separation"):
         sigma = result["surface_height_std"]
@@ -148,7 +156,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
     others.sort(key=lambda name: name != by)
     sizes = [result.points.sizes[name] for name in others]
     if int(np.prod(sizes)) > _MOST:
-        most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be told apart"
+        most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be distinguished"
         raise FileError(f"{most}: name the key with most values for the axis (x)")
     for place in np.ndindex(*sizes):
         chosen = dict(zip(others, place, strict=True))

@@ -9,29 +9,29 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from ..finite_size import is_study, study
-from ..plot.run import WAYS
+from ..finite_size.study import is_study, study
+from ..plot.run import BRANCHES
 from ..plot.sweep import QUANTITIES, model_range, of_points
 from ..results import Result, Run, Sweep
 
 __all__ = ["tables"]
 
-_WAYS = tuple(prefix for _, prefix, _, _ in WAYS)
+_PREFIXES = tuple(branch.prefix for branch in BRANCHES)
 _OVER_H = ("external_force_mean", "external_force_standard_error", "external_force_quantile")
 # Datasets of each figure; those that a file does not have are left out.
 _DATASETS: dict[str, list[str]] = {
-    "force": [f"ensemble/{way}{name}" for way in _WAYS for name in _OVER_H]
-    + [f"integral/{way}external_force" for way in _WAYS]
+    "force": [f"ensemble/{prefix}{name}" for prefix in _PREFIXES for name in _OVER_H]
+    + [f"integral/{prefix}external_force" for prefix in _PREFIXES]
     + ["replicas/snap_in_separation"],
-    "integral": [f"integral/{way}external_force" for way in _WAYS],
+    "integral": [f"integral/{prefix}external_force" for prefix in _PREFIXES],
     "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force",
                  "model_range/pull_off_force"],
-    "attraction": [f"ensemble/{way}adhesion_force_mean" for way in _WAYS]
+    "attraction": [f"ensemble/{prefix}adhesion_force_mean" for prefix in _PREFIXES]
     + ["background/force", "background/*_force"],
-    "coupling": [f"coupling/{way}independent_external_force_mean" for way in _WAYS]
-    + [f"ensemble/{way}external_force_mean" for way in _WAYS],
+    "coupling": [f"coupling/{prefix}independent_external_force_mean" for prefix in _PREFIXES]
+    + [f"ensemble/{prefix}external_force_mean" for prefix in _PREFIXES],
     "coupling_difference": [
-        f"coupling/{way}difference_external_force_{of}" for way in _WAYS for of in ("mean", "standard_error")
+        f"coupling/{prefix}difference_external_force_{of}" for prefix in _PREFIXES for of in ("mean", "standard_error")
     ],
     "avalanches": ["coupling/avalanche_size_count"],
     "contacts": [f"{group}/jump_{way}_count{of}" for group, of in (("ensemble", "_mean"), ("integral", "")) for way in ("in", "off")],
@@ -123,10 +123,10 @@ def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) ->
     others = [dim for dim in array.dims if dim != main]
     turned = array.transpose(main, *others)
     for place in np.ndindex(*(array.sizes[dim] for dim in others)):
-        told = [
+        suffixes = [
             f"{dim} {array.coords[dim].values[i] if dim in array.coords else i}" for dim, i in zip(others, place, strict=True)
         ]
-        yield _header(" ".join([name, *told]), array), turned.values[(slice(None), *place)]
+        yield _header(" ".join([name, *suffixes]), array), turned.values[(slice(None), *place)]
 
 
 def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
@@ -146,6 +146,6 @@ def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
         if key not in whole.variables:
             whole[key] = result[key]
     table = whole.to_dataframe().reset_index()[[*keys, *columns]]
-    unit = QUANTITIES[figure][1]
+    unit = QUANTITIES[figure].unit
     headers = {key: _header(key, result[key]) for key in keys}
     return table.rename(columns=headers | ({name: f"{name} ({unit})" for name in columns} if unit else {}))

@@ -1,4 +1,4 @@
-"""Facts of a result: the numbers to quote, what was computed, verdicts, how to make it again."""
+"""Facts of a result: the numbers to quote, what was computed, assessments, how to make it again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..finite_size import is_study, study
+from ..finite_size.study import is_study, study
 from ..results import Asperities, Finding, Result, Run, Sweep, agreement
 from ..scenes import paths_in
 
@@ -156,8 +156,8 @@ def _draws(result: Result) -> Iterator[tuple[str, str]]:
 def _separations(result: Result, path: str = "integral") -> Iterator[tuple[str, str]]:
     h_star, h = result[f"{path}/h_star"].values, result[f"{path}/separation"].values
     if h_star.ndim == 1:
-        told = f"{h_star.size}, from h/σ = {quantities.number(h_star.min(), 3)} to {quantities.number(h_star.max(), 3)}"
-        yield "separations", f"{told} ({_span(h.min(), h.max(), 'm')})"
+        text = f"{h_star.size}, from h/σ = {quantities.number(h_star.min(), 3)} to {quantities.number(h_star.max(), 3)}"
+        yield "separations", f"{text} ({_span(h.min(), h.max(), 'm')})"
 
 
 def _law(result: Result) -> Iterator[tuple[str, str]]:
@@ -181,8 +181,8 @@ def _validity(result: Result) -> Verdict:
     there = [warning for warning in result.warnings if not _is_of_resolution(warning)]
     if not there:
         psi = float(result.attrs.get("asperity_plasticity_index", 0.0))
-        flows = f"; contacts flow (ψ of σ_s = {quantities.number(psi, 2)}), which the law computes" if psi > 1.0 else ""
-        return Verdict("validity", "good", "no warning", f"the scene is within the limits of its law and of known materials and surfaces{flows}")
+        yielding = f"; contacts yield (ψ of σ_s = {quantities.number(psi, 2)}), which the law computes" if psi > 1.0 else ""
+        return Verdict("validity", "good", "no warning", f"the scene is within the limits of its law and of known materials and surfaces{yielding}")
     return Verdict("validity", "caution", _several(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
 
 
@@ -191,8 +191,8 @@ def _worst(words: Iterable[str], grades: dict[str, str]) -> tuple[str, str]:
     counts = Counter(words)
     order = ["bad", "caution", "none", "good"]
     worst = min(counts, key=lambda word: order.index(grades.get(word, "none")))
-    told = worst if len(counts) == 1 else ", ".join(f"{count} {word}" for word, count in counts.items())
-    return grades.get(worst, "none"), told
+    text = worst if len(counts) == 1 else ", ".join(f"{count} {word}" for word, count in counts.items())
+    return grades.get(worst, "none"), text
 
 
 def _independence(result: Result) -> Verdict:
@@ -202,7 +202,7 @@ def _independence(result: Result) -> Verdict:
         shift = abs(_value(result, "independence/relative_shift"))
         attraction = _value(result, "independence/relative_attractive_stiffness")
         text = (
-            f"at pull-off the substrate gives way by {quantities.number(shift, 2)} σ and attraction is "
+            f"at pull-off the substrate is displaced by {quantities.number(shift, 2)} σ and attraction is "
             f"{quantities.number(attraction, 2)} of its stiffness; "
             f"{_percent(_value(result, 'independence/contact_share'), 2)} of the area is in contact"
         )
@@ -210,10 +210,10 @@ def _independence(result: Result) -> Verdict:
             text = f"asperities are coupled through the substrate ({result['coupling'].attrs['coupling']}); without: {word}, as {text}"
             return Verdict("independence", "good", "coupled", text)
         return Verdict("independence", _INDEPENDENCE.get(word, "none"), word, text)
-    grade, told = _worst((str(word) for word in group["verdict"].values.ravel()), _INDEPENDENCE)
+    grade, words = _worst((str(word) for word in group["verdict"].values.ravel()), _INDEPENDENCE)
     coupled = "; where asperities are coupled it says how it would be without" if "coupling" in result else ""
     return Verdict(
-        "independence", grade, told, f"whether asperities may be taken as independent at pull-off{coupled}"
+        "independence", grade, words, f"whether asperities may be taken as independent at pull-off{coupled}"
     )
 
 
@@ -434,8 +434,8 @@ def _targets(run: Run) -> Iterator[Table]:
     ):  # fmt: skip
         differing = float(of["scalar_most_differing"].sel(scalar=str(name)))
         known = agreement(run["replicas"].sizes["replica"], differing) if differing > 0.0 else quantities.si(error, str(unit))
-        told = [known, quantities.si(most, str(unit))]
-        rows.append([str(name).replace("pull_off", "pull-off").replace("_", " "), *told, "met" if met else "missed"])
+        numbers = [known, quantities.si(most, str(unit))]
+        rows.append([str(name).replace("pull_off", "pull-off").replace("_", " "), *numbers, "met" if met else "missed"])
     yield Table("Targets", ["mean of", "standard error", "largest allowed", ""], rows)
 
 
@@ -532,8 +532,8 @@ def _sweep(sweep: Sweep) -> Facts:
     for key, name in zip(sweep.keys, keys, strict=True):
         of = points[name] if name in points.variables else sweep[name]
         values = list(dict.fromkeys(of.values.ravel())) if of.dtype.kind == "U" else np.unique(of.values)
-        told = [sweep.key_text(key, value) for value in values]
-        computed.append((key, ", ".join(told) if of.dtype.kind == "U" or len(told) == 1 else f"{len(told)} values, {told[0]} to {told[-1]}"))
+        texts = [sweep.key_text(key, value) for value in values]
+        computed.append((key, ", ".join(texts) if of.dtype.kind == "U" or len(texts) == 1 else f"{len(texts)} values, {texts[0]} to {texts[-1]}"))
     computed += [*_law(sweep), *_draws(sweep)]
     table = _points(sweep, keys)
     found = Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
@@ -670,7 +670,7 @@ def _asperities(result: Asperities) -> Facts:
 
 
 def _finding(result: Finding) -> Facts:
-    return Facts(f"result of `{result.made_by}`", [], [], [], "", [])
+    return Facts(f"result of `{result.format.made_by}`", [], [], [], "", [])
 
 
 _OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Asperities: _asperities, Finding: _finding}

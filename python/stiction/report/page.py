@@ -21,11 +21,13 @@ from matplotlib.figure import Figure
 
 from .. import files, quantities, stored
 from ..errors import FileError
+from ..opened import open_run
 from ..plot import page as drawn_page
 from ..plot import panels
 from ..plot.style import COLORS, context
 from ..plot.sweep import QUANTITIES
-from ..results import Finding, Result, Sweep, open_run
+from ..results import Finding, Result, Sweep
+from ..version import __version__
 from .data import tables
 from .facts import Facts, Table, Verdict, facts
 
@@ -79,8 +81,6 @@ def page(results: Sequence[Result]) -> str:
     """
     if not results:
         raise FileError("a report needs a result")
-    from .. import __version__
-
     said = [_read(result, facts) for result in results]
     pairs = list(zip(results, said, strict=True))
     names = _names(results)
@@ -93,12 +93,12 @@ def page(results: Sequence[Result]) -> str:
         if not any(parts):
             return ""
         several = len(parts) > 1
-        told = [
+        bodies = [
             f"<div>{f'<h3>{escape(name)}</h3>' if several else ''}{part or '<p class=quiet>none</p>'}</div>"
             for name, part in zip(names, parts, strict=True)
         ]
         shape = f'class="files several" style="--count: {len(parts)}"' if several else "class=files"
-        return f"<section><h2>{escape(heading)}</h2><div {shape}>{''.join(told)}</div></section>"
+        return f"<section><h2>{escape(heading)}</h2><div {shape}>{''.join(bodies)}</div></section>"
 
     figures = iter(range(1, 1_000_000))
     body = [
@@ -141,10 +141,10 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 def _under(results: Sequence[Result], said: Sequence[Facts]) -> str:
     if len(results) > 1:
-        told = "; ".join(result.title or result.path.name for result in results)
+        title = "; ".join(result.title or result.path.name for result in results)
     else:
-        told = f"{said[0].kind} · {results[0].path.name}"
-    return f"<p class=quiet>{escape(told)}</p>"
+        title = f"{said[0].kind} · {results[0].path.name}"
+    return f"<p class=quiet>{escape(title)}</p>"
 
 
 def _partial(result: Result) -> str:
@@ -160,12 +160,12 @@ def _number(result: Result, fact: Facts) -> str:
     if isinstance(result, Finding):
         return f"<pre>{escape(result.words)}</pre>"
     first, *rest = fact.numbers
-    told = f"<div>{escape(first.label)}</div><div class=value>{escape(first.text)}</div><div class=quiet>{escape(first.note)}</div>"
+    main = f"<div>{escape(first.label)}</div><div class=value>{escape(first.text)}</div><div class=quiet>{escape(first.note)}</div>"
     rows = "".join(
         f"<tr><th scope=row>{escape(number.label)}</th><td>{escape(number.text)}<br><small>{escape(number.note)}</small></td></tr>"
         for number in rest
     )
-    return f"{_partial(result)}<div class=number>{told}</div><table class=pairs><tbody>{rows}</tbody></table>"
+    return f"{_partial(result)}<div class=number>{main}</div><table class=pairs><tbody>{rows}</tbody></table>"
 
 
 def _verdicts(verdicts: Sequence[Verdict]) -> str:
@@ -228,31 +228,31 @@ def _against(first: Any, other: Any) -> str:
     if not 0.5 < ratio < 2.0:
         return f"× {quantities.number(ratio, 3)}"
     error = 100 * math.hypot(other.error / first.value, ratio * first.error / first.value)
-    told = f"{'+' if ratio > 1.0 else ''}{quantities.number(100 * (ratio - 1), 3)}"
-    return f"{told} ± {quantities.number(error, 2)} %" if math.isfinite(error) else f"{told} %"
+    change = f"{'+' if ratio > 1.0 else ''}{quantities.number(100 * (ratio - 1), 3)}"
+    return f"{change} ± {quantities.number(error, 2)} %" if math.isfinite(error) else f"{change} %"
 
 
 def _figures(result: Result, numbers: Any) -> str:
     if isinstance(result, Finding):
         try:
-            drawing = result.figure("180mm")
+            drawing = drawn_page(result, "180mm")
         except FileError:
             return ""
-        return f"<figure>{_svg(drawing, f'f{next(numbers)}-', result.kind)}</figure>"
+        return f"<figure>{_svg(drawing, f'f{next(numbers)}-', result.format.kind)}</figure>"
     return f"<div class=figures>{''.join(_figure(result, name, next(numbers)) for name in panels(result))}</div>"
 
 
 def _figure(result: Result, name: str, number: int) -> str:
     drawing = drawn_page(result, "110mm", what=name)
     words = name.replace("pull_off", "pull-off").replace("_", " ")
-    told = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
+    caption = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
     if isinstance(result, Sweep) and name in QUANTITIES:
-        told = QUANTITIES[name][0]
+        caption = QUANTITIES[name].words
     stem = result.path.stem
     links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
     return (
         f'<figure id="figure-{number}">{_svg(drawing, f"f{number}-", words)}'
-        f"<figcaption>{escape(told.partition(chr(10))[0])}</figcaption>"
+        f"<figcaption>{escape(caption.partition(chr(10))[0])}</figcaption>"
         f"<details class=data-of-figure><summary>Data of {escape(words)}</summary>{''.join(links)}</details></figure>"
     )
 
@@ -318,12 +318,12 @@ def _again(result: Result, fact: Facts) -> str:
     if result.is_partial:
         needs += "<p>This result is partial; the command makes the whole.</p>"
     version = str(result.attrs.get("program_version", ""))
-    told = f"<p>With stiction {escape(version)}, on any number of threads, this gives the same numbers to the last bit:</p>"
+    intro = f"<p>With stiction {escape(version)}, on any number of threads, this gives the same numbers to the last bit:</p>"
     command, _, scene = fact.commands.partition(" <<")
     if scene:
         command = f"<pre>{escape(command)}</pre><p>The scene above is its standard input.</p>"
-        return f"{told}{needs}{command}<details><summary>Command with scene, to paste</summary><pre>{escape(fact.commands)}</pre></details>"
-    return f"{told}{needs}<pre>{escape(fact.commands)}</pre>"
+        return f"{intro}{needs}{command}<details><summary>Command with scene, to paste</summary><pre>{escape(fact.commands)}</pre></details>"
+    return f"{intro}{needs}<pre>{escape(fact.commands)}</pre>"
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

@@ -7,14 +7,14 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, lettered
-from .study import QUANTITIES
+from .words import QUANTITIES
 
 __all__ = ["draw"]
 
 
 @dressed
 def draw(result: xarray.Dataset, width: str | float = "180mm") -> Figure:
-    """First-order and total indices of each key, and the share of the scatter between patches, of each outcome.
+    """First-order and total indices of each key, and the fraction of the variance between patches, of each outcome.
 
     Parameters
     ----------

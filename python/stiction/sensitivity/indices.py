@@ -62,7 +62,7 @@ class Estimated:
     variance : float
         Var Y of one patch with unknown parameters, in the unit of the outcome squared.
     scatter, scatter_interval : float, array (2,)
-        Share of the scatter between patches in that variance.
+        Fraction of that variance that is between patches with equal parameters.
     first_order, total : array (k,)
         Indices of the mean over patches, S and T; NaN where the mean does not vary with the parameters, and there are none.
     first_order_interval, total_interval : array (k, 2)
@@ -124,7 +124,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
 
     Examples
     --------
-    A sum of two parameters, of which the second varies twice as much, and no scatter:
+    A sum of two parameters, of which the second varies twice as much, and equal patches:
 
     >>> of = points(2, 256, 8, seed=1).reshape(8, 256, 4, 2) @ [1.0, 2.0]
     >>> found = estimated(np.stack([of, of], axis=-1))
@@ -162,7 +162,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
 
         without_one = statistic(others)
         if not np.isfinite(without_one).all() or np.ptp(without_one) == 0.0:
-            # Equal in all blocks, such as no scatter at all. Where one block has all of the variance, nothing is known.
+            # Equal in all blocks, such as no variance between patches at all. Where one block has all of the variance, nothing is known.
             intervals[place] = found[place] if np.ptp(without_one) == 0.0 else np.nan
             continue
         interval = stats.bootstrap(
@@ -191,7 +191,7 @@ def _pairs(first: Array, second: Array) -> Array:
 
 
 def _indices(means: Array) -> Array:
-    """S, T, share of the scatter and Var Y from the means of the parts of blocks, the last axis."""
+    """S, T, fraction of the variance between patches and Var Y from the means of the parts of blocks, the last axis."""
     of_mean, scatter = means[..., -2], means[..., -1]
     whole = of_mean + scatter
 

@@ -9,23 +9,18 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from .. import experiments, files, priors, quantities
+from .. import experiments, files, priors
 from ..errors import SceneError, StictionError
 from ..progress import steps
 from ..results import Result
 from ..scenes import Scene, named_files, toml
 from . import indices
+from .words import QUANTITIES, words
 
-__all__ = ["BLOCKS", "QUANTITIES", "sensitivity", "words"]
+__all__ = ["BLOCKS", "sensitivity"]
 
 Array = NDArray[np.float64]
 
-#: Outcomes of a patch: words and unit.
-QUANTITIES = {
-    "pull_off_force": ("pull-off force", "N"),
-    "peak_secant_stiffness": ("largest stiffness", "N m-1"),
-    "energy": ("energy", "J"),
-}
 #: Independent blocks of points.
 BLOCKS = 32
 # Samples at least: with one row a block, intervals of 95 % hold the truth in 80 to 90 % of designs only.
@@ -72,9 +67,9 @@ def sensitivity(
     -------
     xarray.Dataset
         Over `quantity` (pull_off_force, N; peak_secant_stiffness, N/m; energy, J) and `key`: `first_order` and `total` indices of the mean
-        over patches, `scatter`, the share of the scatter between patches in the variance of one patch, their `…_interval` over `range_end`,
+        over patches, `scatter`, the fraction of the variance of one patch that is between patches, their `…_interval` over `range_end`,
         `mean` and `standard_deviation` of one patch in SI units. Energy is what a cycle dissipates with
-        ``history = "loop"``, else the work to part the surfaces from where they hold by themselves to the
+        ``history = "loop"``, else the work to detach the surfaces from where they adhere without a force to the
         largest separation.
 
     Raises
@@ -112,8 +107,8 @@ def sensitivity(
         if not np.isfinite(values).all():
             at = np.argwhere(~np.isfinite(values))[0]
             number = found.draw(cube[at[0]])[at[1] * (k + 2) + at[2]]
-            told = ", ".join(f"{prior.key} = {prior.text(value)}" for prior, value in zip(found.priors, number, strict=True))
-            raise StictionError(f"no {QUANTITIES[name][0]} of a patch at {told}: other ranges or separations are needed")
+            numbers = ", ".join(f"{prior.key} = {prior.text(value)}" for prior, value in zip(found.priors, number, strict=True))
+            raise StictionError(f"no {QUANTITIES[name][0]} of a patch at {numbers}: other ranges or separations are needed")
         try:
             estimated[name] = indices.estimated(values, level=level)
         except ValueError as error:
@@ -217,39 +212,3 @@ def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: floa
     }  # fmt: skip
     attributes = {"format": "stiction-sensitivity", "format_version": np.array(_VERSION), "interval_level": level}
     return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
-
-
-def words(found: xarray.Dataset) -> str:
-    """A study in words."""
-    level = 100.0 * float(found.attrs["interval_level"])
-    lines = [f"Sobol indices of the mean over patches, with {level:g} % intervals"]
-    width = max(len(str(key)) for key in found["key"].values) + 2
-    for name in found["quantity"].values:
-        one = found.sel(quantity=name)
-        unit = str(one["unit"].item())
-        mean, std = (quantities.si(one[what], unit) for what in ("mean", "standard_deviation"))
-        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}; standard deviation of one patch, by numbers and by chance, {std}")
-        lines.append(f"    {'':{width}}{'first order':26}total")
-        least = one["total"] < one["first_order"] - _ROUNDED
-        for key in found["key"].values:
-            of = one.sel(key=key)
-            columns = [_within(of[kind], of[f"{kind}_interval"]) for kind in ("first_order", "total")]
-            lines.append(f"    {key:{width}}{columns[0]:26}{columns[1]}")
-        lines.append(f"    {'scatter between patches, of all variance':{width + 26}}{_within(one['scatter'], one['scatter_interval'])}")
-        if least.any():
-            few = ", ".join(str(key) for key in found["key"].values[least.values])
-            lines.append(f"    too few samples: the total of {few} is below its first order, which it contains; more --samples")
-    return "\n".join(lines)
-
-
-# Indices that differ by less are alike, as chance has them of numbers that act each by itself.
-_ROUNDED = 0.01
-
-
-def _within(value: xarray.DataArray, interval: xarray.DataArray) -> str:
-    if np.isnan(float(value)):
-        return "none"
-    if np.isnan(interval.values).any():
-        return f"{float(value):.3f} [not known]"
-    low, high = (f"{float(end):.3f}" for end in interval.values)
-    return f"{float(value):.3f} [{low}, {high}]".replace("-", "−")

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import rare_patches
 from conftest import CONFIGS, assert_opens
+from matplotlib.figure import Figure
 from scipy import stats
 
 import stiction
-from stiction import SceneError, StictionError, priors
+from stiction import FileError, SceneError, StictionError, priors
 from stiction.design import Patches, Probability, best, command, design, estimate, probability, search
 
 # Case I: asperities, scatter of their heights (nm), and 2πRΔγ.
@@ -174,7 +175,7 @@ def test_pull_off_of_explicit_heights_is_the_programs(tmp_path):
     scene = {
         **tables,
         "surface": {"lubricant_thickness": "0.5 nm", "asperities": {"path": str(path), "sample": "whole"}},
-        "separation": {"h": [f"{d + plane!r} m" for d in patches.tops.tolist()]},
+        "separation": {"h": [f"{d + plane!r} m" for d in patches.from_summits.tolist()]},
         "ensemble": {"replicas": 1},
     }
     for tall, low, force in zip(some.tall, some.low, some.force, strict=True):
@@ -333,6 +334,10 @@ def test_the_file_is_opened_by_info_plot_and_report(monkeypatch, tmp_path, capsy
     assert command.main(search_of) == 2 and "design.h5: exists; --force" in capsys.readouterr().err
     assert command.main([*search_of, "--force"]) == 0
     assert_opens(output, capsys.readouterr().out.splitlines()[-2], tmp_path)
+    with stiction.open_run(output) as found:
+        assert type(found.plot("85mm")) is Figure
+        with pytest.raises(FileError, match="has one figure; leave out what"):
+            found.plot(what="force")
 
 
 def pressed(preload=None):

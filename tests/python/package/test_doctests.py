@@ -10,7 +10,7 @@ from conftest import ROOT
 import stiction
 
 MODULES = [module.name for module in pkgutil.iter_modules(stiction.__path__, "stiction.") if not module.ispkg]
-MODULES += ["stiction.force_curves.lever", "stiction.maps.ellipsoids", "stiction.maps.find", "stiction.finite_size.study", "stiction.sensitivity.indices", "stiction.sensitivity.study", "stiction.design.search", "stiction.inference.check", "stiction.inference.density"]
+MODULES += ["stiction.force_curves.lever", "stiction.maps.ellipsoids", "stiction.maps.find", "stiction.finite_size.patches", "stiction.finite_size.study", "stiction.sensitivity.indices", "stiction.sensitivity.study", "stiction.design.search", "stiction.inference.check", "stiction.inference.density"]
 
 
 @pytest.mark.parametrize("name", ["stiction", *MODULES])

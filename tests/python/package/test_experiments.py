@@ -170,7 +170,7 @@ def test_errors_have_the_programs_message(tmp_path):
     assert (tmp_path / "there.h5").read_text() == "mine"
 
 
-def test_where_the_program_is_looked_for_is_told(monkeypatch, tmp_path):
+def test_where_the_program_is_looked_for_is_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("STICTION", str(tmp_path / "none"))
     with pytest.raises(StictionError, match=r"STICTION = .*no such program"):
         find()

@@ -132,7 +132,7 @@ def test_errors_grow_with_the_misfit():
 
 
 @pytest.mark.parametrize("relative", [0.01, 0.05, 0.3])
-def test_a_number_beyond_the_largest_is_told_where_it_is_known(relative):
+def test_a_number_beyond_the_largest_is_reported_where_it_is_known(relative):
     """At ln N = 4, three beyond the middle of N = e⁰, e¹, e², ln b has the variance s² (1/3 + 9/2), and ln
     N that over a² = 1."""
     counts = np.exp([0.0, 1.0, 2.0])
@@ -209,7 +209,7 @@ def test_numbers_of_asperities_that_make_no_study_are_refused(counts, problem, t
 
 
 def test_numbers_may_be_lists_and_ranges():
-    from stiction.finite_size.study import _counts
+    from stiction.finite_size.patches import _counts
 
     assert _counts("10,1e3, 100,100") == [10, 100, 1000]
     assert _counts("10:1e6:6") == [10, 100, 1000, 10_000, 100_000, 1_000_000]

@@ -35,6 +35,7 @@ from stiction.inference import (
     emulator,
     figures,
     infer,
+    models,
     open_inference,
     posterior,
     sampling,
@@ -493,13 +494,13 @@ def test_models_are_compared_by_their_prediction(inferred):
     """Gaussian and exponential heights by PSIS-LOO, as ArviZ has it of the two files: the differences are of the same patches."""
     folder, said = inferred
     results = {name: open_inference(folder / file) for name, file in (("gaussian", "out.h5"), ("exponential", "exponential_infer.h5"))}
-    table = posterior.models(results)
+    table = models(results)
     assert set(table.index) == set(results) and table.elpd_diff.iloc[0] == 0.0 and table.dse.iloc[1] > 0.0
     loo = {name: result.loo().elpd_loo for name, result in results.items()}
     assert table.elpd_diff.iloc[1] == pytest.approx(abs(loo["gaussian"] - loo["exponential"]), rel=1e-6)
     assert "elpd_diff" in said and str(folder / "exponential_infer.h5") in said
     fewer = Inference(results["gaussian"].data.isel(patch_number=slice(5), groups=["observed_data"]))
-    assert "the same data" in told(posterior.models, {**results, "gaussian": fewer})
+    assert "the same data" in told(models, {**results, "gaussian": fewer})
 
 
 @pytest.mark.slow

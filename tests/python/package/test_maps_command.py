@@ -155,7 +155,7 @@ def test_the_file_has_the_map_that_was_searched(level, command):
         np.testing.assert_array_equal(file["map/height"][()][tuple(places)], file["asperities/height"])
 
 
-def test_a_smoothed_map_is_told_as_such(command):
+def test_a_smoothed_map_is_reported_as_such(command):
     """What the options do to the file and the summary: the border that is left out, the prominence of each,
     and the series, whose row at the cut-off of the map is what is measured on it."""
     said = command(MAP, "-o", "map.h5", "--smooth", "0.2 um", "--prominence", "300 pm", "--cutoffs", "5")

@@ -778,23 +778,23 @@ def test_noise_is_taken_away():
     assert density(noisy, prominence=0.15) == pytest.approx(exact, rel=0.15)
 
 
-@pytest.mark.parametrize(("down", "across", "is_told"), [(16, 16, False), (6, 6, True), (6, 16, True), (16, 6, True)])
-def test_coarse_pixels_are_told(down, across, is_told):
+@pytest.mark.parametrize(("down", "across", "is_reported"), [(16, 16, False), (6, 6, True), (6, 16, True), (16, 6, True)])
+def test_coarse_pixels_are_reported(down, across, is_reported):
     """Summits of 6 pixels from one to the next are too coarse, along whichever side; of 16 they are not."""
     period, pixel = 480e-9, (480e-9 / across, 480e-9 / down)
     x, y = places((5 * down + 2, 5 * across + 2), pixel)
     k = 2.0 * math.pi / period
     found = found_in(2e-9 * (np.cos(k * (x + 0.1 * period)) + np.cos(k * (y + 0.2 * period))), pixel)
-    assert any("pixels are too coarse" in one for one in found.warnings) == is_told, found.warnings
+    assert any("pixels are too coarse" in one for one in found.warnings) == is_reported, found.warnings
 
 
-@pytest.mark.parametrize(("down", "across", "is_told"), [(1, 1, False), (1, 1.05, False), (1, 3, True), (3, 1, True)])
-def test_unequal_slopes_are_told(down, across, is_told):
+@pytest.mark.parametrize(("down", "across", "is_reported"), [(1, 1, False), (1, 1.05, False), (1, 3, True), (3, 1, True)])
+def test_unequal_slopes_are_reported(down, across, is_reported):
     """Mean square slopes along two directions are as the squares of the wave numbers."""
     x, y = places((218, 218), (20e-9, 20e-9))
     k = 2.0 * math.pi / 480e-9
     found = found_in(2e-9 * (np.cos(k / across * x + 0.6) + np.cos(k / down * y + 1.3)), (20e-9, 20e-9))
-    assert any("slopes along x and y differ" in one for one in found.warnings) == is_told, found.warnings
+    assert any("slopes along x and y differ" in one for one in found.warnings) == is_reported, found.warnings
 
 
 def test_saddles_are_counted():

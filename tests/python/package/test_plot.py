@@ -370,7 +370,7 @@ def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
         ("run", ["-o", "none/a.png"], 2, "none/a.png: there is no folder none"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line(result, name, arguments, code, message, tmp_path, monkeypatch, capsys):
+def test_what_is_wrong_is_reported_in_one_line(result, name, arguments, code, message, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([str(result(name).path), *arguments]) == code
     told = capsys.readouterr().err

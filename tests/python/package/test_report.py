@@ -130,7 +130,7 @@ def test_texts_of_a_csv_are_no_formulas():
     assert [float(row[1]) for row in rows[1:]] == given["x"] and [row[2] for row in rows[1:]] == given["text"]
 
 
-def test_the_share_of_the_mean_planes_is_told(result):
+def test_the_share_of_the_mean_planes_is_reported(result):
     run = result("background")
     [number] = [number for number in facts(run).numbers if number.label == "attraction of the mean planes"]
     place, h = float(run["integral"].attrs["pull_off_separation"]), run["background/separation"].values
@@ -177,7 +177,7 @@ def test_verdicts_follow_the_file(result, tmp_path, path, attributes, subject, g
     assert (verdict.grade, verdict.word) == (grade, word)
 
 
-def test_a_pull_off_at_the_edge_is_told(tmp_path):
+def test_a_pull_off_at_the_edge_is_reported(tmp_path):
     scene = os.path.join(os.path.dirname(__file__), "..", "..", "..", "configs", "case_ii.toml")
     cut = stiction.run(scene, tmp_path / "cut.h5", replicas=8, **{"separation.h_star": {"from": 3.5, "to": 8.0, "count": 46}})
     verdict = facts(cut).verdicts[-1]
@@ -272,7 +272,7 @@ def test_the_command_writes_a_page_and_overwrites_none(result, tmp_path, capsys)
         stiction.report.write([], tmp_path / "b.html")
 
 
-def test_what_is_wrong_is_told_in_one_line(result, tmp_path, capsys):
+def test_what_is_wrong_is_reported_in_one_line(result, tmp_path, capsys):
     assert main([str(tmp_path / "none.h5")]) == 2
     assert capsys.readouterr().err == f"stiction report: {tmp_path / 'none.h5'}: no such file\n"
     assert main([str(result("run").path), "-o", str(tmp_path / "none" / "a.html")]) == 2

@@ -22,7 +22,7 @@ KINDS |= {"alone": stiction.Run, "alone_sweep": stiction.Sweep, "asperities": st
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_opens_as_its_class_and_says_what_it_is(result, name):
     opened = result(name)
-    assert type(opened) is KINDS[name] and opened.kind == KINDS[name].kind
+    assert type(opened) is KINDS[name] and opened.format in KINDS[name].formats.values()
     text, html = repr(opened), opened._repr_html_()
     assert text.startswith(f"<stiction.{KINDS[name].__name__} ") and len(text.splitlines()) > 2
     assert html.startswith("<table>") and html.count("<tr>") == len(opened._summary()) + len(opened.warnings)
@@ -32,7 +32,7 @@ def test_every_kind_opens_as_its_class_and_says_what_it_is(result, name):
         assert set(opened.tree.children) == {group for group in file if isinstance(file[group], h5py.Group)}
 
 
-def test_what_is_wrong_with_a_file_is_told(result, tmp_path):
+def test_what_is_wrong_with_a_file_is_reported(result, tmp_path):
     with pytest.raises(FileError, match=r"none\.h5: no such file"):
         stiction.open_run(tmp_path / "none.h5")
     (tmp_path / "text.h5").write_text("no")

@@ -93,7 +93,7 @@ def test_without_scatter_they_are_those_of_salib():
     np.testing.assert_allclose(found.total, np.mean([one["ST"] for one in others], axis=0), atol=2e-3)
 
 
-def test_what_cannot_be_told_is_refused():
+def test_what_cannot_be_estimated_is_refused():
     with pytest.raises(ValueError, match="at least 2 blocks and patches"):
         indices.estimated(np.ones((4, 8, 4, 1)))
 

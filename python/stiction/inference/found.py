@@ -1,0 +1,173 @@
+"""What an inference found: the posterior, as its file has it."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import arviz
+import numpy as np
+import pandas as pd
+import xarray
+
+from .. import files, quantities, stored
+from ..errors import FileError, SceneError
+
+__all__ = ["FORMAT", "Inference", "models", "open_inference"]
+
+#: The attribute `format` of its files.
+FORMAT = "stiction-inference"
+
+
+@dataclass(frozen=True)
+class Inference:
+    """The posterior of a scene's parameters from the data.
+
+    Attributes
+    ----------
+    data : arviz.InferenceData
+        The groups `posterior` (parameters in SI units), `sample_stats`, `log_likelihood`, `posterior_predictive`, `observed_data`, `prior`, and
+        `identifiability`: combinations of parameters, from the best known to the least, and the Fisher information.
+    """
+
+    data: Any
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """Title, scene and figures of the whole inference."""
+        return dict(self.data.posterior.attrs)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters."""
+        return [str(name) for name in self.data.posterior.data_vars]
+
+    def summary(self, level: float = 0.95) -> pd.DataFrame:
+        """A row for each parameter, in SI units.
+
+        Parameters
+        ----------
+        level : float
+            The probability of the central intervals.
+
+        Returns
+        -------
+        pandas.DataFrame
+            `median`, `low` and `high` ends, `prior_low` and `prior_high`; `r_hat`, `effective` sample size and `end_error`, the Monte Carlo error of
+            the ends of the 95 % interval over its width; `contraction`, 1 − posterior variance / prior variance (of the logarithm where
+            the prior is one of the logarithm).
+        """
+        tail = 0.5 * (1.0 - level)
+        rows = []
+        for name in self.names:
+            low, median, high = np.quantile(self.data.posterior[name], [tail, 0.5, 1.0 - tail])
+            before = np.quantile(self.data.prior[name], [tail, 1.0 - tail])
+            attrs = self.data.posterior[name].attrs
+            figures = {key: float(attrs[key]) for key in ("r_hat", "effective", "end_error", "contraction")}
+            rows.append({"median": median, "low": low, "high": high, "prior_low": before[0], "prior_high": before[1], **figures})
+        return pd.DataFrame(rows, index=self.names)
+
+    def loo(self) -> Any:
+        """Expected log density of a patch not measured, by Pareto-smoothed importance sampling: `arviz.loo`."""
+        return arviz.loo(self.data, pointwise=True)  # type: ignore[no-untyped-call]
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Writes the HDF5 file that `open_inference` and `arviz.from_netcdf` read.
+
+        Raises
+        ------
+        FileError
+            There is one already, and `force` is not given.
+        """
+        with files.writing_hdf5(path, force=force) as part:
+            self.data.to_netcdf(str(part), engine="h5netcdf")
+        return Path(path)
+
+    def __str__(self) -> str:
+        gaps = f"; not measured: {self.attrs['gaps']}" if self.attrs.get("gaps") else ""
+        rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}{gaps}")]
+        for name, row in self.summary().iterrows():
+            unit = str(self.data.posterior[name].attrs["units"])
+            low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))
+            rows.append((_words(str(name)), f"{median}, 95 % interval {low} to {high}"))
+        for k in range(len(self.names)):
+            of = self.data.identifiability.isel(combination=k)
+            share = 100.0 * float(of.posterior_std / of.prior_std)
+            spread = float(of.posterior_std)
+            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.{1 if share < 10.0 else 0}f} % of the prior's scatter)"))
+        for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
+            verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
+            rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
+        rows += [("datum", said) for said in str(self.attrs.get("farthest", "")).splitlines()]
+        worst = self.summary()
+        rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
+        rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's scatter (is in it)"))
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
+
+
+def models(results: Mapping[str, Inference]) -> pd.DataFrame:
+    """Compares inferences from the same data by their expected log density of a patch not measured: `arviz.compare`.
+
+    Parameters
+    ----------
+    results : dict
+        Inferences by the names of their models.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each model, the best first: `elpd_loo`, its difference to the best `elpd_diff` with the standard error `dse`, the stacking `weight`, and
+        `warning` where importance sampling is not to be trusted (Pareto k̂ above 0.7).
+    """
+    if len({result.data.observed_data.sizes["patch_number"] for result in results.values()}) > 1:
+        raise SceneError("models are compared with the same data only")
+    with warnings.catch_warnings():
+        # The table says it, in its column.
+        warnings.simplefilter("ignore")
+        return arviz.compare({name: result.data for name, result in results.items()}, ic="loo")
+
+
+def open_inference(path: str | os.PathLike[str]) -> Inference:
+    """Opens the file of an inference.
+
+    Raises
+    ------
+    FileError
+        There is no such file, or it holds no inference.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileError(f"{path}: no such file")
+    try:
+        stored.check(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            data = arviz.from_netcdf(str(path))  # type: ignore[no-untyped-call]
+        known = data.posterior.attrs.get("format") == FORMAT
+    except FileError:
+        raise
+    except Exception:
+        known = False
+    if not known:
+        raise FileError(f"{path}: not a result of `stiction infer`")
+    return Inference(data)
+
+
+def _words(name: str) -> str:
+    return name.partition("_")[2].replace("_", " ")
+
+
+def _combination(of: xarray.Dataset) -> str:
+    """A combination in words, without what hardly takes part in it: a product of powers, or a sum where a parameter may be negative."""
+    rows = zip(of.parameter.values, of.exponent.values, of.logarithmic.values, strict=True)
+    kept = [(_words(str(name)), share, bool(log)) for name, share, log in rows if abs(share) > 0.05 * np.abs(of.exponent.values).max()]
+    if all(log for _, _, log in kept):
+        text = " · ".join(name + f"^{share:.2g}".removesuffix("^1") for name, share, _ in kept)
+    else:
+        text = " + ".join(f"{share:.2g} {f'ln {name}' if log else f'{name}/prior scatter'}" for name, share, log in kept)
+    return text.replace("-", "−")

@@ -2,17 +2,17 @@
 
 Usage: python scripts/plot_surfaces.py FILE.h5... [-o OUT.svg]
 
-(a) external force over the separation: mean over replicas, its standard error as a band, the integral as
-    open circles;
-(b) likewise where it pulls; (c) pull-off: mean with standard error, the middle 90 % of replicas, the
-    integral. Surfaces are called by their files.
+(a) external force over the separation where the surfaces attract: mean over replicas, its standard error as
+    a band, the integral as open circles;
+(b) pull-off: mean with standard error, the middle 90 % of replicas, the integral. Surfaces are called by
+    their files.
 """
 
 from pathlib import Path
 
 import numpy as np
 from drawing import (
-    COLORS, DOCS, H_STAR, column, dressed, factor_and_unit, legend, open_run, options, save,
+    COLORS, DOCS, H_STAR, column, digits, dressed, factor_and_unit, legend, open_run, options, save,
 )
 
 INTEGRAL = {"linestyle": "none", "marker": "o", "markerfacecolor": "white", "markersize": 3.5}
@@ -30,9 +30,9 @@ def surface(path):
         return named | forces | {"integral_pull_off": run.pull_off.of_integral / area}
 
 
-def draw_forces(axes, surfaces, pulls):
-    deepest, largest = (max(np.max(sign * own["mean"]) for own in surfaces) for sign in (-1.0, 1.0))
-    unit, sign = factor_and_unit([deepest if pulls else largest], "Pa")
+def draw_forces(axes, surfaces):
+    deepest = max(-np.min(own["mean"]) for own in surfaces)
+    unit, sign = factor_and_unit([deepest], "Pa")
     for i, own in enumerate(surfaces):
         x, color, step = own["h_star"], COLORS[i % len(COLORS)], max(len(own["h_star"]) // 12, 1)
         axes.plot(x, own["mean"] / unit, color=color, label=own["name"])
@@ -41,8 +41,7 @@ def draw_forces(axes, surfaces, pulls):
         axes.plot(x[i % step :: step], own["integral"][i % step :: step] / unit, color=color, **INTEGRAL)
     axes.axhline(0.0, color="0.5", linewidth=0.6, zorder=0.5)
     axes.set(xlabel=H_STAR, ylabel=f"external force over area ({sign})")
-    if pulls and deepest > 0.0:
-        axes.set(ylim=(-1.15 * deepest / unit, 0.35 * deepest / unit))
+    axes.set(ylim=(-1.15 * deepest / unit, 0.35 * deepest / unit))
 
 
 def draw_pull_off(axes, surfaces):
@@ -59,16 +58,27 @@ def draw_pull_off(axes, surfaces):
 
 @dressed
 def draw(surfaces):
-    figure, (forces, pulling, pull_off) = column(2.6, 2.3, 2.2)
-    draw_forces(forces, surfaces, pulls=False)
+    figure, (forces, pull_off) = column(2.8, 2.2)
+    draw_forces(forces, surfaces)
     legend(forces, columns=3)
-    draw_forces(pulling, surfaces, pulls=True)
     draw_pull_off(pull_off, surfaces)
     return figure
+
+
+def numbers(surfaces):
+    """By name: mean pull-off of 100 um^2, uN, its standard deviation, %, and the integral's, MPa."""
+    kept = {}
+    for own in surfaces:
+        mean, deviation = own["pull_off"].mean(), own["pull_off"].std(ddof=1)
+        kept[own["name"]] = [digits(1e-4 * mean, 2)]
+        kept[f"{own['name']} deviation"] = [digits(100.0 * deviation / mean, 2)]
+        kept[f"{own['name']} integral"] = [digits(1e-6 * own["integral_pull_off"], 2)]
+    return kept
 
 
 if __name__ == "__main__":
     parser = options(__doc__, DOCS / "surfaces.svg")
     parser.add_argument("files", nargs="+")
     arguments = parser.parse_args()
-    save(draw([surface(path) for path in arguments.files]), arguments.output, arguments.dpi)
+    surfaces = [surface(path) for path in arguments.files]
+    save(draw(surfaces), arguments.output, arguments.dpi, numbers(surfaces))

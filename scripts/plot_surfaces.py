@@ -26,8 +26,10 @@ def surface(path):
             "mean": "ensemble/external_force_mean", "error": "ensemble/external_force_standard_error",
             "integral": "integral/external_force",
             "pull_off": "replicas/pull_off_force"}.items()}  # fmt: skip
-        named = {"name": Path(path).stem, "h_star": run["ensemble/h_star"].values}
-        return named | forces | {"integral_pull_off": run.pull_off.of_integral / area}
+        named = {"name": Path(path).stem, "h_star": run["ensemble/h_star"].values, "area": area}
+        own = {"integral": run.pull_off.of_integral, "mean": run.pull_off.mean_over_patches,
+               "error": run.pull_off.standard_error}  # fmt: skip
+        return named | forces | {f"{name}_pull_off": value / area for name, value in own.items()}
 
 
 def draw_forces(axes, surfaces):
@@ -49,8 +51,8 @@ def draw_pull_off(axes, surfaces):
     for i, own in enumerate(surfaces):
         color, pull_off = COLORS[i % len(COLORS)], own["pull_off"] / unit
         axes.plot(np.quantile(pull_off, [0.05, 0.95]), [-i, -i], color=color, linewidth=5.0, alpha=0.3)
-        error = pull_off.std(ddof=1) / np.sqrt(pull_off.size) if pull_off.size > 1 else 0.0
-        axes.errorbar(pull_off.mean(), -i, xerr=error, fmt="o", color=color)
+        error = np.nan_to_num(own["error_pull_off"]) / unit
+        axes.errorbar(own["mean_pull_off"] / unit, -i, xerr=error, fmt="o", color=color)
         axes.plot(own["integral_pull_off"] / unit, -i, color=color, **INTEGRAL)
     axes.set_yticks(-np.arange(len(surfaces)), [own["name"] for own in surfaces])
     axes.set(xlabel=f"pull-off force over area ({sign})")
@@ -66,11 +68,14 @@ def draw(surfaces):
 
 
 def numbers(surfaces):
-    """By name: mean pull-off of 100 um^2, uN, its standard deviation, %, and the integral's, MPa."""
+    """By name: mean pull-off of 100 um^2 and of a patch, uN, its standard deviation, %, its excess over the
+    integral's, %, and the integral's, MPa."""
     kept = {}
     for own in surfaces:
-        mean, deviation = own["pull_off"].mean(), own["pull_off"].std(ddof=1)
+        mean, deviation = own["mean_pull_off"], own["pull_off"].std(ddof=1)
         kept[own["name"]] = [digits(1e-4 * mean, 2)]
+        kept[f"{own['name']} patch"] = [digits(1e6 * own["area"] * mean, 2)]
+        kept[f"{own['name']} excess"] = [digits(100.0 * (mean / own["integral_pull_off"] - 1.0), 2)]
         kept[f"{own['name']} deviation"] = [digits(100.0 * deviation / mean, 2)]
         kept[f"{own['name']} integral"] = [digits(1e-6 * own["integral_pull_off"], 2)]
     return kept

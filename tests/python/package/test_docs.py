@@ -58,7 +58,7 @@ def links(page: Path) -> list[str]:
     if page.suffix == ".ipynb":
         cells = json.loads(text)["cells"]
         text = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
-    text = re.sub(r"^ *```.*?^ *```$|`[^`\n]*`|\$[^$]*\$", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^ *```.*?^ *```$|`[^`\n]*`|\$+[^$]*\$+", "", text, flags=re.MULTILINE | re.DOTALL)
     return [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in link]
 
 

@@ -379,9 +379,9 @@ FIGURES = [
            independence("case_iii", 1e-6)),
     Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
     Figure("docs/concepts.md", "{} µN in place of {} in the [loop of case I]", loop_pull_off),
-    Figure("docs/coupling.md", "At h* = 6.1 {} of {} asperities touches. At 6.0 the attraction is stiffer than k_s: "
+    Figure("docs/coupling.md", "At h* = 6.1 one of {} asperities touches. At 6.0 the attraction is stiffer than k_s: "
            "{} touch, {} of them in one avalanche.",
-           drawn("coupled_loads.svg", "before", "asperities", "after", "largest avalanche")),
+           drawn("coupled_loads.svg", "asperities", "after", "largest avalanche")),
     Figure("docs/coupling.md", "**the pull-off is {} mN,**", drawn("coupled_patch.svg", "pull-off of the loop")),
     Figure("docs/independence.md", "where {} of {} asperities come to touch, and is pulled off where the half-space "
            "jumps off, with {} mN.", lambda program: drawn("coupled_loads.svg", "after", "asperities")(program)

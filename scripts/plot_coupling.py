@@ -282,11 +282,11 @@ def numbers_of_cases(files):
 
 
 def numbers_of_patch(file):
-    """Asperities of the patch of case III that touch before and after its largest avalanche."""
+    """Asperities of the patch of case III that touch after its largest avalanche, and the size of that."""
     patch = coupling_of(file, "patch")
     states = np.argsort(-patch["asperities/state_separation"])
-    before, after = (f"{np.sum(patch['asperities/in_contact'][state] > 0)}" for state in states)
-    return {"before": [before], "after": [after], "asperities": [f"{np.sum(np.isfinite(patch['asperities/x']))}"],
+    after = np.sum(patch["asperities/in_contact"][states[-1]] > 0)
+    return {"after": [f"{after}"], "asperities": [f"{np.sum(np.isfinite(patch['asperities/x']))}"],
             "largest avalanche": [f"{np.max(patch['coupling/largest_avalanche_mean']):.0f}"]}  # fmt: skip
 
 

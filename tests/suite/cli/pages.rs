@@ -243,7 +243,7 @@ type Table = (String, &'static Layout);
 fn tables(layouts: &[(&str, &'static Layout)]) -> BTreeMap<String, Vec<Table>> {
     let mut pages: BTreeMap<String, Vec<Table>> = BTreeMap::new();
     for (page, layout) in layouts {
-        for variable in layout.variables {
+        for variable in layout.variables.iter() {
             let tables = pages.entry(page_of(page, variable)).or_default();
             let name = table_of(layout, variable);
             if !tables.iter().any(|(known, _)| *known == name) {

@@ -4,7 +4,8 @@ minutes in all.
 Usage:
     python scripts/doc_figures.py [--write] [--program PATH] [PAGE...]
 
-A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With
+A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. Numbers
+of pictures that take longer are those that their script left in them. With
 --write numbers that differ are replaced in the pages. Only figures of the PAGEs named are looked at, if any
 are. The program is target/release/stiction, or that of the environment variable STICTION, unless --program
 says otherwise. Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the
@@ -13,6 +14,7 @@ program fails.
 
 import argparse
 import functools
+import json
 import os
 import re
 import subprocess
@@ -24,8 +26,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from drawing import ROOT, digits
 
-ROOT = Path(__file__).resolve().parent.parent
 # A number as pages write it.
 NUMBER = r"([-+−]?[0-9][0-9.]*(?:e-?[0-9]+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
 SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness",
@@ -38,16 +40,15 @@ class Program:
 
     def __init__(self, path, folder):
         self.path, self.folder = path, folder
-        # The first template, and the scene of the README.
-        self.said("new", "template.toml")
+        # The scene of the README.
         scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
         (folder / "pad.toml").write_text(scene)
-        # The scene of the page of probes, and the sum of two faces in the place of the map's spectrum.
-        scene = re.search(r"```toml\n(title.*?)```", (ROOT / "docs/probe.md").read_text(), re.S)[1]
+        # The scene of a diamond on gold, and the sum of two surfaces in the place of the map's spectrum.
+        scene = re.search(r"```toml\n(title = \"A flat diamond.*?)```", (ROOT / "docs/measured.md").read_text(), re.S)[1]
         (folder / "gold.toml").write_text(scene)
         both = re.search(r"```toml\n(\[surface\]\nspectrum.*?)```", (ROOT / "docs/surfaces.md").read_text(), re.S)[1]
         of_map = (ROOT / "configs/surfaces/spectrum.toml").read_text()
-        (folder / "faces.toml").write_text(re.sub(r"\[surface\].*?(?=lubricant)", both, of_map, flags=re.S))
+        (folder / "two.toml").write_text(re.sub(r"\[surface\].*?(?=lubricant)", both, of_map, flags=re.S))
 
     @functools.cache
     def said(self, *arguments):
@@ -151,11 +152,6 @@ class Block:
         return "\n".join(said[start:end])
 
 
-def digits(value, count = 3):
-    """Significant digits, without a power of ten."""
-    return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
-
-
 def power(value):
     """Two significant digits; from a thousand on with a power of ten."""
     if value < 1000.0:
@@ -180,8 +176,18 @@ def reductions(program):
     return values
 
 
-def spot(program):
-    """Snap-in and pull-off of the first spot under the probe, after the first preload."""
+def drawn(picture, *names):
+    """Numbers that the script of a picture left in it (`save` of drawing.py), by their names."""
+
+    def values(_):
+        kept = re.search("<!-- numbers: (.*?) -->", (ROOT / "docs" / picture).read_text(encoding="utf-8"))
+        return [number for name in names for number in json.loads(kept[1])[name]]
+
+    return values
+
+
+def first_probe(program):
+    """Jump-in and pull-off of the first replica of the probe, after the first preload."""
     replicas = program.run("probe")["replicas"]
     snap, pull_off = replicas["snap_in_distance"][0, 0], replicas["pull_off_after_preload"][0, 0]
     return [digits(1e9 * snap), digits(1e6 * pull_off, 4)]
@@ -248,11 +254,22 @@ def pulled(program):
     return [f"{means[name]:.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
 
 
+def loop_pull_off(program):
+    """Mean pull-off of the patches of the loop, and the integral's."""
+    mean, _ = pulled(program)
+    return [f"{float(mean):.1f}", f"{1e6 * program.run('loop')['integral'].attrs['pull_off_force']:.1f}"]
+
+
 def contact(program):
     run = program.run("loop")
     sigma = run.attrs["surface_height_std"]
     return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}"
             for name in ("detachment", "touchdown")]
+
+
+def spectrum(program):
+    """Mean pull-off of the Gaussian surface of the shipped map's spectrum, µN."""
+    return [digits(1e6 * program.run("surfaces/spectrum")["ensemble/scalar_controlled_mean"][0], 2)]
 
 
 def surface_energy(program):
@@ -312,7 +329,8 @@ GAINS = "\n".join(f"| {name} | {{}} | {{}} | {{}} |" for name in (
 
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", "pad.toml", "--above", "100 nN", "-o", "pad.h5")),
-    Block("docs/index.md", "  pull-off ", ("run", "template.toml", "--above", "100 nN", "-o", "template.h5")),
+    Block("docs/index.md", "  pull-off ", ("run", "pad.toml", "--above", "100 nN", "-o", "pad.h5")),
+    Block("docs/probe.md", "  pull-off ", ("run", str(ROOT / "configs/probe.toml"), "-o", "probe.h5")),
     Block("docs/tutorial.md", "  pull-off ", ("run", str(ROOT / "configs/first.toml"), "-o", "first.h5")),
     Block("docs/laws.md", "$ stiction compare configs/case_ii.toml",
           ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
@@ -332,18 +350,18 @@ FIGURES = [
         "and not at all from h* = 2.5.",
         strata,
     ),
-    Block("docs/hysteresis.md", "  pull-off ", ("run", str(ROOT / "configs/loop.toml"), "-o", "loop.h5")),
+    Block("docs/hysteresis.md", "  pull-off          mean", ("run", str(ROOT / "configs/loop.toml"), "-o", "loop.h5")),
     Figure("docs/hysteresis.md",
-           "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
+           "{} ± {} pJ per cycle (integral: {} pJ), with a standard deviation of {} % from patch to patch", cycle),
     Figure("docs/hysteresis.md",
            "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
-    Figure("docs/probe.md", "this spot snaps in over {} nm, and detaches at\n{} µN", spot),
-    Figure("docs/probe.md", "".join(
+    Figure("docs/force-curves.md", "this replica jumps in over {} nm, and detaches at\n{} µN", first_probe),
+    Figure("docs/measured.md", "".join(
         f"| {work} J/m², {hardness} GPa | {{}} ± {{}} µN | {{}} ± {{}} µN |\n"
         for work in ("0.18", "0.265") for hardness in (2, 3)), gold),
-    Block("docs/surfaces.md", "  N   ", ("check", "faces.toml")),
-    Block("docs/instability.md", "  pull-off ", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
+    Block("docs/surfaces.md", "  N   ", ("check", "two.toml")),
+    Block("docs/hysteresis.md", "  pull-off          after", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(
         "docs/sweeps.md",
         "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n"
@@ -351,7 +369,7 @@ FIGURES = [
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
-    Block("docs/coupling.md", "  pull-off ", ("run", str(ROOT / "configs/coupled.toml"), "-o", "coupled.h5")),
+    Block("docs/independence.md", "  pull-off ", ("run", str(ROOT / "configs/coupled.toml"), "-o", "coupled.h5")),
     Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
     Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |",
            independence("case_i", 1.0)),
@@ -360,6 +378,36 @@ FIGURES = [
     Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |",
            independence("case_iii", 1e-6)),
     Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
+    Figure("docs/concepts.md", "{} µN in place of {} in the [loop of case I]", loop_pull_off),
+    Figure("docs/coupling.md", "At h* = 6.1 one of {} asperities touches. At 6.0 the attraction is stiffer than k_s: "
+           "{} touch, {} of them in one avalanche.",
+           drawn("coupled_loads.svg", "asperities", "after", "largest avalanche")),
+    Figure("docs/coupling.md", "**the pull-off is {} mN,**", drawn("coupled_patch.svg", "pull-off of the loop")),
+    Figure("docs/independence.md", "where {} of {} asperities come to touch, and is pulled off where the half-space "
+           "jumps off, with {} mN.", lambda program: drawn("coupled_loads.svg", "after", "asperities")(program)
+           + drawn("coupled_patch.svg", "pull-off of the loop")(program)),
+    Figure("docs/independence.md", "| I, `good` | patch | {} nN → {} nN ({} ± {} %) | {} → {} |",
+           drawn("coupled_cases.svg", "I patch")),
+    Figure("docs/independence.md", "| II, `a shift` | patch | {} µN → {} µN ({} ± {} %) | {} → {} |",
+           drawn("coupled_cases.svg", "II patch")),
+    Figure("docs/independence.md", "| II | repeated square | {} µN → {} µN ({} ± {} %) | {} → {} |",
+           drawn("coupled_cases.svg", "II periodic")),
+    Figure("docs/independence.md", "| III, `invalid` | patch | {} mN → {} mN | {} → {} |",
+           drawn("coupled_cases.svg", "III patch")),
+    *(Figure("docs/humidity.md", f"| {rh} | {{}} {unit} | {{}} {unit} | {{}} mJ/m² | {{}} % | {{}} % |",
+             drawn("humidity.svg", rh))
+      for rh, unit in (("0.4", "kPa"), ("0.7", "kPa"), ("0.8", "kPa"), ("0.9", "MPa"), ("0.95", "MPa"))),
+    *(Figure("docs/plastic.md", f"| {case} | {branch} |" + 4 * " {} ± {} ({}) |", drawn("plastic.svg", f"{case} {branch}"))
+      for case in ("I", "II") for branch in ("approach", "unloading")),
+    Figure("docs/surfaces.md", "exponential heights pull off with {} µN instead of {} µN per 100 µm²",
+           drawn("surfaces.svg", "exponential", "gaussian")),
+    Figure("docs/surfaces.md", "{} % for Gaussian heights", drawn("surfaces.svg", "gaussian excess")),
+    Figure("docs/surfaces.md", "The shipped one has {} µN", drawn("surfaces.svg", "measured patch")),
+    Figure("docs/surfaces.md", "the Gaussian surface of its spectrum {} µN", spectrum),
+    Figure("docs/surfaces.md", "the standard deviations of their patches are {} and",
+           drawn("surfaces.svg", "measured deviation")),
+    Figure("docs/surfaces.md", "by the integral {} MPa instead of {}.",
+           drawn("surfaces.svg", "nayak integral", "gaussian integral")),
 ]
 
 

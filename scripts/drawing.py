@@ -1,10 +1,13 @@
 """Scripts that draw for the documentation share this: the style of this checkout's package, panels, runs."""
 
 import argparse
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "python"))
@@ -20,8 +23,10 @@ from stiction.quantities import factor_and_unit, si
 
 __all__ = [
     "BLUE", "CASE_COLORS", "COLORS", "DASHED", "DASH_DOT", "DOCS", "Figure", "GREEN", "GREY", "H_STAR", "MARKERS",
-    "PINK", "PROGRAM", "ROOT", "SHADES", "VERMILION", "VERDICTS", "column", "context", "dressed", "factor_and_unit",
-    "inches", "legend", "lettered", "open_run", "options", "run", "save", "si",
+    "PINK", "PROGRAM", "ROOT", "SHADES", "VERMILION", "VERDICTS", "column", "context", "digits", "dressed",
+    "factor_and_unit",
+    "inches", "legend", "lettered", "open_run", "options", "rounded", "run", "save",
+    "si",
 ]  # fmt: skip
 DOCS = ROOT / "docs"
 PROGRAM = Path(os.environ.get("STICTION") or ROOT / "target" / "release" / "stiction")
@@ -54,5 +59,22 @@ def column(*heights):
     return figure, panels
 
 
-def save(figure, path, dpi = 200):
-    path.write_bytes(picture(figure, path.suffix, dpi))
+def digits(value, count = 3):
+    """Significant digits, without a power of ten."""
+    return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
+
+
+def rounded(value, error):
+    """A value and its standard error with one digit of the error, with two where it begins with 1."""
+    decimals = max(-int(np.floor(np.log10(error / 2))), 0)
+    return f"{value:.{decimals}f}".replace("-", "−"), f"{error:.{decimals}f}"
+
+
+def save(figure, path, dpi = 200, numbers = None):
+    """Leaves a picture. Numbers that it shows and its page states are kept in an SVG by their names, as texts,
+    where doc_figures.py reads them."""
+    drawn = picture(figure, path.suffix, dpi)
+    if path.suffix == ".svg" and numbers:
+        note = f"<!-- numbers: {json.dumps(numbers, ensure_ascii=False)} -->\n</svg>"
+        drawn = drawn.replace(b"</svg>", note.encode("utf-8"))
+    path.write_bytes(drawn)

@@ -1,17 +1,17 @@
-"""Effect of coupling through the substrate on a surface: three pictures from the scenes in configs/coupled.
+"""Effect of coupling through the substrate on a surface: pictures from the scenes in configs/coupled.
 
 Usage: python scripts/plot_coupling.py RESULTS [-o FOLDER]
 
 RESULTS is a folder with case_i.h5, case_ii.h5, case_iii.h5, case_iii_loop.h5 and patches.h5; those that are not
-there are computed into it, in half an hour on two cores. The pictures go to docs; the table of the three cases is
-printed.
+there are computed into it, in half an hour on two cores. The pictures go to docs.
 
 coupled_cases.svg   force over separation of the three cases, with the integral and the mean field, and what
                     coupling changes
-coupled_patch.svg   the patch of case III, which snaps: force, avalanches, asperities before and after the
-                    largest, and the unloading branch
-coupled_chart.svg   change of pull-off over the attraction of the integral, and of the force over separation,
-                    roughness, size
+coupled_patch.svg   the patch of case III, which jumps: force, avalanches and the unloading branch
+coupled_loads.svg   asperities of a part of this patch before and after the largest avalanche
+coupled_chart.svg   change of pull-off and stiffness over the attraction of the integral, displacement of the
+                    pull-off
+coupled_force.svg   change of the force over separation and side, for three roughnesses
 """
 
 from pathlib import Path
@@ -19,8 +19,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 from drawing import (
-    BLUE, DASH_DOT, DASHED, DOCS, GREEN, H_STAR, PINK, ROOT, SHADES, VERDICTS, VERMILION, column, dressed,
-    factor_and_unit, legend, options, run, save, si,
+    BLUE, DASH_DOT, DASHED, DOCS, GREEN, H_STAR, PINK, ROOT, SHADES, VERDICTS, VERMILION, column, digits,
+    dressed, factor_and_unit, legend, options, rounded, run, save,
 )
 from matplotlib.colors import LogNorm, SymLogNorm
 
@@ -149,7 +149,7 @@ def draw_loop(axes, file):
 
 @dressed
 def draw_patch(file, loop):
-    figure, (force, sizes, *maps, back) = column(2.5, 1.9, 3.0, 3.0, 2.2)
+    figure, (force, sizes, back) = column(2.5, 1.9, 2.2)
     patch = coupling_of(file, "patch")
     h_star, coupled = patch["coupling/h_star"], patch.independent + patch.difference
     factor, sign = factor_and_unit([patch["integral/pull_off_force"]], "N")
@@ -163,6 +163,14 @@ def draw_patch(file, loop):
     sizes.set(yscale="log", ylim=(0.7, 2e4), ylabel="largest avalanche\n(asperities)")
     for axes in (force, sizes):
         axes.set(xlim=(h_star[0], 6.5), xlabel=H_STAR)
+    draw_loop(back, loop)
+    return figure
+
+
+@dressed
+def draw_loads(file):
+    figure, maps = column(3.0, 3.0)
+    patch = coupling_of(file, "patch")
     largest = 1e6 * np.nanmax(np.abs(patch["asperities/external_force"]))
     states = np.argsort(-patch["asperities/state_separation"])
     # A part of the patch, around the asperity that touches before the avalanche.
@@ -172,7 +180,6 @@ def draw_patch(file, loop):
         drawn, title = draw_map(axes, patch, state, largest, window)
         axes.set_title(title)
         figure.colorbar(drawn, ax=axes, label="load (µN)")
-    draw_loop(back, loop)
     return figure
 
 
@@ -236,45 +243,51 @@ def draw_size(axes, own):
 
 @dressed
 def draw_chart(file, cases):
-    figure, (changes, places, *sizes) = column(3.2, 2.5, 2.0, 2.0, 2.0)
+    figure, (changes, places) = column(3.2, 2.5)
     chart = points(file)
     drawn = [*chart, *(coupling_of(case, "patch") for case in cases.values())]
     draw_changes(changes, drawn, file["independence"].attrs, cases)
     draw_places(places, drawn)
+    return figure
+
+
+@dressed
+def draw_force(file):
+    figure, sizes = column(2.0, 2.0, 2.0)
+    chart = points(file)
     sigmas = np.unique([point["surface_height_std"] for point in chart])
     for axes, index in zip(sizes, (0, len(sigmas) // 2, len(sigmas) - 1)):
         mesh = draw_size(axes, [point for point in chart if point["surface_height_std"] == sigmas[index]])
         axes.set_title(f"$\\sigma$ = {1e9 * sigmas[index]:.2f} nm")
         axes.set(ylabel="side of the patch (µm)")
-    figure.colorbar(mesh, ax=sizes, label="relative change of the force by coupling")
+    figure.colorbar(mesh, ax=sizes, label="relative change of the force")
     return figure
 
 
-def change_of(point, scalar, unit):
-    independent, difference, error = point.scalar(scalar)
-    within = f" ± {100 * error / independent:.2g}" if np.isfinite(error) else ""
-    share = f"({100 * difference / independent:+.3g}{within} %)"
-    return f"{si(independent, unit, 3)} → {si(independent + difference, unit, 3)} {share}"
 
-
-def table(files):
-    """The three cases: pull-off, its place and stiffness without coupling, and what coupling makes of
-    them."""
-    rows = ["| case | | pull-off | h* of it | stiffest secant | states not settled |",
-            "|---|---|---|---|---|---|"]
+def numbers_of_cases(files):
+    """By case and coupling: pull-off without and with it, change and its standard error, %, place of both."""
+    kept = {}
     for name, scene in CASES.items():
-        for kind, (_, _, label) in COUPLINGS.items():
+        for kind in COUPLINGS:
             if (point := coupling_of(files[scene], kind)) is None:
                 continue
-            place, moved = (value / point["surface_height_std"]
-                            for value in point.scalar("pull_off_separation")[:2])
-            cells = [name, label, change_of(point, "pull_off_force", "N"),
-                     f"{place:.3f} → {place + moved:.3f}",
-                     change_of(point, "peak_secant_stiffness", "N/m"),
-                     f"{int(np.sum(point['coupling/unsettled_count']))} of "
-                     f"{int(point['replica_count']) * len(point['coupling/h_star'])}"]  # fmt: skip
-            rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows)
+            independent, difference, error = point.scalar("pull_off_force")
+            factor, _ = factor_and_unit([independent], "N")
+            place, moved = (value / point["surface_height_std"] for value in point.scalar("pull_off_separation")[:2])
+            change = rounded(100 * difference / independent, 100 * error / independent) if np.isfinite(error) else ()
+            kept[f"{name} {kind}"] = [digits(independent / factor), digits((independent + difference) / factor),
+                                      *change, f"{place:.3f}", f"{place + moved:.3f}"]  # fmt: skip
+    return kept
+
+
+def numbers_of_patch(file):
+    """Asperities of the patch of case III that touch after its largest avalanche, and the size of that."""
+    patch = coupling_of(file, "patch")
+    states = np.argsort(-patch["asperities/state_separation"])
+    after = np.sum(patch["asperities/in_contact"][states[-1]] > 0)
+    return {"after": [f"{after}"], "asperities": [f"{np.sum(np.isfinite(patch['asperities/x']))}"],
+            "largest avalanche": [f"{np.max(patch['coupling/largest_avalanche_mean']):.0f}"]}  # fmt: skip
 
 
 def main():
@@ -288,13 +301,16 @@ def main():
             run("run", ROOT / "configs" / "coupled" / f"{name}.toml", "-o", path, "--quiet")
         files[name] = h5py.File(path)
     cases = {name: files[scene] for name, scene in CASES.items()}
+    loop = np.min(files["case_iii_loop"]["ensemble/retraction_external_force_mean"])
+    numbers = {"cases": numbers_of_cases(files), "loads": numbers_of_patch(files["case_iii"]),
+               "patch": {"pull-off of the loop": [digits(-1e3 * loop)]}}  # fmt: skip
     pictures = {"cases": draw_cases(files), "patch": draw_patch(files["case_iii"], files["case_iii_loop"]),
-                "chart": draw_chart(files["patches"], cases)}  # fmt: skip
+                "loads": draw_loads(files["case_iii"]), "chart": draw_chart(files["patches"], cases),
+                "force": draw_force(files["patches"])}  # fmt: skip
     for name, figure in pictures.items():
         path = arguments.output / f"coupled_{name}.svg"
-        save(figure, path, arguments.dpi)
+        save(figure, path, arguments.dpi, numbers.get(name))
         print(path)
-    print(table(files))
 
 
 if __name__ == "__main__":

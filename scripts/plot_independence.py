@@ -33,7 +33,7 @@ RATIO = "relative_attractive_stiffness"
 FIGURES = {RATIO: (VERMILION, "solid", "attraction over $k_s$"),
            "relative_shift": (BLUE, DASHED, "shift over $\\sigma$"),
            "relative_fluctuation": (GREEN, DASH_DOT, "fluctuation over $\\sigma$"),
-           "contact_share": ("0.35", "dotted", "share in contact")}  # fmt: skip
+           "contact_share": ("0.35", "dotted", "fraction in contact")}  # fmt: skip
 
 
 def judged(scene):

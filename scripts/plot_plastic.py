@@ -1,20 +1,19 @@
-"""How far plastic contacts are apart: pull-off of two rough surfaces that were pressed until some tops flowed.
+"""How far plastic contacts are apart: pull-off of two rough surfaces that were pressed until some summits yielded.
 
 Usage: python scripts/plot_plastic.py sweep_plastic.h5 [-o OUT.svg]      after `stiction run
 configs/sweep_plastic.toml`
 
 (a) external force of case I on approach and, by each plastic contact, on unloading: the integral;
-(b) pull-off of cases I and II on either way: mean over patches with two standard errors, and the integral. The
-    table is printed.
+(b) pull-off of cases I and II on both branches: mean over patches with two standard errors, and the integral.
 """
 
 import h5py
 import numpy as np
-from drawing import BLUE, COLORS, DOCS, H_STAR, VERMILION, column, dressed, legend, options, save
+from drawing import BLUE, COLORS, DOCS, H_STAR, VERMILION, column, digits, dressed, legend, options, rounded, save
 
 # The points of the scene: case I by each contact, then case II.
 CASES, CONTACTS = {"I": "o", "II": "s"}, ["jg", "ke", "zmc", "tn"]
-# Of a way: how the names of its pull-off and of its force begin, its colour, its distance from its contact.
+# Of a branch: how the names of its pull-off and of its force begin, its colour, its distance from its contact.
 WAYS = {"approach": ("approach_", "", BLUE, -0.12), "unloading": ("", "retraction_", VERMILION, 0.12)}
 
 
@@ -28,11 +27,11 @@ def pull_offs(file):
             yield case, way, mean, error, -1e6 * file[f"integral/{of_curve}external_force"][own[0]].min(axis=1)
 
 
-def table(file):
-    lines = [["case", "pull-off on", *(f"`{name}`" for name in CONTACTS)], ["---"] * (2 + len(CONTACTS))]
-    for case, way, *values in pull_offs(file):
-        lines.append([case, way, *("{:.4g} ± {:.2g} ({:.3g})".format(*own) for own in zip(*values, strict=True))])
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+def numbers(file):
+    """By case and branch: of each contact the mean pull-off, its standard error and the integral's, µN."""
+    return {f"{case} {way}": [text for mean, error, integral in zip(*values, strict=True)
+                              for text in (*rounded(mean, error), digits(integral))]
+            for case, way, *values in pull_offs(file)}  # fmt: skip
 
 
 @dressed
@@ -63,8 +62,7 @@ def main():
     parser.add_argument("file")
     arguments = parser.parse_args()
     with h5py.File(arguments.file) as file:
-        save(draw(file), arguments.output, arguments.dpi)
-        print(table(file))
+        save(draw(file), arguments.output, arguments.dpi, numbers(file))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
-"""Boundary elements (referee.py) against coupled asperities, independent ones and the program, in one
-picture.
+"""Boundary elements (referee.py) against coupled asperities, independent ones and the program: two pictures.
 
-Usage: python scripts/plot_referee.py [-o OUT.svg] [--substrate TOML]
+Usage: python scripts/plot_referee.py [-o FOLDER] [--substrate TOML]
+
+referee.svg            Hertz contacts: pressure, error of the total force, single loads
+referee_surfaces.svg   area in contact, the shipped map, spheres with adhesion
 
 The program runs on these surfaces; --substrate is more of its table, such as 'kernel = "contact"'.
 """
@@ -53,10 +55,10 @@ def errors(axes, parts, programs):
         share, true = values(rows, "area") / surface["cell"] ** 2, values(rows, "force")
         for kind, forces, _ in curves(surface, values(rows, "separation")):
             style = {"color": KINDS[kind][1], "linestyle": KINDS[kind][2], "marker": marker}
-            axes.plot(share, np.abs(forces / true - 1), **style, label=name if kind == "point" else None)
+            axes.plot(share, np.abs(forces / true - 1), **style, label=NAMES[name] if kind == "point" else None)
         if name in programs:
             axes.plot(share, np.abs(values(programs[name], "external_force") / true - 1), **OWN)
-    axes.set(xscale="log", yscale="log", xlabel="share of the area in contact",
+    axes.set(xscale="log", yscale="log", xlabel="fraction of the area in contact",
              ylabel="relative error of the total force")
     legend(axes)
 
@@ -91,9 +93,8 @@ def areas(axes, surfaces):
                       label=label if first else None)
         own = values(program, "external_force") / cell * 1e-6, values(program, "contact_area") / cell
         axes.plot(*own, label="program" if first else None, **OWN)
-    axes.set(xscale="log", yscale="log", xlabel="mean pressure (MPa)", ylabel="share in contact")
-    # The lines are those of (a).
-    legend(axes, [line for line in axes.lines if line.get_label() in surfaces])
+    axes.set(xscale="log", yscale="log", xlabel="mean pressure (MPa)", ylabel="fraction in contact")
+    legend(axes)
 
 
 def spheres(axes, parts, programs):
@@ -101,45 +102,67 @@ def spheres(axes, parts, programs):
     for (name, surface), color in zip(parts.items(), (BLUE, GREEN)):
         rows, unit = surface["states"], np.pi * surface["work_of_adhesion"] * surface["radii"][0]
         at = values(rows, "separation") * 1e9
-        style = {**BEM, "color": color, "label": f"boundary elements, {name}"}
+        style = {**BEM, "color": color, "label": f"boundary elements, {name} spheres"}
         axes.errorbar(at, values(rows, "force") / unit, values(rows, "force_error") / unit, **style)
         for kind, line in (("coupled", "-"), ("independent", DASH_DOT)):
             states = [adhesive_state(surface, row["separation"], kind == "coupled") for row in rows]
             forces = [float(state.force.sum()) / unit for state in states]
-            axes.plot(at, forces, linestyle=line, color=color, label=f"{kind}, {name}")
+            axes.plot(at, forces, linestyle=line, color=color, label=f"{kind}, {name} spheres")
         axes.plot(at, values(programs[name], "external_force") / unit, **OWN)
     axes.set(xlabel="separation (nm)", ylabel="total force / π w R")
     legend(axes, columns=1)
 
 
-@dressed
-def draw(fixture, substrate):
-    def own(surface, rows, law):
-        return program_states(PROGRAM, surface, values(rows, "separation").tolist(), law, substrate)
+# The parts of the fixture by their names in legends.
+NAMES = {"one": "1 paraboloid", "twelve": "12 paraboloids", "thirty": "30 paraboloids",
+         "two hundred": "200 paraboloids"}  # fmt: skip
 
-    parts, adhesive = fixture["paraboloids"], fixture["adhesive"]
-    # The program takes two asperities and more.
-    programs = {name: own(part, part["states"], "gw") for name,
-                part in parts.items() if len(part["heights"]) > 1}
-    sticking = {name: own(part, part["states"], "md_kim") for name, part in adhesive.items()}
-    summits, rows = fixture["map"]["summits"], fixture["map"]["states"][:3]
-    on_map, (thirty, hundreds) = own(summits, rows, "gw"), (parts["thirty"], parts["two hundred"])
-    figure, axes = column(2.8, 2.6, 2.2, 2.4, 2.2, 3.0)
+
+def own(surface, rows, law, substrate):
+    return program_states(PROGRAM, surface, values(rows, "separation").tolist(), law, substrate)
+
+
+@dressed
+def draw_contacts(parts, programs):
+    figure, axes = column(2.8, 2.6, 2.4)
+    thirty, hundreds = parts["thirty"], parts["two hundred"]
     ends = [row["separation"] for row in thirty["states"]]
     force_over_separation(axes[0], thirty, thirty["states"], programs["thirty"],
                           np.linspace(ends[0], ends[-1], 12))
     legend(axes[0])
     errors(axes[1], parts, programs)
     loads(axes[2], hundreds, hundreds["states"][1], programs["two hundred"][1])
-    areas(axes[3], {"30 asperities": (thirty, thirty["states"], programs["thirty"]),
-                    "the shipped map": (summits, rows, on_map)})  # fmt: skip
-    force_over_separation(axes[4], summits, rows, on_map, values(rows, "separation"))
-    spheres(axes[5], adhesive, sticking)
     return figure
 
 
-if __name__ == "__main__":
-    parser = options(__doc__, DOCS / "referee.svg")
+@dressed
+def draw_surfaces(fixture, programs, substrate):
+    figure, axes = column(2.6, 2.2, 3.0)
+    thirty, adhesive = fixture["paraboloids"]["thirty"], fixture["adhesive"]
+    summits, rows = fixture["map"]["summits"], fixture["map"]["states"][:3]
+    on_map = own(summits, rows, "gw", substrate)
+    areas(axes[0], {"30 paraboloids": (thirty, thirty["states"], programs["thirty"]),
+                    "the shipped map": (summits, rows, on_map)})  # fmt: skip
+    force_over_separation(axes[1], summits, rows, on_map, values(rows, "separation"))
+    sticking = {name: own(part, part["states"], "md_kim", substrate) for name, part in adhesive.items()}
+    spheres(axes[2], adhesive, sticking)
+    return figure
+
+
+def main():
+    parser = options(__doc__, DOCS)
     parser.add_argument("--substrate", default="", metavar="TOML", help="more of the table [substrate]")
     arguments = parser.parse_args()
-    save(draw(json.loads(FILE.read_text()), arguments.substrate), arguments.output, arguments.dpi)
+    fixture = json.loads(FILE.read_text())
+    parts = fixture["paraboloids"]
+    # The program takes two asperities and more.
+    programs = {name: own(part, part["states"], "gw", arguments.substrate) for name, part in parts.items()
+                if len(part["heights"]) > 1}
+    pictures = {"referee": draw_contacts(parts, programs),
+                "referee_surfaces": draw_surfaces(fixture, programs, arguments.substrate)}  # fmt: skip
+    for name, figure in pictures.items():
+        save(figure, arguments.output / f"{name}.svg", arguments.dpi)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,14 +1,17 @@
 """Notebooks as pages of the site: what they say, compute and show, as it is in them.
 
 A hook of MkDocs (mkdocs.yml): docs/notebooks/NAME.ipynb becomes the page notebooks/NAME.md, whose links are
-checked like the links of any page.
+checked like the links of any page. Pages link to the notebooks, which the repository has, and on the site to
+their pages.
 """
 
 import json
+import re
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 
 def page(notebook: dict, name: str) -> str:
@@ -47,3 +50,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             text = page(json.loads(path.read_text(encoding="utf-8")), path.name)
             files.append(File.generated(config, str(Path(file.src_uri).with_suffix(".md")), content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
+    """Links to notebooks as links to their pages, but for the one of a page to its own notebook."""
+    own = Path(page.file.src_uri).stem
+    return re.sub(r"\]\(((?:[\w-]+/)*)([\w-]+)\.ipynb\)",
+                  lambda link: link[0] if link[2] == own else f"]({link[1]}{link[2]}.md)", markdown)

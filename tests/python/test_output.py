@@ -73,9 +73,9 @@ NAMES = {
 
 
 def documented() -> dict[str, tuple]:
-    """Dimensions and units of the datasets of this run by docs/format.md; no units where rows have their own."""
-    page, found = (ROOT / "docs" / "format.md").read_text(encoding="utf-8"), {}
-    for group, table in re.findall(r"<!-- schema: run (\w+) -->(.*?)<!-- end -->", page, re.DOTALL):
+    """Dimensions and units of the datasets of this run by docs/format/*.md; no units where rows have their own."""
+    pages, found = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "format").glob("*.md")), {}
+    for group, table in re.findall(r"<!-- schema: run (\w+) -->(.*?)<!-- end -->", pages, re.DOTALL):
         for name, dimensions, units in re.findall(r"^\| `(\w+)` \| (.*?) \| (.*?) \|", table, re.MULTILINE):
             if name in NAMES.get(group, []):
                 found[f"{group}/{name}"] = tuple(re.findall(r"`(\w+)`", dimensions)), None if "`" in units else units

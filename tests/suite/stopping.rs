@@ -379,7 +379,7 @@ fn intervals_hold(study: &Study) {
     }
 }
 
-/// Coverage at the end of runs that stop at targets, as docs/errors.md has it: patches, laws, heights,
+/// Coverage at the end of runs that stop at targets, as docs/reliability.md has it: patches, laws, heights,
 /// quantities, estimates and targets. From 64 replicas before the first look on, no interval holds less than
 /// 1.5 % less than it says, over 4 standard deviations of a share of 2000 runs.
 #[test]

@@ -1,10 +1,12 @@
 """What the pages show runs: the Python of README and docs/python.md, the tutorial word by word, and the notebooks."""
 
 import importlib.util
+import json
 import os
 import re
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -41,3 +43,35 @@ def test_the_usual_tasks_take_five_lines_each():
     assert len(found) == 10
     for task in found:
         assert len([line for line in task.splitlines() if line.strip()]) <= 5, task
+
+
+def anchors(page: Path) -> set[str]:
+    """Where links into a page may lead: its headings, by the rule of the site and of forges."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    plain = [re.sub(r"\[(.*?)\]\(.*?\)", r"\1", head) for head in re.findall(r"^#+ +(.*)$", text, re.MULTILINE)]
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in plain}
+
+
+def links(page: Path) -> list[str]:
+    """Relative links and pictures of a page or a notebook."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        text = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+    text = re.sub(r"^ *```.*?^ *```$|`[^`\n]*`|\$+[^$]*\$+", "", text, flags=re.MULTILINE | re.DOTALL)
+    return [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in link]
+
+
+def test_links_of_pages_hold_in_the_repository():
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/*.md"), *ROOT.glob("docs/*/*.md"),
+             *ROOT.glob("docs/notebooks/*.ipynb")]  # fmt: skip
+    broken, seen = [], 0
+    for page in pages:
+        for link in links(page):
+            name, _, anchor = unquote(link).partition("#")
+            to = (page.parent / name).resolve() if name else page
+            seen += 1
+            if not to.is_file() or (anchor and to.suffix == ".md" and anchor not in anchors(to)):
+                broken.append(f"{page.relative_to(ROOT)}: {link}")
+    assert seen > 300
+    assert not broken, "\n".join(broken)

@@ -1,6 +1,7 @@
 //! Pages that are made from the program: the blocks between `<!-- keys: TABLE -->`, `<!-- help: COMMAND -->` or
 //! `<!-- schema: LAYOUT GROUP -->` and `<!-- end -->`. `STICTION_WRITE_PAGES=1 cargo test --release --test suite cli::pages` writes them anew.
 
+use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::path::Path;
 use std::process::Command;
@@ -107,32 +108,57 @@ fn beside(key: &Key) -> Vec<&'static str> {
     names
 }
 
-/// What the reference says of a key.
+/// The name of a key in the reference.
+fn named(key: &Key) -> String {
+    key.name.replace("sweep.*", "sweep.KEY")
+}
+
+fn default(key: &Key) -> String {
+    match key.absent {
+        Absent::Required if beside(key).is_empty() => "required".to_owned(),
+        Absent::Required => "required unless an excluded key is given".to_owned(),
+        Absent::Is(value) => format!("`{value}`"),
+        Absent::Follows(words) => words.to_owned(),
+    }
+}
+
+/// The row of a key in the table of its section.
+fn row(key: &Key) -> String {
+    let anchor = named(key).replace('.', "").to_lowercase();
+    let cells = [format!("[`{}`](#{anchor})", named(key)), key.what.to_owned(), default(key)];
+    format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+}
+
+/// What the reference has of a key in the folded part of its section.
 fn entry(key: &Key) -> String {
     let mut what = key.what.to_owned();
     what[..1].make_ascii_uppercase();
     let about = if key.about.is_empty() { String::new() } else { format!(" {}", key.about) };
-    let default = match key.absent {
-        Absent::Required if beside(key).is_empty() => "none, required".to_owned(),
-        Absent::Required => "none, required unless an excluded key is given".to_owned(),
-        Absent::Is(value) => format!("`{value}`"),
-        Absent::Follows(words) => words.to_owned(),
-    };
-    let name = key.name.replace("sweep.*", "sweep.KEY");
-    let mut text =
-        format!("#### `{name}`\n\n{what}.{about}\n\n- Value: {}\n- Default: {default}\n", value(key));
+    let mut text = format!("#### `{}`\n\n{what}.{about}\n\n{}. ", named(key), value(key));
+    text += &format!("Default: {}.", default(key));
     let beside: Vec<String> = beside(key).into_iter().map(|name| format!("`{name}`")).collect();
     if !beside.is_empty() {
-        text += &format!("- Excludes: {}\n", beside.join(", "));
+        text += &format!(" Excludes {}.", beside.join(", "));
     }
     if key.is_swept {
-        text += "- Can be swept\n";
+        text += " Can be swept.";
     }
     if !key.example.is_empty() {
         let last = key.name.rsplit('.').next().unwrap_or_default();
-        text += &format!("- Example: `{last} = {}`\n", key.example);
+        text += &format!(" Example: `{last} = {}`", key.example);
     }
-    text
+    text.replace("\n\na ", "\n\nA ") + "\n"
+}
+
+/// The section of a table: its keys at a glance, and folded all that there is of each.
+fn section(keys: &[&Key]) -> String {
+    let rows: String = keys.iter().map(|key| row(key)).collect();
+    let entries: Vec<String> = keys.iter().map(|key| entry(key)).collect();
+    format!(
+        "| key | meaning | default |\n|---|---|---|\n{rows}\n<details markdown=\"1\">\n\
+         <summary>Values, units and examples of these keys</summary>\n\n{}\n</details>\n",
+        entries.join("\n")
+    )
 }
 
 #[test]
@@ -140,11 +166,8 @@ fn the_scene_reference_is_what_the_table_of_keys_says() {
     let mut tables: Vec<String> = KEYS.iter().map(|key| table(key).to_owned()).collect();
     tables.dedup();
     held("scene.md", "keys", &tables, &|name| {
-        let keys = KEYS
-            .iter()
-            .copied()
-            .filter(|key| table(key) == name && key.name != name && !key.name.contains('['));
-        keys.map(entry).collect::<Vec<String>>().join("\n")
+        let own = |key: &&Key| table(key) == name && key.name != name && !key.name.contains('[');
+        section(&KEYS.iter().copied().filter(own).collect::<Vec<&Key>>())
     });
 }
 
@@ -205,23 +228,51 @@ fn dataset(layout: &Layout, variable: &Variable) -> String {
     format!("| `{}` | {dimensions} | {units} | {} |\n", variable.name(), variable.long_name)
 }
 
+/// The page of a group: those of a run and of a sweep have one together; all else is on the page of its layout.
+fn page_of(page: &str, variable: &Variable) -> String {
+    match variable.group() {
+        group if page == "asperity-file.md" || group.is_empty() => page.to_owned(),
+        group => format!("format/{}.md", &group[1..]),
+    }
+}
+
+/// A table of a page by its name, such as `run ensemble`, and the layout that it is of.
+type Table = (String, &'static Layout);
+
+/// The tables of every page.
+fn tables(layouts: &[(&str, &'static Layout)]) -> BTreeMap<String, Vec<Table>> {
+    let mut pages: BTreeMap<String, Vec<Table>> = BTreeMap::new();
+    for (page, layout) in layouts {
+        for variable in layout.variables.iter() {
+            let tables = pages.entry(page_of(page, variable)).or_default();
+            let name = table_of(layout, variable);
+            if !tables.iter().any(|(known, _)| *known == name) {
+                tables.push((name, layout));
+            }
+        }
+    }
+    pages
+}
+
+fn table_of(layout: &Layout, variable: &Variable) -> String {
+    let group = variable.group().strip_prefix('/').unwrap_or("/");
+    format!("{} {group}", layout.format.trim_start_matches("stiction-"))
+}
+
 #[test]
 fn the_pages_of_files_are_what_the_layouts_say() {
-    let pages: [(&str, &'static Layout); 3] =
+    let layouts: [(&str, &'static Layout); 3] =
         [("format.md", &RUN), ("sweep-format.md", &SWEEP), ("asperity-file.md", &ASPERITIES)];
-    for (page, layout) in pages {
-        let kind = layout.format.trim_start_matches("stiction-");
-        let name = |variable: &Variable| match variable.group() {
-            "" => format!("{kind} /"),
-            group => format!("{kind} {}", &group[1..]),
-        };
-        let mut groups: Vec<String> = layout.variables.iter().map(name).collect();
-        groups.dedup();
-        held(page, "schema", &groups, &|group| {
-            let own = layout.variables.iter().filter(|variable| name(variable) == group);
+    for (page, tables) in tables(&layouts) {
+        let names: Vec<String> = tables.iter().map(|(name, _)| name.clone()).collect();
+        held(&page, "schema", &names, &|name| {
+            let (_, layout) = tables.iter().find(|(known, _)| known == name).expect("a table of this page");
+            let own = layout.variables.iter().filter(|variable| table_of(layout, variable) == name);
             let rows: String = own.map(|variable| dataset(layout, variable)).collect();
             format!("| dataset | dimensions | units | meaning |\n|---|---|---|---|\n{rows}")
         });
+    }
+    for (page, layout) in layouts {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page);
         let text = std::fs::read_to_string(path).unwrap();
         assert!(text.contains(&format!("`{}`", layout.format)), "{page}");

@@ -32,17 +32,6 @@ pub(super) const DEFAULT_LAW_IN_LIQUID: &str = "capillary";
 /// Poisson ratios of stable solids.
 pub(super) const POISSON_RATIOS: (Bound<f64>, Bound<f64>) = (Bound::Excluded(-1.0), Bound::Included(0.5));
 
-/// Laws of heights, for messages.
-pub(super) const HEIGHT_LAWS: [(&str, &str); 6] = [
-    ("gaussian", "gaussian"),
-    ("exponential", "exponential"),
-    ("weibull", "weibull"),
-    ("lognormal", "lognormal"),
-    ("truncated", "truncated"),
-    ("file", "file"),
-];
-pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
-    [("common", "common"), ("lognormal", "lognormal"), ("gamma", "gamma"), ("file", "file")];
 /// Laws of summits.
 pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
 /// Samples of measured asperities in replicas; whether of all of them.

@@ -1,6 +1,6 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
-use super::choices::{HEIGHT_LAWS, RADIUS_LAWS, SUMMIT_LAWS, VARIATIONS};
+use super::choices::{SUMMIT_LAWS, VARIATIONS};
 use super::column::{FILE_KEYS, of_file};
 use super::error::{SceneError, Together, all};
 use super::files::{Files, Input};
@@ -9,13 +9,27 @@ use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError,
-    Truncated, Weibull,
+    CountLaw, HEIGHT_LAWS, HeightLaw, Heights, MeasuredPlaces, NamedLaw, Parameter, ParameterValue, Radii,
+    Roughness, Surface, SurfaceError,
 };
 use toml::de::DeValue;
 
-/// Least probability of what a truncated law leaves.
-const LEAST_LEFT: f64 = 1e-9;
+/// Laws of radii.
+pub(super) const RADIUS_LAWS: [(&str, RadiusLaw); 4] = [
+    ("common", RadiusLaw::Common),
+    ("lognormal", RadiusLaw::LogNormal),
+    ("gamma", RadiusLaw::Gamma),
+    ("file", RadiusLaw::File),
+];
+
+/// A law of radii by its name.
+#[derive(Clone, Copy)]
+pub(super) enum RadiusLaw {
+    Common,
+    LogNormal,
+    Gamma,
+    File,
+}
 
 /// A surface, and the files that it was made of.
 pub(super) struct Population {
@@ -225,6 +239,11 @@ fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
     .map(drop)
 }
 
+/// Laws of heights by their names; none for that of given heights.
+pub(super) fn height_laws() -> Vec<(&'static str, Option<&'static NamedLaw>)> {
+    HEIGHT_LAWS.iter().map(|law| (law.name, Some(law))).chain([("file", None)]).collect()
+}
+
 /// `heights`: the law, and the standard deviation of given ones, m.
 fn heights(
     section: &Section<'_>,
@@ -234,52 +253,33 @@ fn heights(
     let entry = section.value("heights");
     let (name, table) = law(&entry)?;
     let table = table.as_ref();
-    let chosen = name.choice("law of heights", &HEIGHT_LAWS)?;
-    let parameters: &[&str] = match chosen {
-        "weibull" | "lognormal" => &["shape"],
-        "truncated" => &["lower", "upper"],
-        "file" => &FILE_KEYS,
-        _ => &[],
-    };
-    only(table, parameters)?;
-    Ok((
-        match chosen {
-            "exponential" => HeightLaw::Exponential,
-            "weibull" => HeightLaw::Weibull(Weibull::new(parameter(&name, table, "shape", 1.0..=20.0)?)),
-            "lognormal" => {
-                HeightLaw::LogNormal(LogNormal::new(parameter(&name, table, "shape", 0.01..=1.5)?))
-            }
-            "truncated" => HeightLaw::Truncated(truncated(&name, table)?),
-            "file" => {
-                let values = of_file(&name, table, files, inputs)?;
-                let heights = centred(values);
-                if !(heights.std > 0.0) {
-                    return Err(name.wrong("the heights of the file are all the same"));
-                }
-                return Ok((heights.law, Some(heights.std)));
-            }
-            _ => HeightLaw::Gaussian,
-        },
-        None,
-    ))
+    if let Some(law) = name.choice("law of heights", &height_laws())? {
+        return Ok((law_of_heights(law, &name, table)?, None));
+    }
+    only(table, &FILE_KEYS)?;
+    let heights = centred(of_file(&name, table, files, inputs)?);
+    if !(heights.std > 0.0) {
+        return Err(name.wrong("the heights of the file are all the same"));
+    }
+    Ok((heights.law, Some(heights.std)))
 }
 
-/// Limits in standard deviations; without one the law has no end there.
-fn truncated(name: &Entry<'_>, table: Option<&Section<'_>>) -> Result<Truncated, SceneError> {
-    let limit = |key: &str| table.and_then(|table| table.get(key)).map(|entry| entry.number()).transpose();
-    let (lower, upper) = (limit("lower")?, limit("upper")?);
-    let example = "{ law = \"truncated\", lower = -3.0, upper = 1.5 }, in standard deviations";
-    if lower.is_none() && upper.is_none() {
-        return Err(name.wrong(&format!("needs lower or upper or both: {example}")));
-    }
-    let (lower, upper) = (lower.unwrap_or(f64::NEG_INFINITY), upper.unwrap_or(f64::INFINITY));
-    let left = Heights::gaussian(1.0).probability(lower, upper);
-    if !(lower < upper && left >= LEAST_LEFT) {
-        return Err(
-            name.wrong(&format!("leaves nothing between lower = {lower} and upper = {upper}: {example}"))
-        );
-    }
-    Ok(Truncated::new(lower, upper))
+/// A law of heights by a formula.
+fn law_of_heights(
+    law: &NamedLaw,
+    name: &Entry<'_>,
+    table: Option<&Section<'_>>,
+) -> Result<HeightLaw, SceneError> {
+    let keys: Vec<&str> = law.parameters.iter().map(|parameter| parameter.key).collect();
+    only(table, &keys)?;
+    let values = law.parameters.iter().map(|Parameter { key, value }| match value {
+        ParameterValue::Within(from, to) => parameter(name, table, key, *from..=*to),
+        ParameterValue::Or(absent) => {
+            table.and_then(|table| table.get(key)).map_or(Ok(*absent), |entry| entry.number())
+        }
+    });
+    let values = values.collect::<Result<Vec<f64>, SceneError>>()?;
+    (law.make)(&values).map_err(|problem| name.wrong(&problem))
 }
 
 /// Heights about their mean.
@@ -293,18 +293,16 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
     let entry = section.value("radii");
     let (name, table) = law(&entry)?;
     let table = table.as_ref();
-    let chosen = name.choice("law of radii", &RADIUS_LAWS)?;
-    let parameters: &[&str] = match chosen {
-        "lognormal" | "gamma" => &["coefficient_of_variation"],
-        "file" => &FILE_KEYS,
-        _ => &[],
+    let of_variation = |make: fn(f64) -> Radii| {
+        only(table, &["coefficient_of_variation"])?;
+        parameter(&name, table, "coefficient_of_variation", VARIATIONS).map(make)
     };
-    only(table, parameters)?;
-    let variation = || parameter(&name, table, "coefficient_of_variation", VARIATIONS);
-    match chosen {
-        "lognormal" => variation().map(Radii::LogNormal),
-        "gamma" => variation().map(Radii::Gamma),
-        "file" => {
+    match name.choice("law of radii", &RADIUS_LAWS)? {
+        RadiusLaw::Common => only(table, &[]).map(|()| Radii::Common),
+        RadiusLaw::LogNormal => of_variation(Radii::LogNormal),
+        RadiusLaw::Gamma => of_variation(Radii::Gamma),
+        RadiusLaw::File => {
+            only(table, &FILE_KEYS)?;
             let values = of_file(&name, table, files, inputs)?;
             match values.iter().find(|value| !(**value > 0.0)) {
                 Some(value) => Err(name.wrong(&format!(
@@ -314,7 +312,6 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
                 None => Ok(Radii::Sample(values.into())),
             }
         }
-        _ => Ok(Radii::Common),
     }
 }
 

@@ -4,11 +4,12 @@
 use super::background::FORCES;
 use super::capillary::LIQUIDS;
 use super::choices::{
-    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_CYCLES, MOST_POINTS,
-    MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES,
-    SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
+    COUPLINGS, FORMAT, HISTORIES, KERNELS, MEASURED_RADII, MOST_CYCLES, MOST_POINTS, MOST_SEPARATIONS, Mode,
+    PATCH, POISSON_RATIOS, POSITIONS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS,
+    SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
+use super::population::{RADIUS_LAWS, height_laws};
 use super::shape::SHAPES;
 use super::units::Dimension as Of;
 use crate::asperity::PlasticContact;
@@ -148,7 +149,7 @@ static FIRST: &[Key] = &[
     .what("law of the asperity heights")
     .about("Whatever the law, its standard deviation is σ_s and its mean 0.")
     .defaults_to("\"gaussian\""),
-    key("surface.heights.law", "\"weibull\"", Choice(|| names(&HEIGHT_LAWS))).what("name of the law"),
+    key("surface.heights.law", "\"weibull\"", Choice(|| names(&height_laws()))).what("name of the law"),
     key(
         "surface.heights.shape",
         "1.5",

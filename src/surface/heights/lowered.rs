@@ -1,10 +1,10 @@
 //! Heights of asperities under a body whose face lies behind its nearest point.
 
-use super::heights::{HeightLaw, Heights};
-use super::places::MeasuredPlaces;
-use super::shape::Depths;
+use super::{HeightLaw, Heights};
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
+use crate::surface::places::MeasuredPlaces;
+use crate::surface::shape::Depths;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 use std::sync::{Arc, OnceLock};

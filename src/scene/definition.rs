@@ -1,10 +1,11 @@
 //! A validated scene, and what follows from it.
 
 use super::background::{GivenForces, Setting};
-use super::choices::LOOP;
 use super::files::{Files, Input};
 use super::films::Films;
 use super::instability::Instability;
+use super::model::LOOP;
+use super::solver::Sums;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
@@ -18,15 +19,6 @@ use std::sync::Arc;
 
 /// Responses of asperities, one for each asperity, separation and replica, from which sums by moments repay their trial.
 const MANY_RESPONSES: f64 = 2e8;
-
-/// When sums over asperities are taken by moments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sums {
-    /// Where the run is large enough to gain by it.
-    Auto,
-    /// Wherever they meet their tolerance.
-    Moments,
-}
 
 /// A validated scene, SI.
 ///

@@ -1,34 +1,75 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
-use super::choices::{SUMMIT_LAWS, VARIATIONS};
-use super::column::{FILE_KEYS, of_file};
 use super::error::{SceneError, Together, all};
 use super::files::{Files, Input};
-use super::lookup::example;
+use super::keys::Sign::{NotNegative, Positive};
+use super::keys::Value::{Quantity, Table};
+use super::keys::{Key, key};
+use super::laws::{centred, count, heights, radii};
 use super::reader::{Entry, Section};
+use super::summits::{spectrum, summits};
+use super::units::Dimension as Of;
 use super::units::Dimension;
-use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
-use crate::surface::{
-    CountLaw, HEIGHT_LAWS, HeightLaw, Heights, MeasuredPlaces, NamedLaw, Parameter, ParameterValue, Radii,
-    Roughness, Surface, SurfaceError,
-};
-use toml::de::DeValue;
+use crate::surface::nayak::Spectrum;
+use crate::surface::{HeightLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError};
 
-/// Laws of radii.
-pub(super) const RADIUS_LAWS: [(&str, RadiusLaw); 4] = [
-    ("common", RadiusLaw::Common),
-    ("lognormal", RadiusLaw::LogNormal),
-    ("gamma", RadiusLaw::Gamma),
-    ("file", RadiusLaw::File),
+/// The keys of the numbers of `[surface]`.
+pub(super) static KEYS: &[Key] = &[
+    key("surface", "{ asperity_radius = \"3.33 um\" }", Table).what("the rough surface"),
+    key("surface.asperity_radius", "\"3.33 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the asperities")
+        .about(
+            "R, the radius of curvature of a summit of both faces together: 1/κ with κ² the sum over the faces of their 1/R², so \
+             R/√2 of two like faces. The mean one where `radii` scatter.",
+        )
+        .swept()
+        .written(&["r", "radius"], ""),
+    key("surface.asperity_density", "\"7.39 /um^2\"", Quantity(Of::ArealDensity, Positive))
+        .what("asperities per area")
+        .about("η. A replica has N = η A_n asperities.")
+        .swept()
+        .written(&["eta", "density"], ""),
+    key("surface.surface_height_std", "\"1.619 nm\"", Quantity(Of::Length, Positive))
+        .what("standard deviation of the surface heights")
+        .about(
+            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is for two rough faces: σ² is \
+             the sum of their squares. One of σ and σ_s is required; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
+        )
+        .follows("from `asperity_height_std`")
+        .swept()
+        .written(&["sigma", "rms", "rq", "sq", "roughness", "height_std"], ""),
+    key("surface.asperity_height_std", "\"1.417 nm\"", Quantity(Of::Length, Positive))
+        .what("standard deviation of the asperity heights")
+        .about("σ_s of the tops only. Tops are drawn with it.")
+        .follows("from `surface_height_std`")
+        .swept()
+        .written(&["sigma_s"], ""),
+    key("surface.mean_plane_offset", "\"1.867 nm\"", Quantity(Of::Length, NotNegative))
+        .what("height of the asperity mean plane above the surface mean plane")
+        .about("y_s. Tops are d = h − y_s from the other face. 0 takes h itself as the distance of the tops.")
+        .follows("0.045944/(ηR), as for a Gaussian surface")
+        .swept()
+        .written(&["y_s"], ""),
+    key("surface.nominal_area", "\"100 um^2\"", Quantity(Of::Area, Positive))
+        .what("nominal area")
+        .about(
+            "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to \
+             patch falls as 1/√A_n. With `asperities` it may be left out and is then the area of the map.",
+        )
+        .swept()
+        .written(&["area", "a", "a_n"], ""),
+    key("surface.lubricant_thickness", "\"0.5 nm\"", Quantity(Of::Length, NotNegative))
+        .what("thickness of the lubricant")
+        .about("t. 0: dry. Dry laws ignore it.")
+        .defaults_to("0")
+        .swept()
+        .written(&["t", "thickness", "lubricant"], ""),
 ];
 
-/// A law of radii by its name.
-#[derive(Clone, Copy)]
-pub(super) enum RadiusLaw {
-    Common,
-    LogNormal,
-    Gamma,
-    File,
+/// The surroundings of a surface.
+pub(super) struct Around {
+    pub is_coupled: bool,
+    pub has_body: bool,
 }
 
 /// A surface, and the files that it was made of.
@@ -81,11 +122,6 @@ pub(super) fn suits_body(section: &Section<'_>) -> Result<(), SceneError> {
     ];
     let given = refused.into_iter().filter_map(|(key, problem)| Some((section.get(key)?, problem)));
     all(given.map(|(entry, problem)| Err::<(), _>(entry.wrong(problem)))).map(drop)
-}
-
-/// `count`: whether every replica has as many asperities.
-pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
-    section.value("count").choice("count", &CountLaw::ALL)
 }
 
 /// The numbers of a surface that stand by themselves, SI.
@@ -189,181 +225,9 @@ fn refused(section: &Section<'_>, error: SurfaceError) -> SceneError {
     match section.get(key) {
         Some(entry) => entry.wrong(&error.to_string()),
         None if error == SurfaceError::NoHeightStd => {
-            let example = example("surface.surface_height_std").unwrap_or_default();
+            let example = section.example("surface_height_std");
             SceneError::general(format!("[surface]: {error}; for example surface_height_std = {example}"))
         }
         None => SceneError::general(format!("[surface]: {error}")),
     }
-}
-
-/// A name, or a table with a `law` and its parameters.
-fn law<'a>(entry: &'a Entry<'a>) -> Result<(Entry<'a>, Option<Section<'a>>), SceneError> {
-    if let DeValue::String(_) = entry.value.get_ref() {
-        return Ok((entry.clone(), None));
-    }
-    let table = entry.table()?;
-    Ok((table.require("law")?, Some(table)))
-}
-
-/// The parameter `key` of a law, a number in a range.
-fn parameter(
-    name: &Entry<'_>,
-    table: Option<&Section<'_>>,
-    key: &str,
-    range: std::ops::RangeInclusive<f64>,
-) -> Result<f64, SceneError> {
-    let Some(entry) = table.and_then(|table| table.get(key)) else {
-        let number = example(&format!("{}.{key}", name.name.trim_end_matches(".law"))).unwrap_or_default();
-        let example = format!("{{ law = \"{}\", {key} = {number} }}", name.string()?);
-        return Err(name.wrong(&format!(
-            "needs {key}, a number from {} to {}: {example}",
-            range.start(),
-            range.end()
-        )));
-    };
-    let value = entry.number()?;
-    if range.contains(&value) {
-        return Ok(value);
-    }
-    Err(entry.wrong(&format!("a number from {} to {} is needed", range.start(), range.end())))
-}
-
-/// Refuses parameters that a law does not have.
-fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
-    let entries = table.into_iter().flat_map(Section::entries);
-    let others = entries.filter(|(key, _)| *key != "law" && !keys.contains(key));
-    all(others.map(|(_, entry)| match keys {
-        [] => Err::<(), _>(entry.wrong("this law has no parameters")),
-        keys => Err(entry.wrong(&format!("this law has no such parameter, but {}", keys.join(", ")))),
-    }))
-    .map(drop)
-}
-
-/// Laws of heights by their names; none for that of given heights.
-pub(super) fn height_laws() -> Vec<(&'static str, Option<&'static NamedLaw>)> {
-    HEIGHT_LAWS.iter().map(|law| (law.name, Some(law))).chain([("file", None)]).collect()
-}
-
-/// `heights`: the law, and the standard deviation of given ones, m.
-fn heights(
-    section: &Section<'_>,
-    files: &dyn Files,
-    inputs: &mut Vec<Input>,
-) -> Result<(HeightLaw, Option<f64>), SceneError> {
-    let entry = section.value("heights");
-    let (name, table) = law(&entry)?;
-    let table = table.as_ref();
-    if let Some(law) = name.choice("law of heights", &height_laws())? {
-        return Ok((law_of_heights(law, &name, table)?, None));
-    }
-    only(table, &FILE_KEYS)?;
-    let heights = centred(of_file(&name, table, files, inputs)?);
-    if !(heights.std > 0.0) {
-        return Err(name.wrong("the heights of the file are all the same"));
-    }
-    Ok((heights.law, Some(heights.std)))
-}
-
-/// A law of heights by a formula.
-fn law_of_heights(
-    law: &NamedLaw,
-    name: &Entry<'_>,
-    table: Option<&Section<'_>>,
-) -> Result<HeightLaw, SceneError> {
-    let keys: Vec<&str> = law.parameters.iter().map(|parameter| parameter.key).collect();
-    only(table, &keys)?;
-    let values = law.parameters.iter().map(|Parameter { key, value }| match value {
-        ParameterValue::Within(from, to) => parameter(name, table, key, *from..=*to),
-        ParameterValue::Or(absent) => {
-            table.and_then(|table| table.get(key)).map_or(Ok(*absent), |entry| entry.number())
-        }
-    });
-    let values = values.collect::<Result<Vec<f64>, SceneError>>()?;
-    (law.make)(&values).map_err(|problem| name.wrong(&problem))
-}
-
-/// Heights about their mean.
-fn centred(values: Vec<f64>) -> Heights {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    Heights::sample(values.into_iter().map(|value| value - mean).collect())
-}
-
-/// `radii`.
-fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> Result<Radii, SceneError> {
-    let entry = section.value("radii");
-    let (name, table) = law(&entry)?;
-    let table = table.as_ref();
-    let of_variation = |make: fn(f64) -> Radii| {
-        only(table, &["coefficient_of_variation"])?;
-        parameter(&name, table, "coefficient_of_variation", VARIATIONS).map(make)
-    };
-    match name.choice("law of radii", &RADIUS_LAWS)? {
-        RadiusLaw::Common => only(table, &[]).map(|()| Radii::Common),
-        RadiusLaw::LogNormal => of_variation(Radii::LogNormal),
-        RadiusLaw::Gamma => of_variation(Radii::Gamma),
-        RadiusLaw::File => {
-            only(table, &FILE_KEYS)?;
-            let values = of_file(&name, table, files, inputs)?;
-            match values.iter().find(|value| !(**value > 0.0)) {
-                Some(value) => Err(name.wrong(&format!(
-                    "the file has a radius of {}; radii are positive",
-                    Dimension::Length.shown(*value)
-                ))),
-                None => Ok(Radii::Sample(values.into())),
-            }
-        }
-    }
-}
-
-/// `spectrum`: spectral moments, which say all of a Gaussian surface.
-fn spectrum(section: &Section<'_>) -> Result<Option<Spectrum>, SceneError> {
-    let Some(entry) = section.get("spectrum") else { return Ok(None) };
-    let others = section.excluded("spectrum", "follows from the spectrum; give either this or the spectrum");
-    let table = entry.table()?;
-    let m2 = table.require("m2").and_then(|m2| match m2.number()? {
-        number if number > 0.0 => Ok(number),
-        _ => Err(m2.wrong("has to be greater than 0")),
-    });
-    let [m0, m4] = ["m0", "m4"].map(|key| table.measured(key));
-    let (_, m0, m2, m4) = (others, m0, m2, m4).together()?;
-    let spectrum = Spectrum { m0, m2, m4 };
-    gaussian(&spectrum).map_err(|problem| entry.wrong(&problem))?;
-    Ok(Some(spectrum))
-}
-
-/// `summits`: heights and radii of the summits of a Gaussian surface, in the place of `heights` and `radii`.
-fn summits(section: &Section<'_>, given: Option<Spectrum>, surface: &mut Surface) -> Result<(), SceneError> {
-    let entry = section.get("summits");
-    if let Some(entry) = &entry {
-        entry.choice("law of summits", &SUMMIT_LAWS)?;
-    }
-    let Some(cause) = entry.or_else(|| section.get("spectrum")) else { return Ok(()) };
-    for key in ["heights", "radii"] {
-        if let Some(other) = section.get(key) {
-            return Err(other.wrong(&format!("`{}` says both heights and radii; give either", cause.name)));
-        }
-    }
-    let density = if given.is_some() { 0.0 } else { section.measured("asperity_density")? };
-    let spectrum = given.unwrap_or_else(|| {
-        Spectrum::of_asperities(surface.surface_height_std, surface.asperity_radius, density)
-    });
-    gaussian(&spectrum).map_err(|problem| cause.wrong(&problem))?;
-    if let (None, Some(std)) = (given, section.get("asperity_height_std")) {
-        return Err(std.wrong("summits of a Gaussian surface have one that follows from surface_height_std"));
-    }
-    surface.heights = Heights::gaussian(spectrum.height_std());
-    surface.radii = Radii::Nayak(spectrum);
-    Ok(())
-}
-
-/// Refuses spectral moments that no Gaussian surface has.
-fn gaussian(spectrum: &Spectrum) -> Result<(), String> {
-    let alpha = spectrum.alpha();
-    if alpha > LEAST_ALPHA && alpha.is_finite() {
-        return Ok(());
-    }
-    Err(format!(
-        "no Gaussian surface has this alpha = m0 m4/m2^2 = {alpha:.4}, which is above {LEAST_ALPHA} for all; with radius R and density \
-         eta it is 2413 (eta R sigma)^2: raise surface_height_std, asperity_density or asperity_radius"
-    ))
 }

@@ -1,17 +1,76 @@
 //! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights, or a range that
 //! follows from the surface.
 
-use super::choices::MOST_SEPARATIONS;
 use super::error::{SceneError, Together};
+use super::keys::Sign::{Any, Positive};
+use super::keys::Value::{Number, Quantity, Table, Various, Whole};
+use super::keys::{Key, key};
 use super::reader::{Entry, Section};
-use super::units::Dimension::Length;
+use super::units::Dimension as Of;
 use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Facing, Law, Scratch, SolverStats};
 use crate::math::interpolation::linear;
 use crate::surface::{Heights, LENGTHS, Surface};
 use std::f64::consts::PI;
+use std::ops::Bound::Unbounded;
 use toml::de::DeValue;
+
+const RANGE: &str = "a list, or a table { from, to, count }";
+/// Most separations of a scene; far more than a curve needs.
+const MOST_SEPARATIONS: u64 = 10_000;
+/// Most cycles of a loop: this number is as good as any.
+const MOST_CYCLES: u64 = 1_000_000_000;
+
+/// The keys of `[separation]`.
+pub(super) static KEYS: &[Key] = &[
+    key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
+        .what("where forces are computed")
+        .about(
+            "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, or \
+             where the largest preload is reached, to where nothing pulls, in 161 steps.",
+        )
+        .follows("a range that follows from the surface"),
+    key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))
+        .what("separations of the mean planes, as lengths")
+        .about("h of the mean planes of the two faces. They rise.")
+        .follows("from `h_star`")
+        .excludes(&["separation.h_star"]),
+    key("separation.h.from", "\"-2 nm\"", Quantity(Of::Length, Any)).what("the first"),
+    key("separation.h.to", "\"13 nm\"", Quantity(Of::Length, Any))
+        .what("the last")
+        .about("Greater than `from`."),
+    key("separation.h.count", "91", Whole(2, MOST_SEPARATIONS)).what("how many, evenly spaced"),
+    key("separation.h[]", "\"3 nm\"", Quantity(Of::Length, Any)),
+    key("separation.h_star", "{ from = -1.0, to = 8.0, count = 91 }", Various(RANGE))
+        .what("separations of the mean planes over σ")
+        .about(
+            "h* = h/σ, with σ of the surface, not σ_s. Pull-off is mostly found between 1 and 6; 0.05 is \
+             a good step.",
+        )
+        .follows("from `h`"),
+    key("separation.h_star.from", "-1.0", Number(Unbounded, Unbounded)).what("the first"),
+    key("separation.h_star.to", "8.0", Number(Unbounded, Unbounded))
+        .what("the last")
+        .about("Greater than `from`."),
+    key("separation.h_star.count", "91", Whole(2, MOST_SEPARATIONS)).what("how many, evenly spaced"),
+    key("separation.h_star[]", "2.0", Number(Unbounded, Unbounded)),
+    key("separation.cycles", "2", Whole(1, MOST_CYCLES))
+        .what("how often the surfaces of a loop are brought close and pulled back")
+        .about(
+            "Needs `history = \"loop\"`. From 2 on the file has the second approach, in datasets that begin with `reapproach_`, and the energy that each \
+             cycle after the first dissipates. Between cycles the surfaces are parted until nothing touches. The second \
+             retraction equals the first, and every further cycle equals the second.",
+        )
+        .defaults_to("1"),
+    key("separation.stiffness_span", "\"0.2 nm\"", Quantity(Of::Length, Positive))
+        .what("span of the secant stiffness")
+        .about(
+            "The stiffness of a replica is the steepest secant of its force over this length. It lies \
+             within the separations.",
+        )
+        .follows("`equilibrium_spacing`"),
+];
 
 /// Least span of a secant, as a share of the largest separation: a million of its roundings.
 const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
@@ -177,13 +236,13 @@ pub(super) fn stiffness_span(
     if span > most {
         return Err(entry.wrong(&format!(
             "the separations reach over {} only: the span has to lie within them",
-            Length.shown(most)
+            Of::Length.shown(most)
         )));
     }
     if span < least {
         return Err(entry.wrong(&format!(
             "against these separations less than {} is lost in rounding",
-            Length.shown(least)
+            Of::Length.shown(least)
         )));
     }
     Ok(span)

@@ -9,13 +9,14 @@
 //! ```
 
 use super::axes::{Axis, SweepTable};
-use super::choices::Mode;
 use super::definition::Scene;
 use super::error::{SceneError, all};
 use super::files::Files;
+use super::mode::Mode;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::{COUPLING, place, uncouple};
+use super::table::KEYS;
 use crate::asperity::models::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
@@ -163,7 +164,7 @@ impl Sweep {
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
         let document = document(&text)
-            .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), &self.files));
+            .and_then(|document| read(&text, &Section::root(&text, document.get_ref(), &KEYS), &self.files));
         // A sweep over plastic contacts is their range.
         let are_swept = self.axes.iter().any(|axis| axis.key.name == "model.plastic_contact");
         let document = document.map(|scene| Scene { model_range: scene.model_range && !are_swept, ..scene });

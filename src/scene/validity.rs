@@ -562,7 +562,7 @@ fn twice(scene: &Scene) -> Option<Warning> {
 fn mean_planes(scene: &Scene) -> Vec<Warning> {
     let surface = &scene.surface;
     let mut warnings: Vec<Warning> =
-        scene.forces.0.iter().flat_map(|(_, given)| given.warnings(scene)).collect();
+        scene.forces.0.iter().flat_map(|(_, given)| given.warnings(scene.separations[0])).collect();
     if surface.background.is_none() {
         return warnings;
     }

@@ -1,13 +1,9 @@
 //! Exponential heights: s = E − 1, where E is a standard exponential deviate.
 
-use super::HeightLaw;
-use super::form::{Form, NEGLIGIBLE, NEVER, NamedLaw, even};
+use super::form::{Form, NEGLIGIBLE, NEVER, even};
 use super::normal;
 use rand::Rng;
 use rand_distr::{Distribution, Exp1};
-
-pub(super) const LAW: NamedLaw =
-    NamedLaw { name: "exponential", parameters: &[], make: |_| Ok(HeightLaw::Exponential) };
 
 /// The exponential law.
 pub(super) struct Exponential;

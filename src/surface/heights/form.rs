@@ -1,6 +1,5 @@
 //! The standard form of a law of heights.
 
-use super::HeightLaw;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -52,16 +51,6 @@ pub(super) trait Form {
     fn draw(&self, random: &mut dyn Rng) -> f64 {
         self.of_normal(StandardNormal.sample(random))
     }
-}
-
-/// A law that scenes name.
-pub struct NamedLaw {
-    /// The name in scenes.
-    pub name: &'static str,
-    /// Its parameters.
-    pub parameters: &'static [Parameter],
-    /// The law of values of the parameters, in their order; an error says why there is none.
-    pub make: fn(&[f64]) -> Result<HeightLaw, String>,
 }
 
 /// A parameter of a law that scenes name.

@@ -1,12 +1,8 @@
 //! Normal heights: s is a standard normal deviate.
 
-use super::HeightLaw;
-use super::form::{Form, NamedLaw};
+use super::form::Form;
 use super::normal;
 use std::f64::consts::PI;
-
-pub(super) const LAW: NamedLaw =
-    NamedLaw { name: "gaussian", parameters: &[], make: |_| Ok(HeightLaw::Gaussian) };
 
 /// The normal law.
 pub(super) struct Gaussian;

@@ -1,15 +1,11 @@
 //! Log-normal heights: s = (L − E\[L\])/√Var L, L = exp(ςz) for the shape ς and a standard normal deviate z.
 
-use super::HeightLaw;
 use super::form::ParameterValue::Within;
-use super::form::{Form, NamedLaw, Parameter};
+use super::form::{Form, Parameter};
 use super::normal;
 
-pub(super) const LAW: NamedLaw = NamedLaw {
-    name: "lognormal",
-    parameters: &[Parameter { key: "shape", value: Within(0.01, 1.5) }],
-    make: |values| Ok(HeightLaw::LogNormal(LogNormal::new(values[0]))),
-};
+/// Its parameters in scenes.
+pub(super) const PARAMETERS: &[Parameter] = &[Parameter { key: "shape", value: Within(0.01, 1.5) }];
 
 /// The log-normal law, standardised.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,7 @@ mod sample;
 mod truncated;
 mod weibull;
 
-pub use form::{NamedLaw, Parameter, ParameterValue};
+pub use form::{Parameter, ParameterValue};
 pub use lognormal::LogNormal;
 pub use lowered::Lowered;
 pub(super) use sample::of_score;
@@ -38,9 +38,35 @@ use std::sync::Arc;
 const CAP_REACH: f64 = 9.0;
 const CAP_PANELS: usize = 3;
 
-/// The laws that scenes name, a line each.
-pub static HEIGHT_LAWS: &[NamedLaw] =
-    &[gaussian::LAW, exponential::LAW, weibull::LAW, lognormal::LAW, truncated::LAW];
+/// A law that scenes name.
+pub struct NamedLaw {
+    /// The name in scenes.
+    pub name: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// The law of values of the parameters, in their order; an error says why there is none.
+    pub make: fn(&[f64]) -> Result<HeightLaw, String>,
+}
+
+/// The laws that scenes name.
+pub static HEIGHT_LAWS: &[NamedLaw] = &[
+    // A line each.
+    law("gaussian", &[], |_| Ok(HeightLaw::Gaussian)),
+    law("exponential", &[], |_| Ok(HeightLaw::Exponential)),
+    law("weibull", weibull::PARAMETERS, |values| Ok(HeightLaw::Weibull(Weibull::new(values[0])))),
+    law("lognormal", lognormal::PARAMETERS, |values| Ok(HeightLaw::LogNormal(LogNormal::new(values[0])))),
+    law("truncated", truncated::PARAMETERS, |limits| {
+        Truncated::checked(limits[0], limits[1]).map(HeightLaw::Truncated)
+    }),
+];
+
+const fn law(
+    name: &'static str,
+    parameters: &'static [Parameter],
+    make: fn(&[f64]) -> Result<HeightLaw, String>,
+) -> NamedLaw {
+    NamedLaw { name, parameters, make }
+}
 
 /// Asperity heights about a plane.
 ///

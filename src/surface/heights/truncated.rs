@@ -2,9 +2,8 @@
 //!
 //! The law keeps the scale of the normal law that it was cut from, as a surface does whose summits are worn off.
 
-use super::HeightLaw;
 use super::form::ParameterValue::Or;
-use super::form::{Form, NamedLaw, Parameter};
+use super::form::{Form, Parameter};
 use super::normal;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -12,24 +11,11 @@ use rand::{Rng, RngExt};
 /// Least probability of what a truncated law leaves.
 const LEAST_LEFT: f64 = 1e-9;
 
-pub(super) const LAW: NamedLaw = NamedLaw {
-    name: "truncated",
-    parameters: &[
-        Parameter { key: "lower", value: Or(f64::NEG_INFINITY) },
-        Parameter { key: "upper", value: Or(f64::INFINITY) },
-    ],
-    make: |limits| {
-        let example = "{ law = \"truncated\", lower = -3.0, upper = 1.5 }, in standard deviations";
-        let (lower, upper) = (limits[0], limits[1]);
-        if lower.is_infinite() && upper.is_infinite() {
-            return Err(format!("needs lower or upper or both: {example}"));
-        }
-        if !(lower < upper && normal::probability(lower, upper) >= LEAST_LEFT) {
-            return Err(format!("leaves nothing between lower = {lower} and upper = {upper}: {example}"));
-        }
-        Ok(HeightLaw::Truncated(Truncated::new(lower, upper)))
-    },
-};
+/// Its parameters in scenes.
+pub(super) const PARAMETERS: &[Parameter] = &[
+    Parameter { key: "lower", value: Or(f64::NEG_INFINITY) },
+    Parameter { key: "upper", value: Or(f64::INFINITY) },
+];
 
 /// The normal law between limits.
 ///
@@ -56,6 +42,18 @@ impl Truncated {
     /// The normal law between `lower` < `upper`, between which it has some probability.
     pub fn new(lower: f64, upper: f64) -> Self {
         Self { lower, upper, probability: normal::probability(lower, upper) }
+    }
+
+    /// The law of the limits of a scene.
+    pub(super) fn checked(lower: f64, upper: f64) -> Result<Self, String> {
+        let example = "{ law = \"truncated\", lower = -3.0, upper = 1.5 }, in standard deviations";
+        if lower.is_infinite() && upper.is_infinite() {
+            return Err(format!("needs lower or upper or both: {example}"));
+        }
+        if !(lower < upper && normal::probability(lower, upper) >= LEAST_LEFT) {
+            return Err(format!("leaves nothing between lower = {lower} and upper = {upper}: {example}"));
+        }
+        Ok(Self::new(lower, upper))
     }
 }
 

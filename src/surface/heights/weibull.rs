@@ -1,17 +1,13 @@
 //! Weibull heights: s = (W − E\[W\])/√Var W, W = E^(1/k) for the shape k and a standard exponential deviate E.
 
-use super::HeightLaw;
 use super::exponential;
 use super::form::ParameterValue::Within;
-use super::form::{Form, NEGLIGIBLE, NEVER, NamedLaw, Parameter, even};
+use super::form::{Form, NEGLIGIBLE, NEVER, Parameter, even};
 use rand::Rng;
 use rand_distr::{Distribution, Exp1};
 
-pub(super) const LAW: NamedLaw = NamedLaw {
-    name: "weibull",
-    parameters: &[Parameter { key: "shape", value: Within(1.0, 20.0) }],
-    make: |values| Ok(HeightLaw::Weibull(Weibull::new(values[0]))),
-};
+/// Its parameters in scenes.
+pub(super) const PARAMETERS: &[Parameter] = &[Parameter { key: "shape", value: Within(1.0, 20.0) }];
 
 /// The Weibull law, standardised.
 #[derive(Clone, Copy, Debug, PartialEq)]

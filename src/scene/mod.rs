@@ -16,7 +16,6 @@ mod ensemble;
 mod error;
 #[doc(hidden)]
 pub mod files;
-pub(crate) mod films;
 mod instability;
 mod keys;
 mod laws;
@@ -34,7 +33,6 @@ mod separation;
 pub mod settings;
 mod shape;
 mod solver;
-mod spreading;
 mod substrate;
 mod summits;
 #[doc(hidden)]
@@ -69,8 +67,6 @@ pub use mode::MOST_POINTS;
 pub use mode::Mode;
 #[doc(hidden)]
 pub use solver::Sums;
-#[doc(hidden)]
-pub use spreading::Wet;
 pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]

@@ -24,14 +24,20 @@ fn a_file_is_read_back() {
     let back = asperities::read(&folder.path("map.h5")).unwrap();
     let file = unlocked::open(folder.path("map.h5"));
     let numbers = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
-    assert_eq!((back.asperities.heights.len(), &back.asperities.heights), (213, &numbers("/asperities/height")));
+    assert_eq!(
+        (back.asperities.heights.len(), &back.asperities.heights),
+        (213, &numbers("/asperities/height"))
+    );
     assert_eq!(back.asperities.radii, numbers("/asperities/radius"));
     assert_eq!(back.asperities.equivalent_radii, Some(numbers("/asperities/equivalent_radius")));
     let places: Vec<[f64; 2]> =
         numbers("/asperities/x").into_iter().zip(numbers("/asperities/y")).map(|(x, y)| [x, y]).collect();
     assert_eq!(back.asperities.positions, places);
     let area: f64 = file.attr("nominal_area").unwrap().read_scalar().unwrap();
-    assert_eq!((back.asperities.nominal_area, back.density), (area, numbers("/measured/asperity_density")[0]));
+    assert_eq!(
+        (back.asperities.nominal_area, back.density),
+        (area, numbers("/measured/asperity_density")[0])
+    );
     let mean = back.asperities.heights.iter().sum::<f64>() / 213.0;
     assert!((back.mean_plane_offset / mean - 1.0).abs() < 1e-12);
     assert_eq!(

@@ -20,6 +20,7 @@ mod interface;
 mod mean_field;
 mod model;
 mod node_table;
+mod range;
 mod retraction;
 mod spreading;
 
@@ -36,6 +37,7 @@ pub use mean_field::MeanField;
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};
+pub(crate) use range::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE, Summits};
 pub(crate) use retraction::Forces;
 pub use retraction::RetractionModel;
 #[doc(hidden)]

@@ -17,7 +17,6 @@ use super::model::{DEFAULT_LAW, ModelTable};
 use super::population::{Around, Population, population};
 use super::reader::Section;
 use super::separation;
-use super::separation::Tips;
 use super::shape::{shape, under_body};
 use super::solver::{Sums, sums};
 use super::substrate::SubstrateTable;
@@ -26,6 +25,7 @@ use super::validity::unknown_unloading;
 use crate::asperity::models::Plasticity;
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawParameters, Path};
+use crate::integral::Summits;
 use crate::liquid::Meniscus;
 use crate::surface::{Shape, Surface};
 use std::sync::Arc;
@@ -158,8 +158,8 @@ impl<'a> Readings<'a> {
             own.law(&LawParameters { table_range: None, ..of_law }).ok()
         });
         let separations = |surface: &Surface| {
-            let tips = Tips { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
-            given.clone().unwrap_or_else(|| tips.separations())
+            let summits = Summits { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
+            given.clone().unwrap_or_else(|| separation::following(&summits))
         };
         let (surface, separations) = match &self.shape {
             Some(shape) => {

@@ -11,18 +11,12 @@ use crate::asperity::scale::{Asperity, STRESS_RATIO};
 use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
-use crate::integral::substrate_stiffness;
+use crate::integral::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE, substrate_stiffness};
 use crate::substrate::Coupling;
 use crate::surface::{HeightLaw, Radii};
 
-/// Largest radius of a contact over that of its asperity.
-pub(super) const LARGEST_CONTACT: f64 = 0.3;
-/// Heights that are called the highest asperities, in σ_s.
-pub(super) const HIGHEST: f64 = 3.0;
 /// Most copies of the highest measured asperity in a replica on average: 95 % of the patches have it.
 const MOST_COPIES: f64 = 3.0;
-/// Largest share of the nominal area in contact.
-pub(super) const LARGEST_SHARE: f64 = 0.1;
 /// Largest share of what is read off that the separations may miss.
 const LARGEST_MISSED: f64 = 0.05;
 /// Steps of the separation, over σ_s, that miss less.

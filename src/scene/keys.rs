@@ -77,6 +77,8 @@ pub enum Value {
     Choice(fn() -> Vec<&'static str>),
     /// Anything else, in words.
     Various(&'static str),
+    /// A number that depends on the law, in words.
+    OfLaw(fn() -> String),
 }
 
 /// The sign that a quantity may have.

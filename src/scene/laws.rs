@@ -4,7 +4,7 @@ use super::column::{FILE_COLUMN, FILE_DATASET, FILE_KEYS, FILE_PATH, FILE_UNIT, 
 use super::error::{SceneError, all};
 use super::files::{Files, Input};
 use super::keys::Listed::Flat;
-use super::keys::Value::{Choice, Number, Text, Various};
+use super::keys::Value::{Choice, Number, OfLaw, Text, Various};
 use super::keys::{Key, key, names};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
@@ -27,17 +27,13 @@ pub(super) static KEYS: &[Key] = &[
     .about("Whatever the law, its standard deviation is σ_s and its mean 0.")
     .defaults_to("\"gaussian\""),
     key("surface.heights.law", "\"weibull\"", Choice(|| names(&height_laws()))).what("name of the law"),
-    key(
-        "surface.heights.shape",
-        "1.5",
-        Various("a number from 1 to 20 of `weibull`, from 0.01 to 1.5 of `lognormal`"),
-    )
-    .what("shape of the law of heights")
-    .about(
-        "For `weibull` the exponent, for `lognormal` the standard deviation of the logarithm. Other \
+    key("surface.heights.shape", "1.5", OfLaw(shapes))
+        .what("shape of the law of heights")
+        .about(
+            "For `weibull` the exponent, for `lognormal` the standard deviation of the logarithm. Other \
              laws have none.",
-    )
-    .swept(),
+        )
+        .swept(),
     key("surface.heights.lower", "-3.0", Number(Unbounded, Unbounded))
         .what("lower limit of truncated heights")
         .about(
@@ -181,6 +177,18 @@ fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
 /// Laws of heights by their names; none for that of given heights.
 fn height_laws() -> Vec<(&'static str, Option<&'static NamedLaw>)> {
     HEIGHT_LAWS.iter().map(|law| (law.name, Some(law))).chain([("file", None)]).collect()
+}
+
+/// The shapes of all laws of heights that have one, in words.
+fn shapes() -> String {
+    let ranges = HEIGHT_LAWS.iter().flat_map(|law| law.parameters.iter().map(|own| (law.name, own)));
+    let words = ranges.filter_map(|(name, Parameter { key, value })| match value {
+        ParameterValue::Within(from, to) if *key == "shape" => {
+            Some(format!("from {from} to {to} of `{name}`"))
+        }
+        _ => None,
+    });
+    format!("a number {}", words.collect::<Vec<String>>().join(", "))
 }
 
 /// `heights`: the law, and the standard deviation of given ones, m.

@@ -10,8 +10,7 @@ mod scheme;
 mod shape;
 
 #[doc(hidden)]
-pub use heights::Lowered;
-pub(crate) use heights::{HEIGHT_LAWS, NamedLaw, Parameter, ParameterValue};
+pub use heights::{HEIGHT_LAWS, Lowered, NamedLaw, Parameter, ParameterValue};
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 pub use nayak::Spectrum;
 pub use places::{MeasuredPlaces, Places, PlacesError};

@@ -26,9 +26,7 @@ pub use weibull::Weibull;
 use super::shape::Depths;
 use crate::background::CapHeights;
 use Source::{OfForm, OfLowered, OfSample};
-use exponential::Exponential;
 use form::Form;
-use gaussian::Gaussian;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::Arc;
@@ -37,36 +35,6 @@ use std::sync::Arc;
 /// first.
 const CAP_REACH: f64 = 9.0;
 const CAP_PANELS: usize = 3;
-
-/// A law that scenes name.
-pub struct NamedLaw {
-    /// The name in scenes.
-    pub name: &'static str,
-    /// Its parameters.
-    pub parameters: &'static [Parameter],
-    /// The law of values of the parameters, in their order; an error says why there is none.
-    pub make: fn(&[f64]) -> Result<HeightLaw, String>,
-}
-
-/// The laws that scenes name.
-pub static HEIGHT_LAWS: &[NamedLaw] = &[
-    // A line each.
-    law("gaussian", &[], |_| Ok(HeightLaw::Gaussian)),
-    law("exponential", &[], |_| Ok(HeightLaw::Exponential)),
-    law("weibull", weibull::PARAMETERS, |values| Ok(HeightLaw::Weibull(Weibull::new(values[0])))),
-    law("lognormal", lognormal::PARAMETERS, |values| Ok(HeightLaw::LogNormal(LogNormal::new(values[0])))),
-    law("truncated", truncated::PARAMETERS, |limits| {
-        Truncated::checked(limits[0], limits[1]).map(HeightLaw::Truncated)
-    }),
-];
-
-const fn law(
-    name: &'static str,
-    parameters: &'static [Parameter],
-    make: fn(&[f64]) -> Result<HeightLaw, String>,
-) -> NamedLaw {
-    NamedLaw { name, parameters, make }
-}
 
 /// Asperity heights about a plane.
 ///
@@ -108,6 +76,36 @@ pub enum HeightLaw {
     Lowered(Arc<Lowered>),
 }
 
+/// A law that scenes name.
+pub struct NamedLaw {
+    /// The name in scenes.
+    pub name: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// The law of values of the parameters, in their order; an error says why there is none.
+    pub make: fn(&[f64]) -> Result<HeightLaw, String>,
+}
+
+/// The laws that scenes name.
+pub static HEIGHT_LAWS: &[NamedLaw] = &[
+    // A line each.
+    law("gaussian", &[], |_| Ok(HeightLaw::Gaussian)),
+    law("exponential", &[], |_| Ok(HeightLaw::Exponential)),
+    law("weibull", weibull::PARAMETERS, |values| Ok(HeightLaw::Weibull(Weibull::new(values[0])))),
+    law("lognormal", lognormal::PARAMETERS, |values| Ok(HeightLaw::LogNormal(LogNormal::new(values[0])))),
+    law("truncated", truncated::PARAMETERS, |limits| {
+        Truncated::checked(limits[0], limits[1]).map(HeightLaw::Truncated)
+    }),
+];
+
+const fn law(
+    name: &'static str,
+    parameters: &'static [Parameter],
+    make: fn(&[f64]) -> Result<HeightLaw, String>,
+) -> NamedLaw {
+    NamedLaw { name, parameters, make }
+}
+
 /// What draws the heights of a law.
 enum Source<'a> {
     /// Deviates of a standard form.
@@ -121,8 +119,8 @@ enum Source<'a> {
 impl HeightLaw {
     fn source(&self) -> Source<'_> {
         match self {
-            Self::Gaussian => OfForm(&Gaussian),
-            Self::Exponential => OfForm(&Exponential),
+            Self::Gaussian => OfForm(&gaussian::Gaussian),
+            Self::Exponential => OfForm(&exponential::Exponential),
             Self::Weibull(law) => OfForm(law),
             Self::LogNormal(law) => OfForm(law),
             Self::Truncated(law) => OfForm(law),

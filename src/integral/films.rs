@@ -15,7 +15,7 @@ const NODES: usize = 17;
 /// Halvings of an interval of thicknesses, to its rounding.
 const HALVINGS: usize = 60;
 
-/// The films on the faces on one way over the separations.
+/// The films on the surfaces on one branch over the separations.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Films {
@@ -25,10 +25,10 @@ pub struct Films {
     pub external_force: Vec<f64>,
 }
 
-/// The share of a film that is as good as none.
+/// The fraction of a film that is negligible.
 const ROUNDING: f64 = 1e-13;
 
-/// Expectations with one thickness on one way over the separations.
+/// Expectations with one thickness on one branch over the separations.
 struct Expected {
     /// Volume ΣV, m³.
     volume: Vec<f64>,

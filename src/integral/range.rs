@@ -25,7 +25,7 @@ const HEIGHTS: u32 = 2000;
 /// Mean load of the closest separation over the largest preload, less its standard deviations.
 const MARGIN_OF_LOADS: f64 = 1.5;
 /// Standard deviations by which the load of a patch may be below the mean.
-const SCATTER_OF_LOADS: f64 = 3.0;
+const DEVIATIONS_OF_LOADS: f64 = 3.0;
 
 /// Halvings of the deepest contact that a law is solved at, and steps of each, for loads between them.
 const HALVINGS: i32 = 20;
@@ -46,7 +46,7 @@ pub(crate) struct Summits<'a> {
 /// A sum over the summits of a patch, and the standard deviations, of summits at random, that the mean is above it.
 struct Wanted {
     sum: f64,
-    scatter: f64,
+    deviations: f64,
 }
 
 impl Summits<'_> {
@@ -61,7 +61,7 @@ impl Summits<'_> {
             + self.asperity.lubricant_thickness
             + self.liquid
             + REACH * self.asperity.equilibrium_spacing;
-        let touching = Wanted { sum: LARGEST_SHARE * surface.loaded_area(), scatter: 0.0 };
+        let touching = Wanted { sum: LARGEST_SHARE * surface.loaded_area(), deviations: 0.0 };
         let touching =
             self.closest(&heights, furthest, touching, &|depth| PI * surface.asperity_radius * depth);
         // The highest summits keep contacts that are small against their radius, also in a patch without tall ones.
@@ -72,7 +72,7 @@ impl Summits<'_> {
         let from = match self.preload > 0.0 {
             true => {
                 let of_law = self.loads(heights[heights.len() - 1] - heights[0] + surface.asperity_radius);
-                let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
+                let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, deviations: DEVIATIONS_OF_LOADS };
                 end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth, &of_law))).floor()
             }
             // Patches without tall summits come nearer than the mean.
@@ -95,7 +95,7 @@ impl Summits<'_> {
         let lacks = |d: f64| {
             let depths = heights.iter().map(|height| height - d).filter(|depth| *depth > 0.0);
             let [sum, squares] = depths.map(of).fold([0.0; 2], |[a, b], own| [a + own, b + own * own]);
-            share * sum - wanted.scatter * (share * squares).sqrt() < wanted.sum
+            share * sum - wanted.deviations * (share * squares).sqrt() < wanted.sum
         };
         // A depth of all the radius is beyond every law.
         let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);

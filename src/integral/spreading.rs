@@ -7,8 +7,8 @@
 //!
 //! p = w(f) [p_f − (E − E₀)/A_n],
 //!
-//! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the faces have touched
-//! or bridges are reversible there is liquid in all gaps that hold some, and f is the larger of that share and the share Φ(−v)
+//! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the surfaces have touched
+//! or bridges are reversible there is liquid in all gaps that keep some, and f is the larger of that share and the share Φ(−v)
 //! of these gaps: liquid that fills the gaps lasts where single bridges break. m₂ belongs to the Gaussian
 //! surface with these asperities, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
 
@@ -30,7 +30,7 @@ const REACH: f64 = 10.0;
 pub struct Wet {
     /// Asperities that touch.
     pub contacts: f64,
-    /// Asperities that only a bridge joins to the other face.
+    /// Asperities that only a bridge joins to the other surface.
     pub bridges: f64,
     /// F_s of these, N.
     pub pull: f64,
@@ -119,7 +119,7 @@ impl Interface {
             let of = |regime: usize| (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k]);
             Wet::new(&regimes, wet.expected[area][k], of).covered(meniscus, &alone.surface)
         };
-        // On the way back there is liquid where a body was near enough, or bridges form by themselves.
+        // On retraction there is liquid where a body was near enough, or bridges form without contact.
         let is_wet = |k: &usize| weight(covered(&wet[0], *k)) > 0.0;
         let reached =
             (0..separations.len()).rev().find(is_wet).map_or(0.0, |k| separations[k] - separations[0]);

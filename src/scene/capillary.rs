@@ -182,7 +182,7 @@ fn equilibrium(section: &Section<'_>) -> Result<Equilibrium, SceneError> {
     section.require("relative_humidity").and_then(|entry| entry.bounded()).map(Equilibrium::Vapour)
 }
 
-/// The number of faces with films, and the films' Hamaker constant, J.
+/// The number of surfaces with films, and the films' Hamaker constant, J.
 fn films(section: &Section<'_>) -> Result<Option<(u8, f64)>, SceneError> {
     let hamaker = section.optional("hamaker_constant", |entry| entry.measured());
     let faces = section.optional("film_faces", |entry| entry.whole());
@@ -228,7 +228,7 @@ fn liquid(section: &Section<'_>, with: &Equilibrium) -> Result<Liquid, SceneErro
     })
 }
 
-/// The contact angles of the two faces, rad.
+/// The contact angles of the two surfaces, rad.
 fn angles(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
     match entry.value.get_ref() {
         DeValue::Array(array) if array.len() == 2 => {

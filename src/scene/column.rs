@@ -13,7 +13,7 @@ pub(super) const FILE_COLUMN: &str = "For a CSV file. A column by its name, or b
 pub(super) const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
 pub(super) const FILE_UNIT: &str = "The values of the file are multiplied by it. The name above a column may have it: `height (nm)`, `height_nm`.";
 
-/// Fewest values of a file, so that they have a scatter.
+/// Fewest values of a file, so that they have a standard deviation.
 pub(super) const FEWEST: usize = 2;
 /// Keys of such a law.
 pub(super) const FILE_KEYS: [&str; 4] = ["path", "column", "dataset", "unit"];

@@ -56,7 +56,7 @@ pub struct Scene {
     pub cycle: bool,
     /// Cycles of a loop, at least 1; every cycle after the first repeats the second.
     pub cycles: u64,
-    /// Springs and preloads that hold the surfaces.
+    /// Springs and preloads on the surfaces.
     pub instability: Instability,
     /// The force that pulls the surfaces apart in the device, N, if there is one.
     pub restoring_force: Option<f64>,
@@ -206,7 +206,7 @@ impl Scene {
         self.interface().law(Path::Approach, model)
     }
 
-    /// The law of asperities all of which have touched, and none of which has flowed: at least what a loop pulls.
+    /// The law of asperities all of which have touched, and none of which has yielded: a lower bound of the pull on retraction.
     pub(crate) fn touched_law(&self) -> Result<SurfaceLaws, LawError> {
         self.interface().law(Path::Retraction, &self.model)
     }

@@ -1,4 +1,4 @@
-//! Springs and preloads that hold the surfaces of a scene.
+//! Springs and preloads on the surfaces of a scene.
 
 use super::error::{SceneError, Together};
 use super::keys::Sign::{NotNegative, Positive};
@@ -36,7 +36,7 @@ const PATCH: &str = "patch";
 /// Most stiffnesses, and most preloads, of a scene.
 const MOST: usize = 200;
 
-/// Springs and preloads that hold the surfaces; empty when that is not asked for.
+/// Springs and preloads on the surfaces; empty when that is not asked for.
 ///
 /// # Examples
 /// ```
@@ -53,7 +53,7 @@ pub struct Instability {
     pub stiffness: Vec<f64>,
     /// External forces, N, at which the approach ends; none for the smallest separation.
     pub preload: Vec<f64>,
-    /// The least distance, m, that counts as a snap.
+    /// The least distance, m, that counts as a jump.
     pub smallest_snap: f64,
 }
 

@@ -137,12 +137,12 @@ impl Key {
         Self { about, ..self }
     }
 
-    /// Adds the value that holds where the key is absent.
+    /// Adds the value of the key where it is absent.
     pub(super) const fn defaults_to(self, value: &'static str) -> Self {
         Self { absent: Absent::Is(value), ..self }
     }
 
-    /// Adds words on what holds where the key is absent.
+    /// Adds words on what follows where the key is absent.
     pub(super) const fn follows(self, words: &'static str) -> Self {
         Self { absent: Absent::Follows(words), ..self }
     }

@@ -126,7 +126,7 @@ enum RadiusLaw {
     File,
 }
 
-/// `count`: whether every replica has as many asperities.
+/// `count`: whether the number of asperities is fixed.
 pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
     section.value("count").choice("count", &CountLaw::ALL)
 }

@@ -85,9 +85,9 @@ pub(super) struct Material {
 }
 
 impl Material {
-    /// The material of `[material]`, of which contacts flow or stay elastic, whatever its hardness.
-    pub fn read(section: &Section<'_>, flows: bool) -> Result<Self, SceneError> {
-        let is_hard = flows || section.get("hardness").is_some();
+    /// The material of `[material]`, of which contacts yield or stay elastic, whatever its hardness.
+    pub fn read(section: &Section<'_>, yields: bool) -> Result<Self, SceneError> {
+        let is_hard = yields || section.get("hardness").is_some();
         let hardness = match is_hard {
             true => section
                 .require("hardness")
@@ -167,7 +167,7 @@ fn bodies(section: &Section<'_>, is_hard: bool) -> Result<(f64, Vec<f64>), Scene
     Ok((1.0 / (compliance(0) + compliance(1)), ratios))
 }
 
-/// The hardness, Pa, and the Poisson ratio of the body that flows first: its k H is the smaller one.
+/// The hardness, Pa, and the Poisson ratio of the body that yields first: its k H is the smaller one.
 fn softer(entry: &Entry<'_>, hardness: &[f64], ratios: &[f64]) -> Result<(f64, f64), SceneError> {
     match (hardness, ratios) {
         (&[hardness], &[ratio]) => Ok((hardness, ratio)),

@@ -88,8 +88,8 @@ impl<'a> Readings<'a> {
         };
         let is_wet = root.get("capillary").is_some();
         let model = root.section_or_empty("model").and_then(|model| ModelTable::read(&model, is_wet));
-        let flows = model.as_ref().map_or(true, |own| own.law.validity.plasticity != Plasticity::Without);
-        let material = section("material").and_then(|material| Material::read(&material, flows));
+        let yields = model.as_ref().map_or(true, |own| own.law.validity.plasticity != Plasticity::Without);
+        let material = section("material").and_then(|material| Material::read(&material, yields));
         let population = section("surface")
             .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, &around));
         // What a separation is depends on the surface, whether it is one does not.
@@ -278,7 +278,7 @@ fn resolved(scene: &Scene) -> Result<(), String> {
     ))
 }
 
-/// Refuses to pull back tops that have flowed under a law of loading alone.
+/// Refuses to unload contacts that have yielded under a law of loading alone.
 fn loading_alone(root: &Section<'_>, scene: &Scene) -> Result<(), SceneError> {
     let Some((flowing, contact)) = unknown_unloading(scene) else { return Ok(()) };
     let entry = required(root, "model")?.value("history");

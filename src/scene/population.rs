@@ -145,8 +145,8 @@ fn lengths(section: &Section<'_>, has_body: bool) -> Result<Lengths, SceneError>
         density,
         if has_body { Ok(None) } else { section.measured("nominal_area").map(Some) },
         section.optional("surface_height_std", |entry| {
-            let faces = entry.one_or_two(Entry::measured)?;
-            Ok(faces.into_iter().fold(0.0, f64::hypot))
+            let surfaces = entry.one_or_two(Entry::measured)?;
+            Ok(surfaces.into_iter().fold(0.0, f64::hypot))
         }),
         optional("asperity_height_std"),
         section.optional("mean_plane_offset", |entry| entry.measured()),

@@ -250,7 +250,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// This table as a section without a name, which may hold any keys; `about` says which make sense.
+    /// This table as a section without a name, which may have any keys; `about` says which make sense.
     pub fn any_table(&self, about: &str) -> Result<Section<'a>, SceneError> {
         match self.value.get_ref() {
             DeValue::Table(table) => Ok(Section { text: self.text, name: "", table, keys: self.keys }),
@@ -258,7 +258,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A value, or a list of two, one for each body or face, by `read`.
+    /// A value, or a list of two, one for each body or surface, by `read`.
     pub fn one_or_two(
         &self,
         read: impl Fn(&Self) -> Result<f64, SceneError>,

@@ -305,7 +305,7 @@ mod tests {
             };
             return format!("{}\n[shape]\n{keys}\n", scene.replace("nominal_area =", "# nominal_area ="));
         }
-        // Fits are of one dry law, and of loops whose tops keep their radius.
+        // Fits are of one dry law, and of loops whose summits keep their radius.
         let (law, history, liquid) = match key.name {
             "model.law" => ("hybrid", "approach", ""),
             "model.plastic_contact" => ("md_plastic", "approach", ""),

@@ -83,7 +83,7 @@ pub(super) static SHAPES: &[(&str, &ShapeReader)] = &[
 ];
 
 /// Equilibrium spacings from a tip beyond which its attraction is left out. Of a sphere the rest falls as 1 over the depth: for
-/// `configs/probe.toml` 0.05 % of the pull-off of a spot.
+/// `configs/probe.toml` 0.05 % of the pull-off of a place.
 const REACH: f64 = 300.0;
 /// Standard deviations of the highest tips.
 const HIGHEST: f64 = 6.0;

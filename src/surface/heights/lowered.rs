@@ -1,4 +1,4 @@
-//! Heights of asperities under a body whose face lies behind its nearest point.
+//! Heights of asperities under a body whose surface lies behind its nearest point.
 
 use super::{HeightLaw, Heights};
 use crate::math::piecewise::Piecewise;
@@ -187,7 +187,7 @@ impl Lowered {
         let mut lowered = heights.iter_mut();
         let mut tips = radii.iter_mut();
         let Depths { shape, area, tip, .. } = &self.depths;
-        self.depths.scatter(lowered.len(), random, |share, turn| {
+        self.depths.place_all(lowered.len(), random, |share, turn| {
             let radius = tips.next();
             let own = radius.as_deref().copied().unwrap_or(*tip);
             if let Some(height) = lowered.next() {

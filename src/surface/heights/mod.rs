@@ -25,7 +25,6 @@ pub use weibull::Weibull;
 
 use super::shape::Depths;
 use crate::background::CapHeights;
-use Source::{OfForm, OfLowered, OfSample};
 use form::Form;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
@@ -109,40 +108,40 @@ const fn law(
 /// What draws the heights of a law.
 enum Source<'a> {
     /// Deviates of a standard form.
-    OfForm(&'a dyn Form),
+    Form(&'a dyn Form),
     /// Given values, m, rising.
-    OfSample(&'a [f64]),
+    Sample(&'a [f64]),
     /// Places under a body.
-    OfLowered(&'a Lowered),
+    Lowered(&'a Lowered),
 }
 
 impl HeightLaw {
     fn source(&self) -> Source<'_> {
         match self {
-            Self::Gaussian => OfForm(&gaussian::Gaussian),
-            Self::Exponential => OfForm(&exponential::Exponential),
-            Self::Weibull(law) => OfForm(law),
-            Self::LogNormal(law) => OfForm(law),
-            Self::Truncated(law) => OfForm(law),
-            Self::Sample(values) => OfSample(values),
-            Self::Lowered(law) => OfLowered(law),
+            Self::Gaussian => Source::Form(&gaussian::Gaussian),
+            Self::Exponential => Source::Form(&exponential::Exponential),
+            Self::Weibull(law) => Source::Form(law),
+            Self::LogNormal(law) => Source::Form(law),
+            Self::Truncated(law) => Source::Form(law),
+            Self::Sample(values) => Source::Sample(values),
+            Self::Lowered(law) => Source::Lowered(law),
         }
     }
 
     /// A description for people.
     pub fn about(&self) -> String {
         match self.source() {
-            OfForm(form) => form.about(),
-            OfSample(values) => format!("one of {} given values", values.len()),
-            OfLowered(law) => law.base.law.about(),
+            Source::Form(form) => form.about(),
+            Source::Sample(values) => format!("one of {} given values", values.len()),
+            Source::Lowered(law) => law.base.law.about(),
         }
     }
 
     /// Whether both tails fall as the normal law's, or end.
     pub(crate) fn has_normal_tails(&self) -> bool {
         match self.source() {
-            OfForm(form) => form.has_normal_tails(),
-            OfSample(_) | OfLowered(_) => false,
+            Source::Form(form) => form.has_normal_tails(),
+            Source::Sample(_) | Source::Lowered(_) => false,
         }
     }
 }
@@ -178,16 +177,16 @@ impl Heights {
     /// The values of a sample, m, rising.
     pub fn values(&self) -> Option<&[f64]> {
         match self.law.source() {
-            OfSample(values) => Some(values),
-            OfForm(_) | OfLowered(_) => None,
+            Source::Sample(values) => Some(values),
+            Source::Form(_) | Source::Lowered(_) => None,
         }
     }
 
     /// The depths of places under a body, if there is one.
     pub fn depths(&self) -> Option<&Depths> {
         match self.law.source() {
-            OfLowered(law) => Some(&law.depths),
-            OfForm(_) | OfSample(_) => None,
+            Source::Lowered(law) => Some(&law.depths),
+            Source::Form(_) | Source::Sample(_) => None,
         }
     }
 
@@ -204,27 +203,27 @@ impl Heights {
     /// Mean and standard deviation of what is drawn, m.
     pub fn moments(&self) -> (f64, f64) {
         match self.law.source() {
-            OfForm(form) => {
+            Source::Form(form) => {
                 let (mean, std) = form.moments();
                 (self.height(mean), self.std * std)
             }
-            OfSample(values) => {
+            Source::Sample(values) => {
                 let (mean, std) = sample::moments(values);
                 (self.mean + mean, std)
             }
-            OfLowered(law) => law.moments(),
+            Source::Lowered(law) => law.moments(),
         }
     }
 
     /// Least and largest height that can be, m.
     pub fn support(&self) -> (f64, f64) {
         match self.law.source() {
-            OfForm(form) => {
+            Source::Form(form) => {
                 let (low, high) = form.support();
                 (self.height(low), self.height(high))
             }
-            OfSample(values) => (self.mean + values[0], self.mean + values[values.len() - 1]),
-            OfLowered(law) => law.between(law.base.support()),
+            Source::Sample(values) => (self.mean + values[0], self.mean + values[values.len() - 1]),
+            Source::Lowered(law) => law.between(law.base.support()),
         }
     }
 
@@ -232,12 +231,12 @@ impl Heights {
     /// normal law has no end.
     pub fn reach(&self, margin: f64) -> (f64, f64) {
         match self.law.source() {
-            OfForm(form) => {
+            Source::Form(form) => {
                 let (support, (low, high)) = (self.support(), form.reach(margin));
                 (support.0.max(self.height(low)), support.1.min(self.height(high)))
             }
-            OfSample(_) => self.support(),
-            OfLowered(law) => law.between(law.base.reach(margin)),
+            Source::Sample(_) => self.support(),
+            Source::Lowered(law) => law.between(law.base.reach(margin)),
         }
     }
 
@@ -245,18 +244,18 @@ impl Heights {
     #[doc(hidden)]
     pub fn smooth_over(&self) -> Option<f64> {
         match self.law.source() {
-            OfForm(form) => form.is_smooth().then_some(self.std),
-            OfSample(_) => None,
-            OfLowered(law) => law.smooth_over(),
+            Source::Form(form) => form.is_smooth().then_some(self.std),
+            Source::Sample(_) => None,
+            Source::Lowered(law) => law.smooth_over(),
         }
     }
 
     /// Probability density at the height `u`, m: 1/m. A sample has none.
     pub fn density(&self, u: f64) -> f64 {
         match self.law.source() {
-            OfForm(form) => form.density(self.deviate(u), self.std),
-            OfSample(_) => f64::NAN,
-            OfLowered(law) => law.density(u),
+            Source::Form(form) => form.density(self.deviate(u), self.std),
+            Source::Sample(_) => f64::NAN,
+            Source::Lowered(law) => law.density(u),
         }
     }
 
@@ -264,9 +263,9 @@ impl Heights {
     /// values from `low` to below `high`.
     pub fn probability(&self, low: f64, high: f64) -> f64 {
         match self.law.source() {
-            OfForm(form) => form.probability(self.deviate(low), self.deviate(high)),
-            OfSample(values) => sample::probability(self.mean, values, [low, high]),
-            OfLowered(law) => law.probability(low, high),
+            Source::Form(form) => form.probability(self.deviate(low), self.deviate(high)),
+            Source::Sample(values) => sample::probability(self.mean, values, [low, high]),
+            Source::Lowered(law) => law.probability(low, high),
         }
     }
 
@@ -274,15 +273,15 @@ impl Heights {
     /// their digits.
     pub fn of_normal(&self, z: f64) -> f64 {
         match self.law.source() {
-            OfForm(form) => self.height(form.of_normal(z)),
-            OfSample(values) => self.mean + values[of_score(z, values.len())],
-            OfLowered(law) => law.of_normal(z),
+            Source::Form(form) => self.height(form.of_normal(z)),
+            Source::Sample(values) => self.mean + values[of_score(z, values.len())],
+            Source::Lowered(law) => law.of_normal(z),
         }
     }
 
     /// Rising heights, m, that stand for the law, at even probabilities.
     pub fn strata(&self, count: u32) -> Vec<f64> {
-        if let OfLowered(law) = self.law.source() {
+        if let Source::Lowered(law) = self.law.source() {
             return law.strata(count);
         }
         let scores = (0..count).map(|i| normal::quantile((f64::from(i) + 0.5) / f64::from(count)));
@@ -306,12 +305,12 @@ impl Heights {
     /// density is smooth and varies little; nothing is where it is negligible.
     pub fn panels(&self, low: f64, high: f64) -> Vec<f64> {
         match self.law.source() {
-            OfForm(form) => {
+            Source::Form(form) => {
                 let panels = form.panels(self.deviate(low), self.deviate(high)).into_iter();
                 panels.map(|s| self.height(s)).collect()
             }
-            OfSample(_) => Vec::new(),
-            OfLowered(law) => law.panels(low, high),
+            Source::Sample(_) => Vec::new(),
+            Source::Lowered(law) => law.panels(low, high),
         }
     }
 
@@ -320,14 +319,14 @@ impl Heights {
     pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
         match self.law.source() {
             // Most surfaces are: the generator is not called by its address.
-            OfForm(_) if self.law == HeightLaw::Gaussian => {
+            Source::Form(_) if self.law == HeightLaw::Gaussian => {
                 heights.fill_with(|| self.height(StandardNormal.sample(random)));
             }
-            OfForm(form) => heights.fill_with(|| self.height(form.draw(random))),
-            OfSample(values) => {
+            Source::Form(form) => heights.fill_with(|| self.height(form.draw(random))),
+            Source::Sample(values) => {
                 heights.fill_with(|| self.mean + values[random.random_range(0..values.len())]);
             }
-            OfLowered(law) => law.base.draw(random, heights),
+            Source::Lowered(law) => law.base.draw(random, heights),
         }
     }
 }

@@ -34,10 +34,12 @@ TREE, OWN = TARGET / "mutations" / "tree", TARGET / "mutations" / "target"
 ENDLESS, PATIENCE = 120.0, (3.0, 2.0)
 # After this many seconds a test is ended even if it takes no processor.
 WAIT = 300.0
-# The tests that additions are for: laws, scaling of radii, keys, sweeps.
+# The tests that additions are for: laws, scaling of radii, keys, sweeps, laws of heights.
 ADDED = ("laws::laws_jump_where_and_as_much_as_documented", "laws::laws_are_smooth_between_the_ends_of_their_pieces",
          "bad_scenes::examples_of_all_keys_are_scenes", "bad_scenes::keys::defaults_are_what_holds_without_the_key",
-         "lib::scene::sweep::tests::every_key_that_can_be_swept_is_one_of_scenes")
+         "lib::scene::sweep::tests::every_key_that_can_be_swept_is_one_of_scenes",
+         "populations::laws_of_heights_have_one_density_probability_and_score",
+         "populations::heights_are_drawn_from_their_law")
 SWITCH = """
 /// Whether a mistake is planted; for scripts/mutations.py.
 #[doc(hidden)]

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::input::columns::SceneFiles;
 use crate::input::scene_file::{LONGEST_SCENE, read_text, text_of};
 use crate::output::sweep::inputs_of;
-use crate::scene::settings::{Setting, told_of, with_settings};
+use crate::scene::settings::{Setting, located, with_settings};
 use crate::scene::{Document, Scene, SceneError};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,7 @@ impl SceneArguments {
         let refused = |error: SceneError| Error::Scene { path: path.to_owned(), error };
         let edited = with_settings(text, settings).map_err(refused)?;
         let document = Document::parse(&edited, Arc::new(SceneFiles::scene(path)));
-        Ok(document.map_err(|error| refused(told_of(error, text, &edited, settings)))?)
+        Ok(document.map_err(|error| refused(located(error, text, &edited, settings)))?)
     }
 
     /// The output that is named, or else the scene's name with this ending, in the current folder.

@@ -308,7 +308,7 @@ fn wet(results: &Results) -> String {
     let Some(meniscus) = scene.model.meniscus() else { return String::new() };
     let covered = capillary::at_pull_off(results).covered(meniscus, &scene.surface);
     let mut text = format!("bridges cover {} at pull-off, {}", percent(covered), capillary::regime(covered));
-    if covered > COVERS.0 && scene.filling().is_none() {
+    if covered > COVERS.0 && scene.interface().filling().is_none() {
         text += "; each is computed as if it were alone";
     }
     labelled("wet", &text)

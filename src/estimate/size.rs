@@ -1,14 +1,13 @@
 //! The size of a run, and the memory and disk that follow from it.
 //!
-//! They follow from what the parts of the program hold at once; `tests/suite/sizes.rs` has memory within a factor of 2 of what a
+//! They follow from what the parts of the program keep in memory at once; `tests/suite/sizes.rs` has memory within a factor of 2 of what a
 //! run takes.
 
 use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MANY, MOST_PERIODS, periods};
 use crate::engine::{BATCH, FIRST_CURVES, PILOTS, batches_of};
-use crate::experiment::CURVE_CHUNK;
-use crate::experiment::HELD;
-use crate::scene::{Scene, share_of_tops};
+use crate::experiment::{CURVE_CHUNK, HELD};
+use crate::scene::{Scene, share_of_yielded};
 use crate::substrate::{Coupling, Kernel};
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
@@ -25,7 +24,7 @@ const BINNED: f64 = 20.0;
 const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Bytes of the moments of a period, of a dozen segments.
 const PERIOD: f64 = 16e3;
-/// Bytes of an asperity in the search for the pull-off, and of the summit of one that has yielded.
+/// Bytes of an asperity in the search for the pull-off, and of the outline of one that has yielded.
 const SEARCHED: f64 = 14.0;
 const TOP: f64 = 1330.0;
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
@@ -43,8 +42,8 @@ pub struct Estimate {
     pub asperities: f64,
     /// States that a surface is summed in: separations, of a loop twice.
     pub separations: f64,
-    /// Share of the asperities that have flowed when surfaces are pulled back.
-    pub flowed: f64,
+    /// Fraction of the asperities that have yielded when surfaces are pulled back.
+    pub yielded: f64,
     /// Bytes of an asperity that is coupled; 0 where they are independent.
     pub coupled: f64,
     /// States in which the asperities of the first replica are recorded one by one.
@@ -67,7 +66,7 @@ pub struct Estimate {
     pub curves: bool,
     /// Files of such a run that are on the disk at once.
     pub files: f64,
-    /// Numbers that are kept of the snaps of a replica.
+    /// Numbers that are kept of the jumps of a replica.
     pub snaps: f64,
 }
 
@@ -84,7 +83,7 @@ impl Estimate {
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
-            flowed: share_of_tops(scene, law.typical),
+            yielded: share_of_yielded(scene, law.typical),
             coupled: coupled(scene),
             recorded: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
             regimes: law.regimes().len() as f64,
@@ -125,7 +124,7 @@ impl Estimate {
         let (s, r) = (self.separations, self.regimes);
         let moments = NUMBER * s * (20.0 + 6.0 * r);
         let kept = NUMBER * BATCH as f64 * s * if self.curves { 3.0 } else { 1.0 };
-        // A batch that is computed, and for each as many that wait to be merged.
+        // A batch that is computed, and for each two that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
         // Sums of batches wait in a tree of log2(batches) levels, half of which have any, and once more while a
         // partial result is written.
@@ -160,7 +159,7 @@ impl Estimate {
     /// Bytes of the surfaces that are summed at the same time.
     fn surfaces(&self) -> f64 {
         let n = self.asperities;
-        let searched = n * (SEARCHED + TOP * self.flowed);
+        let searched = n * (SEARCHED + TOP * self.yielded);
         let Some(periods) = self.periods else { return self.workers() * (NUMBER * n + searched) };
         let of_moments = |n: f64, lanes: f64| {
             let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
@@ -269,7 +268,7 @@ mod tests {
     use super::*;
 
     const RUN: Estimate = Estimate {
-        flowed: 0.0,
+        yielded: 0.0,
         coupled: 0.0,
         recorded: 0.0,
         asperities: 1e6,

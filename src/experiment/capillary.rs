@@ -2,8 +2,8 @@
 
 use super::results::Results;
 use crate::asperity::Quantity;
+use crate::integral::Wet;
 use crate::liquid::COVERS;
-use crate::scene::Wet;
 
 /// The share of the nominal area from which on what lies between the surfaces is flooded.
 const FLOODED: f64 = 0.9;

@@ -13,25 +13,35 @@
 mod controls;
 mod expectations;
 mod far_rule;
+mod films;
 mod height_integral;
 mod independence;
+mod interface;
 mod mean_field;
 mod model;
 mod node_table;
+mod range;
 mod retraction;
+mod spreading;
 
 pub use controls::controls;
 pub use expectations::Expectations;
 #[doc(hidden)]
+pub use films::Films;
+#[doc(hidden)]
 pub use independence::IntegralCurve;
 pub use independence::{Independence, IndependenceVerdict, Limit, substrate_stiffness};
+pub(crate) use interface::{Interface, Retractions};
 #[doc(hidden)]
 pub use mean_field::MeanField;
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};
+pub(crate) use range::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE, Summits};
 pub(crate) use retraction::Forces;
 pub use retraction::RetractionModel;
+#[doc(hidden)]
+pub use spreading::Wet;
 
 #[cfg(test)]
 mod tests {

@@ -3,6 +3,7 @@
 use super::OutputError;
 use super::reader::Reader;
 use super::schema::ASPERITIES;
+use crate::scene::files::Measured;
 use std::path::Path;
 
 /// The asperities of a measured surface.
@@ -12,24 +13,15 @@ use std::path::Path;
 /// use stiction::output::asperities::{AsperityFile, read};
 ///
 /// // What `stiction asperities map.npy -o asperities.h5` has written.
-/// let AsperityFile { heights, radii, .. } = read("asperities.h5".as_ref())?;
-/// assert_eq!(heights.len(), radii.len());
+/// let AsperityFile { asperities, .. } = read("asperities.h5".as_ref())?;
+/// assert_eq!(asperities.heights.len(), asperities.radii.len());
 /// # Ok::<(), stiction::output::OutputError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AsperityFile {
-    /// Height of each above the mean plane of the surface, m.
-    pub heights: Vec<f64>,
-    /// Radius of each, m; positive.
-    pub radii: Vec<f64>,
-    /// Geometric mean of the principal radii of each, m; positive. None of files of before version 2.2.
-    pub equivalent_radii: Option<Vec<f64>>,
-    /// Place of each on the map, x and y, m; of a smoothed one less its border.
-    pub positions: Vec<[f64; 2]>,
-    /// Lengths of the map along x and y, m, if the file says; of a smoothed one less its border.
-    pub extent: Option<[f64; 2]>,
-    /// Area that was searched for them, m²; positive.
-    pub nominal_area: f64,
+    /// The asperities: radii and area are positive; equivalent radii are none of files of before version 2.2. Places and lengths of a
+    /// smoothed map are less its border.
+    pub asperities: Measured,
     /// Asperities over that area, 1/m².
     pub density: f64,
     /// Mean of the heights, m: the height of the mean plane of the asperities above the surface's.
@@ -78,16 +70,21 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
     }
     let extent = extent(&reader)?;
     let mean_plane_offset = finite("/measured/asperity_height_mean", any)?[0];
-    Ok(AsperityFile {
+    let m0 = number("/surface/m0")?;
+    let asperities = Measured {
         positions: positions.map(|(x, y)| [x - along, y - down]).collect(),
         extent,
         heights,
         radii,
         equivalent_radii,
         nominal_area,
+        surface_height_std: m0.sqrt(),
+    };
+    Ok(AsperityFile {
+        asperities,
         density: number("/measured/asperity_density")?,
         mean_plane_offset,
-        m0: number("/surface/m0")?,
+        m0,
         m2: number("/surface/m2")?,
         m4: number("/surface/m4")?,
     })

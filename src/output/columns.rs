@@ -8,16 +8,7 @@ use std::path::Path;
 
 /// Measured asperities of a file.
 pub(crate) fn measured(path: &Path) -> Result<Measured, String> {
-    let file = asperities::read(path).map_err(|error| error.to_string())?;
-    Ok(Measured {
-        heights: file.heights,
-        radii: file.radii,
-        equivalent_radii: file.equivalent_radii,
-        positions: file.positions,
-        extent: file.extent,
-        nominal_area: file.nominal_area,
-        surface_height_std: file.m0.sqrt(),
-    })
+    asperities::read(path).map(|file| file.asperities).map_err(|error| error.to_string())
 }
 
 /// A dataset of numbers, whatever its shape.

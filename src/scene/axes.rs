@@ -1,10 +1,10 @@
 //! The table `[sweep]` of a scene: the keys that are swept and their values.
 
-use super::choices::{MOST_POINTS, Mode, SPACINGS};
 use super::echo::shortened;
 use super::error::{SceneError, Together, all};
 use super::keys::{Key, Value};
 use super::lookup::nearest;
+use super::mode::{MOST_POINTS, Mode, SPACINGS};
 use super::reader::{Entry, Section};
 use super::table::KEYS;
 use super::units::{Dimension, rounded};

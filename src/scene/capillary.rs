@@ -1,13 +1,104 @@
 //! The liquid that condenses around the asperities of a scene.
 
 use super::error::{SceneError, Together};
+use super::keys::Sign::{NotNegative, Positive};
+use super::keys::Value::{Choice, Number, Quantity, Switch, Table, Various, Whole};
+use super::keys::{Key, key, names};
 use super::reader::{Entry, Section};
+use super::units::Dimension as Of;
 use crate::asperity::models::Model;
 use crate::liquid::{Bridges, Film, Liquid, LiquidError, Meniscus, Volume};
+use std::ops::Bound::Excluded;
 use toml::de::DeValue;
 
+/// The keys of `[capillary]`.
+pub(super) static KEYS: &[Key] = &[
+    key(
+        "capillary",
+        "{ relative_humidity = 0.45, contact_angles = [\"30 deg\", \"30 deg\"] }",
+        Table,
+    )
+    .what("the liquid that condenses around the asperities")
+    .about("Needs `law = \"capillary\"` in `[model]`, which needs it.")
+    .follows("none; the asperities are dry"),
+    key("capillary.relative_humidity", "0.45", Number(Excluded(0.0), Excluded(1.0)))
+        .what("relative humidity")
+        .about(
+            "φ, the pressure of the vapour over the pressure at saturation. It sets r_K = γV_m/(R_g T |ln φ|). Required without \
+             `film_thickness`.",
+        )
+        .follows("from `film_thickness`")
+        .excludes(&["capillary.film_thickness"])
+        .swept()
+        .out_of_bounds("a relative humidity is greater than 0 and less than 1; this is {}"),
+    key("capillary.film_thickness", "\"1 nm\"", Quantity(Of::Length, Positive))
+        .what("thickness of liquid films on the faces")
+        .about(
+            "t, of a liquid that does not evaporate; r_K = 6πγt³/A. Needs `hamaker_constant` and `film_faces`; replaces \
+             `relative_humidity`.",
+        )
+        .follows("from the vapour where there is `hamaker_constant`: (A/6πp_c)^(1/3)")
+        .excludes(&["capillary.relative_humidity"])
+        .swept(),
+    key("capillary.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
+        .what("Hamaker constant of liquid films on the faces")
+        .about("A, of a face across the film: its disjoining pressure is A/(6πt³). Needs `film_faces`.")
+        .follows("none; faces are without films")
+        .swept(),
+    key("capillary.film_faces", "1", Whole(1, 2))
+        .what("how many of the faces have a film")
+        .about("Each needs the contact angle 0. Needs `hamaker_constant`.")
+        .follows("none; faces are without films"),
+    key("capillary.film_drains", "true", Switch)
+        .what("whether bridges are filled from the films between them")
+        .about("Needs `film_thickness`, which then refers to faces that are apart.")
+        .defaults_to("true"),
+    key("capillary.liquid", "\"water\"", Choice(|| names(&LIQUIDS)))
+        .what("name of the liquid")
+        .about("Surface tension and density of water follow from the temperature (IAPWS). Another liquid is given by `surface_tension` and `molar_volume`.")
+        .defaults_to("\"water\"")
+        .excludes(&["capillary.surface_tension", "capillary.molar_volume"]),
+    key("capillary.temperature", "\"20 degC\"", Quantity(Of::Temperature, Positive))
+        .what("temperature")
+        .about("T, of the liquid, its vapour and the solids.")
+        .defaults_to("\"20 degC\"")
+        .swept(),
+    key("capillary.surface_tension", "\"72.7 mN/m\"", Quantity(Of::SurfaceEnergy, Positive))
+        .what("surface tension of a liquid of one's own")
+        .about("γ. Needs `molar_volume` with `relative_humidity`.")
+        .follows("from `liquid`")
+        .swept(),
+    key("capillary.molar_volume", "\"18 cm^3/mol\"", Quantity(Of::MolarVolume, Positive))
+        .what("molar volume of a liquid of one's own")
+        .about("V_m. Needs `surface_tension` and `relative_humidity`.")
+        .follows("from `liquid`")
+        .swept(),
+    key(
+        "capillary.contact_angles",
+        "[\"30 deg\", \"30 deg\"]",
+        Various("a list of two angles, each from 0 to 180 deg"),
+    )
+    .what("contact angles of the two faces")
+    .about("θ₁ and θ₂. cos θ₁ + cos θ₂ has to be above 0: else no liquid condenses."),
+    key("capillary.contact_angles[]", "\"30 deg\"", Quantity(Of::Angle, NotNegative)),
+    key("capillary.volume", "\"equilibrium\"", Choice(|| names(&Volume::ALL)))
+        .what("amount of liquid in a bridge while the faces part")
+        .about(
+            "`equilibrium`: in equilibrium with the vapour, slow retraction. `constant`: bridges keep their liquid \
+             when contact ends, fast retraction.",
+        )
+        .defaults_to("\"equilibrium\""),
+    key("capillary.bridges", "\"metastable\"", Choice(|| names(&Bridges::ALL)))
+        .what("when bridges form and break")
+        .about(
+            "`metastable`: they form where the solids touch, and break where they become unstable. `reversible`: they \
+             form and break where a bridge and no bridge have equal energy.",
+        )
+        .defaults_to("\"metastable\""),
+];
+
 /// Names of liquids whose properties are known.
-pub(super) const LIQUIDS: [(&str, ()); 1] = [("water", ())];
+const LIQUIDS: [(&str, ()); 1] = [("water", ())];
 
 /// The liquid of the table `[capillary]`.
 pub(super) struct CapillaryTable {
@@ -88,16 +179,13 @@ fn equilibrium(section: &Section<'_>) -> Result<Equilibrium, SceneError> {
         }
         return film.measured().map(Equilibrium::Film);
     }
-    section.require("relative_humidity").and_then(|entry| match entry.number()? {
-        humidity if humidity > 0.0 && humidity < 1.0 => Ok(Equilibrium::Vapour(humidity)),
-        humidity => Err(entry.wrong(&LiquidError::Humidity(humidity).to_string())),
-    })
+    section.require("relative_humidity").and_then(|entry| entry.bounded()).map(Equilibrium::Vapour)
 }
 
-/// The number of faces with films, and the films' Hamaker constant, J.
+/// The number of surfaces with films, and the films' Hamaker constant, J.
 fn films(section: &Section<'_>) -> Result<Option<(u8, f64)>, SceneError> {
     let hamaker = section.optional("hamaker_constant", |entry| entry.measured());
-    let faces = section.optional("film_faces", |entry| entry.integer(1..=2));
+    let faces = section.optional("film_faces", |entry| entry.whole());
     match (hamaker, faces).together()? {
         (Some(hamaker), Some(faces)) => Ok(Some((faces as u8, hamaker))),
         (Some(_), None) => {
@@ -140,7 +228,7 @@ fn liquid(section: &Section<'_>, with: &Equilibrium) -> Result<Liquid, SceneErro
     })
 }
 
-/// The contact angles of the two faces, rad.
+/// The contact angles of the two surfaces, rad.
 fn angles(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
     match entry.value.get_ref() {
         DeValue::Array(array) if array.len() == 2 => {

@@ -6,7 +6,14 @@ use super::reader::{Entry, Section};
 use super::units::{Dimension, parse};
 use toml::de::DeValue;
 
-/// Fewest values of a file, so that they have a scatter.
+/// What the rows of a law's file say.
+pub(super) const FILE_PATH: &str = "Relative to the scene. A plain CSV file, with commas between columns and points in numbers, \
+    names above the columns and comments behind `#` if there are such; or an HDF5 file.";
+pub(super) const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its number from 1.";
+pub(super) const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
+pub(super) const FILE_UNIT: &str = "The values of the file are multiplied by it. The name above a column may have it: `height (nm)`, `height_nm`.";
+
+/// Fewest values of a file, so that they have a standard deviation.
 pub(super) const FEWEST: usize = 2;
 /// Keys of such a law.
 pub(super) const FILE_KEYS: [&str; 4] = ["path", "column", "dataset", "unit"];

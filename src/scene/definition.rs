@@ -1,32 +1,23 @@
 //! A validated scene, and what follows from it.
 
 use super::background::{GivenForces, Setting};
-use super::choices::LOOP;
 use super::files::{Files, Input};
-use super::films::Films;
 use super::instability::Instability;
+use super::model::LOOP;
+use super::solver::Sums;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
-    Family, InnerState, LawError, LawParameters, Loop, Path, PlasticContact, SurfaceLaws, SurfaceLoops,
+    InnerState, LawError, LawParameters, Loop, Path, PlasticContact, SurfaceLaws, SurfaceLoops,
 };
 use crate::engine::{Stopping, Ways};
-use crate::integral::interference_range;
+use crate::integral::{Films, Interface, Retractions, interference_range};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use std::sync::Arc;
 
 /// Responses of asperities, one for each asperity, separation and replica, from which sums by moments repay their trial.
 const MANY_RESPONSES: f64 = 2e8;
-
-/// When sums over asperities are taken by moments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sums {
-    /// Where the run is large enough to gain by it.
-    Auto,
-    /// Wherever they meet their tolerance.
-    Moments,
-}
 
 /// A validated scene, SI.
 ///
@@ -65,7 +56,7 @@ pub struct Scene {
     pub cycle: bool,
     /// Cycles of a loop, at least 1; every cycle after the first repeats the second.
     pub cycles: u64,
-    /// Springs and preloads that hold the surfaces.
+    /// Springs and preloads on the surfaces.
     pub instability: Instability,
     /// The force that pulls the surfaces apart in the device, N, if there is one.
     pub restoring_force: Option<f64>,
@@ -176,11 +167,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::law_of`].
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
-        match self.ways() {
-            Ways::One => Ok(None),
-            Ways::Back | Ways::Loop => Loop::new(&self.model, &self.parameters()?).map(Some),
-            Ways::Repeated => Loop::repeated(&self.model, &self.parameters()?).map(Some),
-        }
+        self.interface().loop_law()
     }
 
     /// The loops that coupled asperities remember their histories by, if they are coupled: before contact on the outermost of
@@ -196,7 +183,8 @@ impl Scene {
         let loops = if self.surface.is_polydisperse() {
             SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE)
         } else {
-            let parameters = LawParameters { inner_state: InnerState::Ignored, ..self.parameters()? };
+            let parameters =
+                LawParameters { inner_state: InnerState::Ignored, ..self.interface().parameters()? };
             Loop::new(&self.model, &parameters).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
         };
         loops.map(Some)
@@ -215,22 +203,12 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
-        self.law_along(Path::Approach, model)
+        self.interface().law(Path::Approach, model)
     }
 
-    /// The law of asperities all of which have touched, and none of which has flowed: at least what a loop pulls.
+    /// The law of asperities all of which have touched, and none of which has yielded: a lower bound of the pull on retraction.
     pub(crate) fn touched_law(&self) -> Result<SurfaceLaws, LawError> {
-        self.law_along(Path::Retraction, &self.model)
-    }
-
-    fn law_along(&self, path: Path, model: &Model) -> Result<SurfaceLaws, LawError> {
-        // Sums in parallel would wait for each other if one of them had to make these.
-        let _ = self.surface.spread.len();
-        let model = model.with_contact(self.model.contact);
-        let model = self.model.meniscus().map_or(model, |meniscus| model.with_liquid(*meniscus));
-        let typical = model.law(&LawParameters { path, ..self.parameters()? })?;
-        let family = || Family::new(model, self.asperity, path, RADIUS_RANGE);
-        Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
+        self.interface().law(Path::Retraction, &self.model)
     }
 
     /// The scene with a smaller number of its replicas, whole groups, by another plastic contact of its law; neither curves of
@@ -250,7 +228,21 @@ impl Scene {
     /// The scene with all that depends on its law: forces between the mean planes, films that drain, and liquid that spreads.
     pub(super) fn with_surroundings(self) -> Result<Self, LawError> {
         let law = self.model;
-        self.with_background_of(&law).with_films().and_then(Self::with_spread)
+        let scene = self.with_background_of(&law);
+        let (Interface { model, surface, .. }, films) = scene.interface().with_liquid(scene.draining_film)?;
+        Ok(Self { model, surface, films, ..scene })
+    }
+
+    /// The surfaces and the law of their asperities, for integrals.
+    pub(crate) fn interface(&self) -> Interface {
+        let retractions = match self.ways() {
+            Ways::One => Retractions::None,
+            Ways::Back | Ways::Loop => Retractions::One,
+            Ways::Repeated => Retractions::Several,
+        };
+        let Self { model, asperity, critical_approach, .. } = *self;
+        let (surface, separations) = (self.surface.clone(), self.separations.clone());
+        Interface { model, asperity, surface, critical_approach, separations, retractions }
     }
 
     /// The scene with its background and liquid for asperities of the law `model`: forces between the mean
@@ -264,11 +256,6 @@ impl Scene {
             self.surface.spread = Default::default();
         }
         self
-    }
-
-    fn parameters(&self) -> Result<LawParameters, LawError> {
-        let parameters = LawParameters::new(&self.asperity, Path::Approach, self.interference_range())?;
-        Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
     }
 }
 

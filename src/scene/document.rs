@@ -6,6 +6,7 @@ use super::files::{Files, NoFiles};
 use super::parse::read;
 use super::reader::{Section, document};
 use super::sweep::Sweep;
+use super::table::KEYS;
 use std::sync::Arc;
 
 impl Scene {
@@ -15,7 +16,7 @@ impl Scene {
     /// [`SceneError`] with the line, the key, what was given and what would do.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         let document = document(text)?;
-        let root = Section::root(text, document.get_ref());
+        let root = Section::root(text, document.get_ref(), &KEYS);
         let files: Arc<dyn Files> = Arc::new(NoFiles);
         match root.get("sweep") {
             Some(sweep) => Sweep::read(text, &sweep, files).and_then(|sweep| sweep.scene(0)),
@@ -53,7 +54,7 @@ impl Document {
     /// point of a sweep.
     pub fn parse(text: &str, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let document = document(text)?;
-        let root = Section::root(text, document.get_ref());
+        let root = Section::root(text, document.get_ref(), &KEYS);
         let read = match root.get("sweep") {
             None => read(text, &root, &files).map(|scene| Self { scene, sweep: None }),
             Some(sweep) => Sweep::read(text, &sweep, files).and_then(Self::swept),

@@ -1,15 +1,42 @@
-//! Springs and preloads that hold the surfaces of a scene.
+//! Springs and preloads on the surfaces of a scene.
 
-use super::choices::PATCH;
 use super::error::{SceneError, Together};
+use super::keys::Sign::{NotNegative, Positive};
+use super::keys::Value::{OneOrMore, Quantity, Table};
+use super::keys::{Key, key};
 use super::reader::{Entry, Section};
+use super::units::Dimension as Of;
 use crate::integral::substrate_stiffness;
 use toml::de::DeValue;
+
+/// The keys of `[instability]`.
+pub(super) static KEYS: &[Key] = &[
+    key("instability", "{ stiffness = \"100 kN/m\" }", Table)
+        .what("a spring that holds the surfaces, and where they snap")
+        .follows("none; the separation is held"),
+    key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative, &[PATCH]))
+        .what("stiffness of the spring")
+        .about(
+            "0: load control. `patch`: E*L/0.946402, the stiffness of the half-space under a single square of \
+             side L, with L² the nominal area.",
+        )
+        .follows("none, with `preload`; without a spring no snaps are looked for"),
+    key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive, &[]))
+        .what("external force at which the approach ends")
+        .about("Needs `history = \"loop\"` in `[model]`.")
+        .follows("none; the smallest separation ends the approach"),
+    key("instability.smallest_snap", "\"0.01 nm\"", Quantity(Of::Length, NotNegative))
+        .what("least distance that counts as a snap")
+        .defaults_to("0"),
+];
+
+/// Name of the stiffness of the half-space under a patch.
+const PATCH: &str = "patch";
 
 /// Most stiffnesses, and most preloads, of a scene.
 const MOST: usize = 200;
 
-/// Springs and preloads that hold the surfaces; empty when that is not asked for.
+/// Springs and preloads on the surfaces; empty when that is not asked for.
 ///
 /// # Examples
 /// ```
@@ -26,7 +53,7 @@ pub struct Instability {
     pub stiffness: Vec<f64>,
     /// External forces, N, at which the approach ends; none for the smallest separation.
     pub preload: Vec<f64>,
-    /// The least distance, m, that counts as a snap.
+    /// The least distance, m, that counts as a jump.
     pub smallest_snap: f64,
 }
 

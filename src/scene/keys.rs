@@ -24,6 +24,36 @@ pub struct Key {
     pub formerly: &'static str,
     /// Keys that must not be given with it.
     pub excluded: &'static [&'static str],
+    /// Words that people write in its place, in lower case, and what to know of the key then.
+    pub written: Written,
+    /// The message about a number that is out of bounds, with `{}` for the number; empty for one that names the bounds.
+    pub out_of_bounds: &'static str,
+    /// The scenes of which `check` lists the default.
+    pub listed: Listed,
+}
+
+/// Words that people write in the place of a key.
+#[derive(Debug)]
+pub struct Written {
+    /// The words, in lower case.
+    pub words: &'static [&'static str],
+    /// What to know of the key, behind its name.
+    pub note: &'static str,
+}
+
+/// The scenes of which `check` lists the default of a key among what they take, unless they give the key or one that excludes it.
+#[derive(Clone, Copy, Debug)]
+pub enum Listed {
+    /// All, of a key in no table or in one that every scene has.
+    Always,
+    /// Flat patches.
+    Flat,
+    /// Those under a law that takes any plastic contact.
+    WithContact,
+    /// Those with a target.
+    WithTarget,
+    /// None.
+    Never,
 }
 
 /// Values of a key.
@@ -47,6 +77,8 @@ pub enum Value {
     Choice(fn() -> Vec<&'static str>),
     /// Anything else, in words.
     Various(&'static str),
+    /// A number that depends on the law, in words.
+    OfLaw(fn() -> String),
 }
 
 /// The sign that a quantity may have.
@@ -73,8 +105,25 @@ pub enum Absent {
 
 /// A row of the table: a key that has to be there.
 pub(super) const fn key(name: &'static str, example: &'static str, value: Value) -> Key {
-    let (absent, what, about) = (Absent::Required, "", "");
-    Key { name, example, value, absent, what, about, is_swept: false, excluded: &[], formerly: "" }
+    Key {
+        name,
+        example,
+        value,
+        absent: Absent::Required,
+        what: "",
+        about: "",
+        is_swept: false,
+        formerly: "",
+        excluded: &[],
+        written: Written { words: &[], note: "" },
+        out_of_bounds: "",
+        listed: Listed::Always,
+    }
+}
+
+/// Names of a closed list.
+pub(super) fn names<T>(list: &[(&'static str, T)]) -> Vec<&'static str> {
+    list.iter().map(|(name, _)| *name).collect()
 }
 
 impl Key {
@@ -88,12 +137,12 @@ impl Key {
         Self { about, ..self }
     }
 
-    /// Adds the value that holds where the key is absent.
+    /// Adds the value of the key where it is absent.
     pub(super) const fn defaults_to(self, value: &'static str) -> Self {
         Self { absent: Absent::Is(value), ..self }
     }
 
-    /// Adds words on what holds where the key is absent.
+    /// Adds words on what follows where the key is absent.
     pub(super) const fn follows(self, words: &'static str) -> Self {
         Self { absent: Absent::Follows(words), ..self }
     }
@@ -111,5 +160,20 @@ impl Key {
     /// Adds keys that must not be given with this one.
     pub(super) const fn excludes(self, excluded: &'static [&'static str]) -> Self {
         Self { excluded, ..self }
+    }
+
+    /// Adds words that people write in the place of the key, in lower case, and what to know of it then.
+    pub(super) const fn written(self, words: &'static [&'static str], note: &'static str) -> Self {
+        Self { written: Written { words, note }, ..self }
+    }
+
+    /// Adds the message about a number that is out of bounds, with `{}` for the number.
+    pub(super) const fn out_of_bounds(self, message: &'static str) -> Self {
+        Self { out_of_bounds: message, ..self }
+    }
+
+    /// Has `check` list the default for some scenes only.
+    pub(super) const fn listed(self, listed: Listed) -> Self {
+        Self { listed, ..self }
     }
 }

@@ -1,45 +1,12 @@
 //! Keys of scenes by their names, and by what people write in their place.
 
 use super::keys::{Absent, Key};
-use super::table::KEYS;
 use std::collections::HashMap;
-use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::DeValue;
 
 /// Longest name, in bytes, that is compared with the known ones.
 const LONGEST_NAME: usize = 100;
-
-/// Words written in the place of a key, in lower case, the key, and what to know of it.
-// A table of texts, whose columns are in the line above.
-const MEANT: &[(&[&str], &str, &str)] = &[
-    (
-        &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1"],
-        "material.youngs_modulus",
-        ", of both bodies, or of each in a list",
-    ),
-    (
-        &["e_r", "e_star"],
-        "material.reduced_modulus",
-        ", 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
-    ),
-    (&["nu", "poisson"], "material.poisson_ratio", ""),
-    (
-        &["gamma", "delta_gamma", "dgamma", "adhesion_energy", "adhesion", "w"],
-        "material.work_of_adhesion",
-        ", the energy of both surfaces less that of their interface",
-    ),
-    (&["z0", "z_0", "epsilon"], "material.equilibrium_spacing", ""),
-    (&["h"], "material.hardness", ""),
-    (&["sigma", "rms", "rq", "sq", "roughness", "height_std"], "surface.surface_height_std", ""),
-    (&["sigma_s"], "surface.asperity_height_std", ""),
-    (&["r", "radius"], "surface.asperity_radius", ""),
-    (&["eta", "density"], "surface.asperity_density", ""),
-    (&["area", "a", "a_n"], "surface.nominal_area", ""),
-    (&["t", "thickness", "lubricant"], "surface.lubricant_thickness", ""),
-    (&["y_s"], "surface.mean_plane_offset", ""),
-    (&["n", "samples", "runs"], "ensemble.replicas", ""),
-];
 
 /// Values of earlier versions, and what became of them.
 const FORMER_VALUES: [(&str, &str); 2] = [
@@ -50,24 +17,70 @@ const FORMER_VALUES: [(&str, &str); 2] = [
 /// A value as it is written behind the `=`, and as it is read.
 type Default = (&'static str, Spanned<DeValue<'static>>);
 
-/// Defaults of keys by their dotted names.
-static DEFAULTS: LazyLock<HashMap<&str, Default>> = LazyLock::new(|| {
-    let with = KEYS.iter().filter_map(|key| match key.absent {
-        Absent::Is(text) => Some((key.name, (text, DeValue::parse(text).expect("defaults are TOML")))),
-        _ => None,
-    });
-    with.collect()
-});
-
-/// The default of a key by its dotted name, as it is written and as it is read.
-pub(super) fn default(name: &str) -> Option<(&'static str, &'static Spanned<DeValue<'static>>)> {
-    DEFAULTS.get(tabled(name).as_str()).map(|(text, value)| (*text, value))
+/// The keys of scenes.
+pub struct Keys {
+    all: Vec<&'static Key>,
+    /// Defaults by dotted names.
+    defaults: HashMap<&'static str, Default>,
 }
 
-/// The key that a table had under another name in earlier versions.
-pub(super) fn renamed(table: &str, given: &str) -> Option<&'static Key> {
-    let is_in = |key: &Key| key.name.rsplit_once('.').map_or("", |(table, _)| table) == table;
-    KEYS.iter().copied().find(|key| key.formerly == given && is_in(key))
+impl Keys {
+    /// The keys of tables, in the order of the reference.
+    pub(super) fn new(tables: impl Iterator<Item = &'static [Key]>) -> Self {
+        let all: Vec<&Key> = tables.flatten().collect();
+        let default = |key: &&'static Key| match key.absent {
+            Absent::Is(text) => Some((key.name, (text, DeValue::parse(text).expect("defaults are TOML")))),
+            _ => None,
+        };
+        let defaults = all.iter().filter_map(default).collect();
+        Self { all, defaults }
+    }
+
+    /// All of them, in the order of the reference.
+    pub fn iter(&self) -> std::slice::Iter<'_, &'static Key> {
+        self.all.iter()
+    }
+
+    /// The default of a key by its dotted name, as it is written and as it is read.
+    pub(super) fn default(&self, name: &str) -> Option<(&'static str, &Spanned<DeValue<'static>>)> {
+        self.defaults.get(tabled(name).as_str()).map(|(text, value)| (*text, value))
+    }
+
+    /// The key that a table had under another name in earlier versions.
+    pub(super) fn renamed(&self, table: &str, given: &str) -> Option<&'static Key> {
+        let is_in = |key: &Key| key.name.rsplit_once('.').map_or("", |(table, _)| table) == table;
+        self.all.iter().copied().find(|key| key.formerly == given && is_in(key))
+    }
+
+    /// The key of a dotted name, or the list of which it is an element.
+    pub(super) fn find(&self, name: &str) -> Option<&'static Key> {
+        let name = tabled(name);
+        let find = |name: &str| self.all.iter().copied().find(|key| key.name == name);
+        find(&name).or_else(|| find(name.trim_end_matches("[]")))
+    }
+
+    /// An example for the key of a dotted name; none for what is no key.
+    pub(super) fn example(&self, name: &str) -> Option<&'static str> {
+        self.find(name).map(|key| key.example)
+    }
+
+    /// The names of the keys of a table by its dotted name, "" for the root.
+    pub(super) fn of_table(&self, table: &str) -> impl Iterator<Item = &'static str> + Clone + use<'_> {
+        let prefix = if table.is_empty() { String::new() } else { format!("{}.", tabled_table(table)) };
+        let own = self.all.iter().filter_map(move |key| key.name.strip_prefix(&prefix));
+        own.filter(|rest| !rest.contains(['.', '[']))
+    }
+
+    /// The dotted name of the key that was most likely meant by an unknown one, and what to know of it.
+    pub(super) fn meant(&self, given: &str) -> Option<(&'static str, &'static str)> {
+        let given = given.to_lowercase().replace(['-', ' '], "_").replace(['\'', '’'], "");
+        let written = self.all.iter().find(|key| key.written.words.contains(&given.as_str()));
+        let elsewhere = || {
+            let is_meant = |name: &str| name.split_once('.').is_some_and(|(_, key)| key == given);
+            self.all.iter().find(|key| is_meant(key.name)).map(|key| (key.name, ""))
+        };
+        written.map(|key| (key.name, key.written.note)).or_else(elsewhere)
+    }
 }
 
 /// The fate of a value of earlier versions.
@@ -94,43 +107,12 @@ fn tabled(name: &str) -> String {
     }
 }
 
-/// The key of a dotted name, or the list of which it is an element.
-pub fn find(name: &str) -> Option<&'static Key> {
-    let name = tabled(name);
-    let find = |name: &str| KEYS.iter().copied().find(|key| key.name == name);
-    find(&name).or_else(|| find(name.trim_end_matches("[]")))
-}
-
-/// An example for the key of a dotted name; none for what is no key.
-pub fn example(name: &str) -> Option<&'static str> {
-    find(name).map(|key| key.example)
-}
-
-/// The keys of a table by its dotted name, "" for the root.
-pub fn keys_of(table: &str) -> impl Iterator<Item = &'static str> + Clone + use<> {
-    let prefix = if table.is_empty() { String::new() } else { format!("{}.", tabled_table(table)) };
-    KEYS.iter()
-        .filter_map(move |key| key.name.strip_prefix(&prefix))
-        .filter(|rest| !rest.contains(['.', '[']))
-}
-
 /// The name of a table as the keys in it have it.
 fn tabled_table(name: &str) -> String {
     match name.strip_prefix("sweep.") {
         Some(_) => "sweep.*".to_owned(),
         None => tabled(name).trim_end_matches("[]").to_owned(),
     }
-}
-
-/// The dotted name of the key that was most likely meant by an unknown one, and what to know of it.
-pub fn meant(given: &str) -> Option<(&'static str, &'static str)> {
-    let given = given.to_lowercase().replace(['-', ' '], "_").replace(['\'', '’'], "");
-    let alias = MEANT.iter().find(|(words, ..)| words.contains(&given.as_str()));
-    let elsewhere = || {
-        let is_meant = |name: &str| name.split_once('.').is_some_and(|(_, key)| key == given);
-        KEYS.iter().find(|key| is_meant(key.name)).map(|key| (key.name, ""))
-    };
-    alias.map(|(_, key, note)| (*key, *note)).or_else(elsewhere)
 }
 
 /// The known name that a misspelt one most likely means; none where it is too long to mean any.
@@ -148,7 +130,7 @@ pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::scene::KEYS;
 
     #[test]
     fn examples_are_found_by_what_messages_name() {
@@ -163,14 +145,14 @@ mod tests {
             ("sweep.material.hardness.count", "7"),
             ("sweep.mode", "\"grid\""),
         ] {
-            assert_eq!(example(name), Some(expected), "{name}");
+            assert_eq!(KEYS.example(name), Some(expected), "{name}");
         }
-        assert_eq!(example("material.colour"), None);
+        assert_eq!(KEYS.example("material.colour"), None);
     }
 
     #[test]
     fn tables_have_their_keys() {
-        let of = |name: &str| keys_of(name).collect::<Vec<&str>>();
+        let of = |name: &str| KEYS.of_table(name).collect::<Vec<&str>>();
         assert_eq!(of("solver"), ["summation", "tolerance"]);
         assert_eq!(
             of("ensemble.target[3]"),
@@ -195,9 +177,8 @@ mod tests {
             ("hardness", "material.hardness"),
             ("Hardness", "material.hardness"),
         ] {
-            assert_eq!(meant(given).unwrap().0, key, "{given}");
+            assert_eq!(KEYS.meant(given).unwrap().0, key, "{given}");
         }
-        assert!(MEANT.iter().all(|(_, meant, _)| KEYS.iter().any(|key| key.name == *meant)));
-        assert_eq!(meant("colour"), None);
+        assert_eq!(KEYS.meant("colour"), None);
     }
 }

@@ -1,11 +1,78 @@
 //! Materials of the bodies of a scene.
 
-use super::choices::POISSON_RATIOS;
 use super::error::{SceneError, Together};
+use super::keys::Sign::{NotNegative, Positive};
+use super::keys::Value::{Number, Quantity, Table};
+use super::keys::{Key, key};
 use super::reader::{Entry, Section};
+use super::units::Dimension as Of;
 use crate::asperity::scale::{Asperity, pressure_factor};
 use crate::asperity::{LawError, LawParameters, Path};
-use std::ops::RangeBounds;
+use std::ops::Bound::{Excluded, Included};
+
+/// The keys of `[material]`.
+pub(super) static KEYS: &[Key] = &[
+    key("material", "{ reduced_modulus = \"85.29 GPa\" }", Table).what("what the two bodies are made of"),
+    key("material.reduced_modulus", "\"85.29 GPa\"", Quantity(Of::Pressure, Positive))
+        .what("reduced modulus")
+        .about(
+            "E* with 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Give it, or the two bodies by `youngs_modulus` \
+             and `poisson_ratio`.",
+        )
+        .swept()
+        .excludes(&["material.youngs_modulus"])
+        .written(&["e_r", "e_star"], ", 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies"),
+    key("material.youngs_modulus", "\"169 GPa\"", Quantity(Of::Pressure, Positive))
+        .what("Young's modulus of the two bodies")
+        .about("E₁ and E₂ as a list of two, `[\"169 GPa\", \"70 GPa\"]`; one value is for both.")
+        .follows("not used where `reduced_modulus` is given")
+        .written(&["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1"], ", of both bodies, or of each in a list"),
+    key("material.hardness", "\"2.5 GPa\"", Quantity(Of::Pressure, Positive))
+        .what("hardness of the softer body")
+        .about(
+            "H sets where plastic flow begins: ω_c = (π k H / 2 E*)² R. A list of two has the hardness of both bodies: \
+             the one with the smaller k H flows.",
+        )
+        .follows("infinite under a law without plastic flow, such as `md`, `jkr` or `dmt`; all others require it")
+        .swept()
+        .written(&["h"], ""),
+    key("material.poisson_ratio", "0.27", Number(Excluded(-1.0), Included(0.5)))
+        .formerly("poissons_ratio")
+        .what("Poisson ratio of the softer body, or of both")
+        .about(
+            "It enters k = 0.454 + 0.41 ν of plastic flow, and with `youngs_modulus` the reduced modulus. A list of two \
+             is for both bodies, in the order of `youngs_modulus`; one value is for both.",
+        )
+        .follows("not used without `hardness` and `youngs_modulus`; either requires it")
+        .swept()
+        .written(&["nu", "poisson"], "")
+        .out_of_bounds("a Poisson ratio is greater than -1 and at most 0.5"),
+    key("material.work_of_adhesion", "\"0.09 J/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
+        .what("work of adhesion")
+        .about("Δγ = γ₁ + γ₂ − γ₁₂. Give it, or the energies by `surface_energy` and `interface_energy`.")
+        .swept()
+        .excludes(&["material.surface_energy", "material.interface_energy"])
+        .written(&["gamma", "delta_gamma", "dgamma", "adhesion_energy", "adhesion", "w"], ", the energy of both surfaces less that of their interface"),
+    key("material.surface_energy", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive))
+        .what("surface energy of the two bodies")
+        .about("γ₁ and γ₂ as a list of two, `[\"50 mJ/m^2\", \"60 mJ/m^2\"]`; one value is for both. Two different bodies need `interface_energy`.")
+        .follows("not used where `work_of_adhesion` is given"),
+    key("material.interface_energy", "\"20 mJ/m^2\"", Quantity(Of::SurfaceEnergy, NotNegative))
+        .what("energy γ₁₂ of the interface")
+        .about(
+            "Needs `surface_energy`. It has to be less than γ₁ + γ₂.",
+        )
+        .follows("0 for two bodies of one material; not used where `work_of_adhesion` is given"),
+    key("material.equilibrium_spacing", "\"0.2 nm\"", Quantity(Of::Length, Positive))
+        .what("equilibrium spacing")
+        .about(
+            "Z₀, the distance at which the two faces neither attract nor repel each other; 0.15 to 0.4 nm \
+             for most solids.",
+        )
+        .defaults_to("\"0.2 nm\"")
+        .swept()
+        .written(&["z0", "z_0", "epsilon"], ""),
+];
 
 /// The material of an asperity, SI.
 pub(super) struct Material {
@@ -18,9 +85,9 @@ pub(super) struct Material {
 }
 
 impl Material {
-    /// The material of `[material]`, of which contacts flow or stay elastic, whatever its hardness.
-    pub fn read(section: &Section<'_>, flows: bool) -> Result<Self, SceneError> {
-        let is_hard = flows || section.get("hardness").is_some();
+    /// The material of `[material]`, of which contacts yield or stay elastic, whatever its hardness.
+    pub fn read(section: &Section<'_>, yields: bool) -> Result<Self, SceneError> {
+        let is_hard = yields || section.get("hardness").is_some();
         let hardness = match is_hard {
             true => section
                 .require("hardness")
@@ -77,7 +144,7 @@ fn bodies(section: &Section<'_>, is_hard: bool) -> Result<(f64, Vec<f64>), Scene
     let is_needed =
         is_hard || ["youngs_modulus", "poisson_ratio"].iter().any(|key| section.get(key).is_some());
     let ratios = |entry: Entry<'_>| {
-        match entry.one_or_two(ratio)? {
+        match entry.one_or_two(Entry::bounded)? {
         ratios if ratios.len() == 2 && section.get("youngs_modulus").is_none() => Err(entry.wrong(
             "two ratios are of two bodies with youngs_modulus; reduced_modulus needs that of the softer body alone",
         )),
@@ -100,7 +167,7 @@ fn bodies(section: &Section<'_>, is_hard: bool) -> Result<(f64, Vec<f64>), Scene
     Ok((1.0 / (compliance(0) + compliance(1)), ratios))
 }
 
-/// The hardness, Pa, and the Poisson ratio of the body that flows first: its k H is the smaller one.
+/// The hardness, Pa, and the Poisson ratio of the body that yields first: its k H is the smaller one.
 fn softer(entry: &Entry<'_>, hardness: &[f64], ratios: &[f64]) -> Result<(f64, f64), SceneError> {
     match (hardness, ratios) {
         (&[hardness], &[ratio]) => Ok((hardness, ratio)),
@@ -137,11 +204,4 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
         return Ok(work);
     }
     Err(entry.wrong("is not less than the sum of surface_energy: nothing adheres"))
-}
-
-fn ratio(entry: &Entry<'_>) -> Result<f64, SceneError> {
-    match entry.number()? {
-        ratio if POISSON_RATIOS.contains(&ratio) => Ok(ratio),
-        _ => Err(entry.wrong("a Poisson ratio is greater than -1 and at most 0.5")),
-    }
 }

@@ -1,14 +1,59 @@
 //! Measured asperities of a scene.
 
-use super::choices::{MEASURED_RADII, SAMPLES};
 use super::column::FEWEST;
 use super::error::{SceneError, Together};
 use super::files::{Files, Input, MOST_VALUES, Measured};
-use super::parse::Around;
-use super::population::{Population, count, suits_body};
+use super::keys::Value::{Choice, Table, Text};
+use super::keys::{Key, key, names};
+use super::laws::count;
+use super::population::{Around, Population, suits_body};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::{CountLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface};
+
+/// The keys of measured asperities.
+pub(super) static KEYS: &[Key] = &[
+    key("surface.asperities", "{ path = \"asperities.h5\" }", Table)
+        .what("asperities of a measured height map")
+        .about(
+            "Written by `stiction asperities`. R, η, σ, σ_s, y_s and A_n follow; each height keeps its \
+             own radius.",
+        )
+        .follows("not used; asperities are drawn from laws")
+        .excludes(&[
+            "surface.asperity_radius",
+            "surface.asperity_density",
+            "surface.surface_height_std",
+            "surface.asperity_height_std",
+            "surface.heights",
+            "surface.radii",
+            "surface.summits",
+            "surface.spectrum",
+        ]),
+    key("surface.asperities.path", "\"asperities.h5\"", Text)
+        .what("the file")
+        .about("Relative to the scene."),
+    key("surface.asperities.sample", "\"bootstrap\"", Choice(|| names(&SAMPLES)))
+        .what("how a replica is made of them")
+        .about(
+            "`bootstrap`: every asperity is one of the measured ones, drawn with replacement. `whole`: \
+             all of them once, in every replica; `nominal_area` is then the area of the map. Under `[shape]` it has a random place \
+             of the map, which counts as repeated, with the asperities that are there.",
+        )
+        .defaults_to("\"bootstrap\""),
+    key("surface.asperities.radius", "\"equivalent\"", Choice(|| names(&MEASURED_RADII)))
+        .what("radius of each of them")
+        .about(
+            "`mean_curvature`: its reciprocal. `equivalent`: the geometric mean of the principal radii, \
+             which comes closer to the force of an ellipsoid.",
+        )
+        .defaults_to("\"mean_curvature\""),
+];
+
+/// Samples of measured asperities in replicas; whether of all of them.
+const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+/// Whether measured asperities have the geometric mean of their principal radii.
+const MEASURED_RADII: [(&str, bool); 2] = [("mean_curvature", false), ("equivalent", true)];
 
 /// `asperities`: measured asperities of a file.
 pub(super) fn measured(

@@ -6,22 +6,24 @@ mod axes;
 mod background;
 mod canonical;
 mod capillary;
-mod choices;
 mod column;
 mod definition;
 mod device;
 mod document;
 #[doc(hidden)]
 pub mod echo;
+mod ensemble;
 mod error;
 #[doc(hidden)]
 pub mod files;
-pub(crate) mod films;
 mod instability;
 mod keys;
+mod laws;
 mod lookup;
 mod material;
 mod measured;
+mod mode;
+mod model;
 mod parse;
 mod population;
 mod ranges;
@@ -30,9 +32,9 @@ mod separation;
 #[doc(hidden)]
 pub mod settings;
 mod shape;
-mod spreading;
-mod stopping;
+mod solver;
 mod substrate;
+mod summits;
 #[doc(hidden)]
 pub mod sweep;
 mod table;
@@ -49,10 +51,7 @@ pub(crate) use background::FORCES;
 #[doc(hidden)]
 pub use canonical::difference;
 #[doc(hidden)]
-pub use choices::MOST_POINTS;
-pub use choices::Mode;
-#[doc(hidden)]
-pub use definition::{Scene, Sums};
+pub use definition::Scene;
 pub use document::Document;
 pub use error::{Problem, SceneError};
 #[doc(hidden)]
@@ -64,13 +63,16 @@ pub use keys::{Absent, Key, Sign, Value};
 pub(crate) use lookup::former_value;
 pub use lookup::nearest;
 #[doc(hidden)]
-pub use spreading::Wet;
+pub use mode::MOST_POINTS;
+pub use mode::Mode;
+#[doc(hidden)]
+pub use solver::Sums;
 pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]
 pub use table::KEYS;
 pub(crate) use taken::{FROM_ASPERITIES, sources_of_heights, taken};
-pub(crate) use validity::{share_of_tops, yields};
+pub(crate) use validity::{share_of_yielded, yields};
 #[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
 #[doc(hidden)]

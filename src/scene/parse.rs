@@ -2,30 +2,55 @@
 
 use super::background::{ForceSections, Setting};
 use super::capillary::{CapillaryTable, capillary, wet};
-use super::choices::{DEFAULT_LAW, DEFAULT_LAW_IN_LIQUID, FORMAT, HISTORIES, SUM_TOLERANCES, SUMS};
-use super::column::of_file;
-use super::definition::{Scene, Sums, enough};
+use super::definition::Scene;
 use super::device::restoring_force;
+use super::ensemble::{EnsembleTable, related, with_patches};
 use super::error::{SceneError, Together};
-use super::files::{Files, Input};
+use super::files::Files;
 use super::instability::{InstabilityTable, instability};
+use super::keys::Listed::Never;
+use super::keys::Value::{Switch, Table, Text, Whole};
+use super::keys::{Key, key};
 use super::material::Material;
 use super::measured::measured;
-use super::population::{Population, population};
+use super::model::{DEFAULT_LAW, ModelTable};
+use super::population::{Around, Population, population};
 use super::reader::Section;
-use super::separation::Tips;
+use super::separation;
 use super::shape::{shape, under_body};
+use super::solver::{Sums, sums};
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::validity::unknown_unloading;
-use super::{separation, stopping};
-use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS, Plasticity};
+use crate::asperity::models::Plasticity;
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{LawParameters, Path, PlasticContact, model};
-use crate::engine::Stopping;
+use crate::asperity::{LawParameters, Path};
+use crate::integral::Summits;
 use crate::liquid::Meniscus;
-use crate::surface::{CountLaw, SamplingScheme, Shape, Surface};
+use crate::surface::{Shape, Surface};
 use std::sync::Arc;
+
+/// The scene format that is read.
+const FORMAT: u64 = 1;
+
+/// The keys in no table.
+pub(super) static ROOT: &[Key] = &[
+    key("format", "1", Whole(FORMAT, FORMAT)).what("version of the scene format").defaults_to("1"),
+    key("title", "\"Case II\"", Text)
+        .what("name of the scene, for people")
+        .about("It changes no result.")
+        .defaults_to("\"\"")
+        .listed(Never),
+];
+
+/// The keys of `[output]`.
+pub(super) static OUTPUT: &[Key] = &[
+    key("output", "{ curves = true }", Table).what("what is kept").follows("no curves of replicas"),
+    key("output.curves", "true", Switch)
+        .what("whether the curves of every replica are kept")
+        .about("Means, scatter and the numbers of every replica are kept in any case.")
+        .defaults_to("false"),
+];
 
 /// Reads a scene that is no sweep, and the values of files that it names.
 pub(super) fn read(text: &str, root: &Section<'_>, files: &Arc<dyn Files>) -> Result<Scene, SceneError> {
@@ -63,8 +88,8 @@ impl<'a> Readings<'a> {
         };
         let is_wet = root.get("capillary").is_some();
         let model = root.section_or_empty("model").and_then(|model| ModelTable::read(&model, is_wet));
-        let flows = model.as_ref().map_or(true, |own| own.law.validity.plasticity != Plasticity::Without);
-        let material = section("material").and_then(|material| Material::read(&material, flows));
+        let yields = model.as_ref().map_or(true, |own| own.law.validity.plasticity != Plasticity::Without);
+        let material = section("material").and_then(|material| Material::read(&material, yields));
         let population = section("surface")
             .and_then(|surface| read_surface(&surface, material.as_ref().ok(), files, &around));
         // What a separation is depends on the surface, whether it is one does not.
@@ -133,8 +158,8 @@ impl<'a> Readings<'a> {
             own.law(&LawParameters { table_range: None, ..of_law }).ok()
         });
         let separations = |surface: &Surface| {
-            let tips = Tips { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
-            given.clone().unwrap_or_else(|| tips.separations())
+            let summits = Summits { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
+            given.clone().unwrap_or_else(|| separation::following(&summits))
         };
         let (surface, separations) = match &self.shape {
             Some(shape) => {
@@ -202,12 +227,6 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// The surroundings of a surface.
-pub(super) struct Around {
-    pub is_coupled: bool,
-    pub has_body: bool,
-}
-
 /// The table `[surface]`: its asperities, and the thickness of the lubricant, m.
 fn read_surface(
     surface: &Section<'_>,
@@ -246,47 +265,6 @@ fn reached(asperity: &Asperity, surface: &Surface, range: (f64, f64)) -> Result<
     )))
 }
 
-/// The surface with the patches of `[ensemble] heights`, if there are such.
-fn with_patches(
-    ensemble: &Section<'_>,
-    surface: Surface,
-    replicas: u64,
-    files: &dyn Files,
-    inputs: &mut Vec<Input>,
-) -> Result<Surface, SceneError> {
-    let Some(entry) = ensemble.get("heights") else { return Ok(surface) };
-    if surface.heights.depths().is_some() {
-        return Err(entry.wrong("is for flat patches; leave it out, or [shape]"));
-    }
-    if surface.is_polydisperse() || surface.whole || surface.count_law == CountLaw::Poisson {
-        return Err(entry.wrong("gives patches of a fixed number of asperities of one radius; leave out `radii`, `asperities` and `count`"));
-    }
-    let patches = of_file(&entry, Some(&entry.table()?), files, inputs)?;
-    let surface = Surface { patches: Some(patches.into()), ..surface };
-    enough(&surface, replicas).map_err(|problem| entry.wrong(&problem))?;
-    Ok(surface)
-}
-
-/// Refuses replicas that are related to each other where a surface does not allow it.
-fn related(ensemble: &Section<'_>, sampling: SamplingScheme, surface: &Surface) -> Result<(), SceneError> {
-    let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1) else { return Ok(()) };
-    if surface.patches.is_some() {
-        return Err(entry.wrong("has no meaning with given `heights`; leave it out"));
-    }
-    if surface.whole {
-        return Err(entry.wrong(
-            "has no meaning with sample = \"whole\" in [surface], of which every replica is the same; leave it out",
-        ));
-    }
-    if surface.count_law == CountLaw::Poisson {
-        return Err(entry.wrong(
-            "relates the asperities of replicas one by one, and with count = \"poisson\" in [surface] they are not as many; \
-             it needs \"independent\", or count = \"fixed\"",
-        ));
-    }
-    Ok(())
-}
-
 /// Refuses separations that rounding makes equal where the asperities are.
 fn resolved(scene: &Scene) -> Result<(), String> {
     let surface = &scene.surface;
@@ -300,7 +278,7 @@ fn resolved(scene: &Scene) -> Result<(), String> {
     ))
 }
 
-/// Refuses to pull back tops that have flowed under a law of loading alone.
+/// Refuses to unload contacts that have yielded under a law of loading alone.
 fn loading_alone(root: &Section<'_>, scene: &Scene) -> Result<(), SceneError> {
     let Some((flowing, contact)) = unknown_unloading(scene) else { return Ok(()) };
     let entry = required(root, "model")?.value("history");
@@ -330,92 +308,4 @@ fn heading(root: &Section<'_>) -> Result<String, SceneError> {
 
 fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
     root.section("output", false)?.map_or(Ok(false), |output| output.value("curves").boolean())
-}
-
-fn sums(root: &Section<'_>) -> Result<Option<(Sums, f64)>, SceneError> {
-    let solver = root.section_or_empty("solver")?;
-    let Some(sums) = solver.value("summation").choice("summation", &SUMS)? else {
-        return match solver.get("tolerance") {
-            None => Ok(None),
-            Some(entry) => Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one")),
-        };
-    };
-    let entry = solver.value("tolerance");
-    let tolerance = entry.number()?;
-    if !SUM_TOLERANCES.contains(&tolerance) {
-        let (low, high) = (SUM_TOLERANCES.start(), SUM_TOLERANCES.end());
-        return Err(entry.wrong(&format!("a tolerance of sums is between {low:e} and {high:e}")));
-    }
-    Ok(Some((sums, tolerance)))
-}
-
-fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {
-    let Some(entry) = section.get("critical_approach") else { return Ok(None) };
-    if law.name != PUBLISHED_FITS {
-        return Err(
-            entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name))
-        );
-    }
-    entry.measured().map(Some)
-}
-
-/// The law with the plastic contact that is chosen for it.
-fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneError> {
-    let contact = section.value("plastic_contact").choice("plastic_contact", &PlasticContact::ALL)?;
-    match section.get("plastic_contact").filter(|_| law.contact().is_none()) {
-        None => Ok(law.with_contact(contact)),
-        Some(entry) => Err(entry.wrong(&format!(
-            "the law {} has no contact to choose; law = \"{DEFAULT_LAW}\" takes any of them, and \"capillary\" in a liquid",
-            law.name
-        ))),
-    }
-}
-
-/// The table `[model]`: law and history.
-struct ModelTable {
-    law: Model,
-    history: Path,
-    cycle: bool,
-    critical_approach: Option<f64>,
-}
-
-impl ModelTable {
-    fn read(section: &Section<'_>, is_wet: bool) -> Result<Self, SceneError> {
-        let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
-        let history = section.value("history").choice("history", &HISTORIES);
-        let law = match section.get("law") {
-            None => {
-                let name = if is_wet { DEFAULT_LAW_IN_LIQUID } else { DEFAULT_LAW };
-                Ok(model(name).expect("it is one of the registry"))
-            }
-            Some(law) => law.choice("law", &models),
-        };
-        let law = law.and_then(|law| plastic_contact(section, law));
-        let critical_approach = match &law {
-            Ok(law) => critical_approach(section, law),
-            Err(_) => Ok(None),
-        };
-        let (law, (history, cycle), critical_approach) = (law, history, critical_approach).together()?;
-        Ok(Self { law, history, cycle, critical_approach })
-    }
-}
-
-/// The table `[ensemble]`: how many replicas there are, and how they are drawn.
-struct EnsembleTable {
-    replicas: u64,
-    stopping: Option<Stopping>,
-    sampling: SamplingScheme,
-    seed: u64,
-    model_range: bool,
-}
-
-impl EnsembleTable {
-    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
-        let sampling = section.value("sampling").choice("sampling", &SamplingScheme::ALL);
-        let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
-        let (seed, range) = (section.value("seed").whole(), section.value("model_range").boolean());
-        let ((replicas, stopping), sampling, seed, model_range) =
-            (replicas, sampling, seed, range).together()?;
-        Ok(Self { replicas, stopping, sampling, seed, model_range })
-    }
 }

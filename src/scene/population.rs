@@ -1,21 +1,76 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
-use super::choices::{HEIGHT_LAWS, RADIUS_LAWS, SUMMIT_LAWS, VARIATIONS};
-use super::column::{FILE_KEYS, of_file};
 use super::error::{SceneError, Together, all};
 use super::files::{Files, Input};
-use super::lookup::example;
+use super::keys::Sign::{NotNegative, Positive};
+use super::keys::Value::{Quantity, Table};
+use super::keys::{Key, key};
+use super::laws::{centred, count, heights, radii};
 use super::reader::{Entry, Section};
+use super::summits::{spectrum, summits};
+use super::units::Dimension as Of;
 use super::units::Dimension;
-use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
-use crate::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError,
-    Truncated, Weibull,
-};
-use toml::de::DeValue;
+use crate::surface::nayak::Spectrum;
+use crate::surface::{HeightLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError};
 
-/// Least probability of what a truncated law leaves.
-const LEAST_LEFT: f64 = 1e-9;
+/// The keys of the numbers of `[surface]`.
+pub(super) static KEYS: &[Key] = &[
+    key("surface", "{ asperity_radius = \"3.33 um\" }", Table).what("the rough surface"),
+    key("surface.asperity_radius", "\"3.33 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the asperities")
+        .about(
+            "R, the radius of curvature of a summit of both faces together: 1/κ with κ² the sum over the faces of their 1/R², so \
+             R/√2 of two like faces. The mean one where `radii` scatter.",
+        )
+        .swept()
+        .written(&["r", "radius"], ""),
+    key("surface.asperity_density", "\"7.39 /um^2\"", Quantity(Of::ArealDensity, Positive))
+        .what("asperities per area")
+        .about("η. A replica has N = η A_n asperities.")
+        .swept()
+        .written(&["eta", "density"], ""),
+    key("surface.surface_height_std", "\"1.619 nm\"", Quantity(Of::Length, Positive))
+        .what("standard deviation of the surface heights")
+        .about(
+            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is for two rough faces: σ² is \
+             the sum of their squares. One of σ and σ_s is required; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
+        )
+        .follows("from `asperity_height_std`")
+        .swept()
+        .written(&["sigma", "rms", "rq", "sq", "roughness", "height_std"], ""),
+    key("surface.asperity_height_std", "\"1.417 nm\"", Quantity(Of::Length, Positive))
+        .what("standard deviation of the asperity heights")
+        .about("σ_s of the tops only. Tops are drawn with it.")
+        .follows("from `surface_height_std`")
+        .swept()
+        .written(&["sigma_s"], ""),
+    key("surface.mean_plane_offset", "\"1.867 nm\"", Quantity(Of::Length, NotNegative))
+        .what("height of the asperity mean plane above the surface mean plane")
+        .about("y_s. Tops are d = h − y_s from the other face. 0 takes h itself as the distance of the tops.")
+        .follows("0.045944/(ηR), as for a Gaussian surface")
+        .swept()
+        .written(&["y_s"], ""),
+    key("surface.nominal_area", "\"100 um^2\"", Quantity(Of::Area, Positive))
+        .what("nominal area")
+        .about(
+            "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to \
+             patch falls as 1/√A_n. With `asperities` it may be left out and is then the area of the map.",
+        )
+        .swept()
+        .written(&["area", "a", "a_n"], ""),
+    key("surface.lubricant_thickness", "\"0.5 nm\"", Quantity(Of::Length, NotNegative))
+        .what("thickness of the lubricant")
+        .about("t. 0: dry. Dry laws ignore it.")
+        .defaults_to("0")
+        .swept()
+        .written(&["t", "thickness", "lubricant"], ""),
+];
+
+/// The surroundings of a surface.
+pub(super) struct Around {
+    pub is_coupled: bool,
+    pub has_body: bool,
+}
 
 /// A surface, and the files that it was made of.
 pub(super) struct Population {
@@ -69,11 +124,6 @@ pub(super) fn suits_body(section: &Section<'_>) -> Result<(), SceneError> {
     all(given.map(|(entry, problem)| Err::<(), _>(entry.wrong(problem)))).map(drop)
 }
 
-/// `count`: whether every replica has as many asperities.
-pub(super) fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
-    section.value("count").choice("count", &CountLaw::ALL)
-}
-
 /// The numbers of a surface that stand by themselves, SI.
 struct Lengths {
     /// None where a spectrum has it.
@@ -95,8 +145,8 @@ fn lengths(section: &Section<'_>, has_body: bool) -> Result<Lengths, SceneError>
         density,
         if has_body { Ok(None) } else { section.measured("nominal_area").map(Some) },
         section.optional("surface_height_std", |entry| {
-            let faces = entry.one_or_two(Entry::measured)?;
-            Ok(faces.into_iter().fold(0.0, f64::hypot))
+            let surfaces = entry.one_or_two(Entry::measured)?;
+            Ok(surfaces.into_iter().fold(0.0, f64::hypot))
         }),
         optional("asperity_height_std"),
         section.optional("mean_plane_offset", |entry| entry.measured()),
@@ -175,198 +225,9 @@ fn refused(section: &Section<'_>, error: SurfaceError) -> SceneError {
     match section.get(key) {
         Some(entry) => entry.wrong(&error.to_string()),
         None if error == SurfaceError::NoHeightStd => {
-            let example = example("surface.surface_height_std").unwrap_or_default();
+            let example = section.example("surface_height_std");
             SceneError::general(format!("[surface]: {error}; for example surface_height_std = {example}"))
         }
         None => SceneError::general(format!("[surface]: {error}")),
     }
-}
-
-/// A name, or a table with a `law` and its parameters.
-fn law<'a>(entry: &'a Entry<'a>) -> Result<(Entry<'a>, Option<Section<'a>>), SceneError> {
-    if let DeValue::String(_) = entry.value.get_ref() {
-        return Ok((entry.clone(), None));
-    }
-    let table = entry.table()?;
-    Ok((table.require("law")?, Some(table)))
-}
-
-/// The parameter `key` of a law, a number in a range.
-fn parameter(
-    name: &Entry<'_>,
-    table: Option<&Section<'_>>,
-    key: &str,
-    range: std::ops::RangeInclusive<f64>,
-) -> Result<f64, SceneError> {
-    let Some(entry) = table.and_then(|table| table.get(key)) else {
-        let number = example(&format!("{}.{key}", name.name.trim_end_matches(".law"))).unwrap_or_default();
-        let example = format!("{{ law = \"{}\", {key} = {number} }}", name.string()?);
-        return Err(name.wrong(&format!(
-            "needs {key}, a number from {} to {}: {example}",
-            range.start(),
-            range.end()
-        )));
-    };
-    let value = entry.number()?;
-    if range.contains(&value) {
-        return Ok(value);
-    }
-    Err(entry.wrong(&format!("a number from {} to {} is needed", range.start(), range.end())))
-}
-
-/// Refuses parameters that a law does not have.
-fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
-    let entries = table.into_iter().flat_map(Section::entries);
-    let others = entries.filter(|(key, _)| *key != "law" && !keys.contains(key));
-    all(others.map(|(_, entry)| match keys {
-        [] => Err::<(), _>(entry.wrong("this law has no parameters")),
-        keys => Err(entry.wrong(&format!("this law has no such parameter, but {}", keys.join(", ")))),
-    }))
-    .map(drop)
-}
-
-/// `heights`: the law, and the standard deviation of given ones, m.
-fn heights(
-    section: &Section<'_>,
-    files: &dyn Files,
-    inputs: &mut Vec<Input>,
-) -> Result<(HeightLaw, Option<f64>), SceneError> {
-    let entry = section.value("heights");
-    let (name, table) = law(&entry)?;
-    let table = table.as_ref();
-    let chosen = name.choice("law of heights", &HEIGHT_LAWS)?;
-    let parameters: &[&str] = match chosen {
-        "weibull" | "lognormal" => &["shape"],
-        "truncated" => &["lower", "upper"],
-        "file" => &FILE_KEYS,
-        _ => &[],
-    };
-    only(table, parameters)?;
-    Ok((
-        match chosen {
-            "exponential" => HeightLaw::Exponential,
-            "weibull" => HeightLaw::Weibull(Weibull::new(parameter(&name, table, "shape", 1.0..=20.0)?)),
-            "lognormal" => {
-                HeightLaw::LogNormal(LogNormal::new(parameter(&name, table, "shape", 0.01..=1.5)?))
-            }
-            "truncated" => HeightLaw::Truncated(truncated(&name, table)?),
-            "file" => {
-                let values = of_file(&name, table, files, inputs)?;
-                let heights = centred(values);
-                if !(heights.std > 0.0) {
-                    return Err(name.wrong("the heights of the file are all the same"));
-                }
-                return Ok((heights.law, Some(heights.std)));
-            }
-            _ => HeightLaw::Gaussian,
-        },
-        None,
-    ))
-}
-
-/// Limits in standard deviations; without one the law has no end there.
-fn truncated(name: &Entry<'_>, table: Option<&Section<'_>>) -> Result<Truncated, SceneError> {
-    let limit = |key: &str| table.and_then(|table| table.get(key)).map(|entry| entry.number()).transpose();
-    let (lower, upper) = (limit("lower")?, limit("upper")?);
-    let example = "{ law = \"truncated\", lower = -3.0, upper = 1.5 }, in standard deviations";
-    if lower.is_none() && upper.is_none() {
-        return Err(name.wrong(&format!("needs lower or upper or both: {example}")));
-    }
-    let (lower, upper) = (lower.unwrap_or(f64::NEG_INFINITY), upper.unwrap_or(f64::INFINITY));
-    let left = Heights::gaussian(1.0).probability(lower, upper);
-    if !(lower < upper && left >= LEAST_LEFT) {
-        return Err(
-            name.wrong(&format!("leaves nothing between lower = {lower} and upper = {upper}: {example}"))
-        );
-    }
-    Ok(Truncated::new(lower, upper))
-}
-
-/// Heights about their mean.
-fn centred(values: Vec<f64>) -> Heights {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    Heights::sample(values.into_iter().map(|value| value - mean).collect())
-}
-
-/// `radii`.
-fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> Result<Radii, SceneError> {
-    let entry = section.value("radii");
-    let (name, table) = law(&entry)?;
-    let table = table.as_ref();
-    let chosen = name.choice("law of radii", &RADIUS_LAWS)?;
-    let parameters: &[&str] = match chosen {
-        "lognormal" | "gamma" => &["coefficient_of_variation"],
-        "file" => &FILE_KEYS,
-        _ => &[],
-    };
-    only(table, parameters)?;
-    let variation = || parameter(&name, table, "coefficient_of_variation", VARIATIONS);
-    match chosen {
-        "lognormal" => variation().map(Radii::LogNormal),
-        "gamma" => variation().map(Radii::Gamma),
-        "file" => {
-            let values = of_file(&name, table, files, inputs)?;
-            match values.iter().find(|value| !(**value > 0.0)) {
-                Some(value) => Err(name.wrong(&format!(
-                    "the file has a radius of {}; radii are positive",
-                    Dimension::Length.shown(*value)
-                ))),
-                None => Ok(Radii::Sample(values.into())),
-            }
-        }
-        _ => Ok(Radii::Common),
-    }
-}
-
-/// `spectrum`: spectral moments, which say all of a Gaussian surface.
-fn spectrum(section: &Section<'_>) -> Result<Option<Spectrum>, SceneError> {
-    let Some(entry) = section.get("spectrum") else { return Ok(None) };
-    let others = section.excluded("spectrum", "follows from the spectrum; give either this or the spectrum");
-    let table = entry.table()?;
-    let m2 = table.require("m2").and_then(|m2| match m2.number()? {
-        number if number > 0.0 => Ok(number),
-        _ => Err(m2.wrong("has to be greater than 0")),
-    });
-    let [m0, m4] = ["m0", "m4"].map(|key| table.measured(key));
-    let (_, m0, m2, m4) = (others, m0, m2, m4).together()?;
-    let spectrum = Spectrum { m0, m2, m4 };
-    gaussian(&spectrum).map_err(|problem| entry.wrong(&problem))?;
-    Ok(Some(spectrum))
-}
-
-/// `summits`: heights and radii of the summits of a Gaussian surface, in the place of `heights` and `radii`.
-fn summits(section: &Section<'_>, given: Option<Spectrum>, surface: &mut Surface) -> Result<(), SceneError> {
-    let entry = section.get("summits");
-    if let Some(entry) = &entry {
-        entry.choice("law of summits", &SUMMIT_LAWS)?;
-    }
-    let Some(cause) = entry.or_else(|| section.get("spectrum")) else { return Ok(()) };
-    for key in ["heights", "radii"] {
-        if let Some(other) = section.get(key) {
-            return Err(other.wrong(&format!("`{}` says both heights and radii; give either", cause.name)));
-        }
-    }
-    let density = if given.is_some() { 0.0 } else { section.measured("asperity_density")? };
-    let spectrum = given.unwrap_or_else(|| {
-        Spectrum::of_asperities(surface.surface_height_std, surface.asperity_radius, density)
-    });
-    gaussian(&spectrum).map_err(|problem| cause.wrong(&problem))?;
-    if let (None, Some(std)) = (given, section.get("asperity_height_std")) {
-        return Err(std.wrong("summits of a Gaussian surface have one that follows from surface_height_std"));
-    }
-    surface.heights = Heights::gaussian(spectrum.height_std());
-    surface.radii = Radii::Nayak(spectrum);
-    Ok(())
-}
-
-/// Refuses spectral moments that no Gaussian surface has.
-fn gaussian(spectrum: &Spectrum) -> Result<(), String> {
-    let alpha = spectrum.alpha();
-    if alpha > LEAST_ALPHA && alpha.is_finite() {
-        return Ok(());
-    }
-    Err(format!(
-        "no Gaussian surface has this alpha = m0 m4/m2^2 = {alpha:.4}, which is above {LEAST_ALPHA} for all; with radius R and density \
-         eta it is 2413 (eta R sigma)^2: raise surface_height_std, asperity_density or asperity_radius"
-    ))
 }

@@ -46,7 +46,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
     } else {
         density * asperity.radius * sigma
     };
-    // Without a hardness nothing flows.
+    // Without a hardness nothing yields.
     let known = |of_hardness: f64| if asperity.hardness.is_finite() { of_hardness } else { f64::NAN };
     vec![
         Range {

@@ -2,8 +2,8 @@
 
 use super::echo::{one_line, shortened};
 use super::error::{SceneError, all};
-use super::keys::{Sign, Value};
-use super::lookup::{default, example, find, former_value, keys_of, meant, nearest, renamed};
+use super::keys::{Key, Sign, Value};
+use super::lookup::{Keys, former_value, nearest};
 use super::units::{Dimension, QuantityError, parse, percentage, whole};
 use std::ops::{Bound, RangeBounds};
 use std::sync::LazyLock;
@@ -56,6 +56,7 @@ pub(crate) struct Section<'a> {
     text: &'a str,
     name: &'a str,
     table: &'a DeTable<'a>,
+    keys: &'a Keys,
 }
 
 /// A value with its dotted name.
@@ -64,25 +65,26 @@ pub(crate) struct Entry<'a> {
     text: &'a str,
     pub name: String,
     pub value: &'a Spanned<DeValue<'a>>,
+    keys: &'a Keys,
 }
 
 impl<'a> Section<'a> {
-    /// The root.
-    pub fn root(text: &'a str, table: &'a DeTable<'a>) -> Self {
-        Self { text, name: "", table }
+    /// The root of a scene of such keys.
+    pub fn root(text: &'a str, table: &'a DeTable<'a>, keys: &'a Keys) -> Self {
+        Self { text, name: "", table, keys }
     }
 
     /// The table `name`; an absent one is an error if `required`.
     pub fn section(&self, name: &'a str, required: bool) -> Result<Option<Self>, SceneError> {
         match self.get(name) {
             None if required => {
-                let keys = keys_of(name).collect::<Vec<&str>>().join(", ");
+                let keys = self.keys.of_table(name).collect::<Vec<&str>>().join(", ");
                 let problem = format!("the table [{name}] is missing; its keys: {keys}");
                 Err(SceneError::for_want_of(None, problem, name.to_owned()))
             }
             None => Ok(None),
             Some(entry) => match entry.value.get_ref() {
-                DeValue::Table(table) => Ok(Some(Self { text: self.text, name, table })),
+                DeValue::Table(table) => Ok(Some(Self { name, table, ..*self })),
                 other => Err(entry.wrong(&format!("is {}, a table [{name}] is needed", kind(other)))),
             },
         }
@@ -90,13 +92,13 @@ impl<'a> Section<'a> {
 
     /// The table `name`, or one without keys where it is absent.
     pub fn section_or_empty(&self, name: &'a str) -> Result<Self, SceneError> {
-        let empty = Self { text: self.text, name, table: &EMPTY };
+        let empty = Self { name, table: &EMPTY, ..*self };
         self.section(name, false).map(|section| section.unwrap_or(empty))
     }
 
     /// Refuses keys that scenes do not know, here and in all tables within but `[sweep]`, which has its own.
     pub fn known(&self) -> Result<(), SceneError> {
-        let known = keys_of(self.name);
+        let known = self.keys.of_table(self.name);
         all(self.table.iter().map(|(key, value)| {
             let name = key.get_ref().as_ref();
             if !known.clone().any(|known| known == name) {
@@ -114,8 +116,8 @@ impl<'a> Section<'a> {
                 _ => Vec::new(),
             };
             // What is no table of scenes is refused where it is read.
-            let tables = tables.into_iter().filter(|_| keys_of(&within).next().is_some());
-            all(tables.map(|table| Section { text: self.text, name: &within, table }.known())).map(drop)
+            let tables = tables.into_iter().filter(|_| self.keys.of_table(&within).next().is_some());
+            all(tables.map(|table| Section { name: &within, table, ..*self }.known())).map(drop)
         }))
         .map(drop)
     }
@@ -127,7 +129,7 @@ impl<'a> Section<'a> {
     ) -> SceneError {
         let given = key.get_ref();
         let line = Some(line_of(self.text, key.span().start));
-        if let Some(new) = renamed(self.name, given) {
+        if let Some(new) = self.keys.renamed(self.name, given) {
             let (old, key) = (self.dotted(given), new.name.rsplit('.').next().unwrap_or(new.name));
             let problem = format!("`{old}` is now `{}`; for example {key} = {}", new.name, new.example);
             return SceneError::for_want_of(line, problem, new.name.to_owned());
@@ -135,7 +137,7 @@ impl<'a> Section<'a> {
         let own = |name: &str| {
             name.strip_prefix(self.name).and_then(|key| key.strip_prefix('.')).map(str::to_owned)
         };
-        let meant = meant(given).map(|(name, note)| (name.to_owned(), note));
+        let meant = self.keys.meant(given).map(|(name, note)| (name.to_owned(), note));
         let meant = meant.or_else(|| nearest(given, known.clone()).map(|name| (self.dotted(name), "")));
         let hint = meant.as_ref().map(|(name, note)| {
             format!("did you mean `{}`{note}? ", own(name).unwrap_or_else(|| name.clone()))
@@ -155,15 +157,15 @@ impl<'a> Section<'a> {
     /// The value of a key, if it is there.
     pub fn get(&self, key: &str) -> Option<Entry<'a>> {
         let value = self.table.get(key)?;
-        Some(Entry { text: self.text, name: self.dotted(key), value })
+        Some(Entry { text: self.text, name: self.dotted(key), value, keys: self.keys })
     }
 
     /// The value of a key that has a default, or that default, by the table of keys.
     pub fn value(&self, key: &str) -> Entry<'a> {
         self.get(key).unwrap_or_else(|| {
             let name = self.dotted(key);
-            let (text, value) = default(&name).expect("a key without a default is read otherwise");
-            Entry { text, name, value }
+            let (text, value) = self.keys.default(&name).expect("a key without a default is read otherwise");
+            Entry { text, name, value, keys: self.keys }
         })
     }
 
@@ -172,7 +174,7 @@ impl<'a> Section<'a> {
         let owner = *self;
         owner.table.iter().map(move |(key, value)| {
             let key = key.get_ref().as_ref();
-            (key, Entry { text: owner.text, name: owner.dotted(&shortened(key)), value })
+            (key, Entry { text: owner.text, name: owner.dotted(&shortened(key)), value, keys: owner.keys })
         })
     }
 
@@ -180,8 +182,11 @@ impl<'a> Section<'a> {
     pub fn require(&self, key: &str) -> Result<Entry<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
             let name = self.dotted(key);
-            let example =
-                example(&name).map(|example| format!("; for example {key} = {example}")).unwrap_or_default();
+            let example = self
+                .keys
+                .example(&name)
+                .map(|example| format!("; for example {key} = {example}"))
+                .unwrap_or_default();
             SceneError::for_want_of(None, format!("`{name}` is missing{example}"), name)
         })
     }
@@ -196,10 +201,15 @@ impl<'a> Section<'a> {
         if self.get(key).is_none() {
             return Ok(());
         }
-        let excluded = find(&self.dotted(key)).map_or(&[][..], |key| key.excluded);
+        let excluded = self.keys.find(&self.dotted(key)).map_or(&[][..], |key| key.excluded);
         let keys = excluded.iter().filter_map(|name| name.strip_prefix(self.name)?.strip_prefix('.'));
         let others = keys.filter_map(|key| self.get(key));
         all(others.map(|other| Err::<(), _>(other.wrong(problem)))).map(drop)
+    }
+
+    /// The example of a key of this table.
+    pub fn example(&self, key: &str) -> &'static str {
+        self.keys.example(&self.dotted(key)).unwrap_or_default()
     }
 
     /// Reads a key by `read`, if it is there.
@@ -224,29 +234,31 @@ impl<'a> Entry<'a> {
 
     /// An element of this array.
     pub fn element(&self, index: usize, value: &'a Spanned<DeValue<'a>>) -> Self {
-        Self { text: self.text, name: format!("{}[{index}]", self.name), value }
+        Self { name: format!("{}[{index}]", self.name), value, ..*self }
     }
 
     /// This inline table as a section.
     pub fn table(&'a self) -> Result<Section<'a>, SceneError> {
         match self.value.get_ref() {
-            DeValue::Table(table) => Ok(Section { text: self.text, name: &self.name, table }),
+            DeValue::Table(table) => {
+                Ok(Section { text: self.text, name: &self.name, table, keys: self.keys })
+            }
             other => {
-                let keys = keys_of(&self.name).collect::<Vec<&str>>().join(", ");
+                let keys = self.keys.of_table(&self.name).collect::<Vec<&str>>().join(", ");
                 Err(self.wrong(&format!("is {}, a table with {keys} is needed", kind(other))))
             }
         }
     }
 
-    /// This table as a section without a name, which may hold any keys; `about` says which make sense.
+    /// This table as a section without a name, which may have any keys; `about` says which make sense.
     pub fn any_table(&self, about: &str) -> Result<Section<'a>, SceneError> {
         match self.value.get_ref() {
-            DeValue::Table(table) => Ok(Section { text: self.text, name: "", table }),
+            DeValue::Table(table) => Ok(Section { text: self.text, name: "", table, keys: self.keys }),
             other => Err(self.wrong(&format!("is {}, a table is needed; {about}", kind(other)))),
         }
     }
 
-    /// A value, or a list of two, one for each body or face, by `read`.
+    /// A value, or a list of two, one for each body or surface, by `read`.
     pub fn one_or_two(
         &self,
         read: impl Fn(&Self) -> Result<f64, SceneError>,
@@ -283,16 +295,19 @@ impl<'a> Entry<'a> {
 
     /// The number that the table of keys has for this one, or for the elements of a list in its place, within its bounds.
     pub fn bounded(&self) -> Result<f64, SceneError> {
-        let bounds = |name: &str| match find(name)?.value {
-            Value::Number(low, high) => Some((low, high)),
+        let row = |name: &str| match self.keys.find(name)? {
+            Key { value: Value::Number(low, high), out_of_bounds, .. } => Some((*low, *high, *out_of_bounds)),
             _ => None,
         };
-        let of_element = || bounds(&format!("{}[]", self.name));
-        let (low, high) =
-            bounds(&self.name).or_else(of_element).expect("a number is read where the table has one");
+        let of_element = || row(&format!("{}[]", self.name));
+        let row = row(&self.name).or_else(of_element);
+        let (low, high, message) = row.expect("a number is read where the table has one");
         let number = self.number()?;
         if (low, high).contains(&number) {
             return Ok(number);
+        }
+        if !message.is_empty() {
+            return Err(self.wrong(&message.replace("{}", &number.to_string())));
         }
         let bound = |bound: Bound<f64>, [included, excluded]: [&str; 2]| match bound {
             Bound::Included(limit) => Some(format!("{included} {limit}")),
@@ -314,6 +329,11 @@ impl<'a> Entry<'a> {
         value.filter(|value| range.contains(value)).ok_or_else(|| {
             self.wrong(&format!("a whole number from {} to {} is needed", range.start(), range.end()))
         })
+    }
+
+    /// The example of a key by its dotted name.
+    pub fn example_of(&self, name: &str) -> &'static str {
+        self.keys.example(name).unwrap_or_default()
     }
 
     /// true or false.
@@ -353,8 +373,9 @@ impl<'a> Entry<'a> {
 
     /// A finite quantity; SI.
     pub fn quantity(&self, dimension: Dimension) -> Result<f64, SceneError> {
-        let such = example(&self.name).map(|example| format!(", such as {example}")).unwrap_or_default();
-        let such = match find(&self.name).map(|key| &key.value) {
+        let such =
+            self.keys.example(&self.name).map(|example| format!(", such as {example}")).unwrap_or_default();
+        let such = match self.keys.find(&self.name).map(|key| &key.value) {
             Some(Value::OneOrMore(_, _, names)) => {
                 names.iter().fold(such, |such, name| format!("{such} or \"{name}\""))
             }
@@ -389,7 +410,7 @@ impl<'a> Entry<'a> {
 
     /// The quantity that the table of keys has for this one; SI.
     pub fn measured(&self) -> Result<f64, SceneError> {
-        let value = find(&self.name).map(|key| &key.value);
+        let value = self.keys.find(&self.name).map(|key| &key.value);
         let Some(&(Value::Quantity(dimension, sign) | Value::OneOrMore(dimension, sign, _))) = value else {
             unreachable!("`{}` is read as a quantity", self.name)
         };
@@ -402,7 +423,7 @@ impl<'a> Entry<'a> {
 
     /// The whole number that the table of keys has for this one.
     pub fn whole(&self) -> Result<u64, SceneError> {
-        match find(&self.name).map(|key| &key.value) {
+        match self.keys.find(&self.name).map(|key| &key.value) {
             Some(&Value::Whole(least, most)) => self.integer(least..=most),
             _ => unreachable!("`{}` is read as a whole number", self.name),
         }

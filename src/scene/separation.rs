@@ -1,37 +1,78 @@
 //! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights, or a range that
 //! follows from the surface.
 
-use super::choices::MOST_SEPARATIONS;
 use super::error::{SceneError, Together};
+use super::keys::Sign::{Any, Positive};
+use super::keys::Value::{Number, Quantity, Table, Various, Whole};
+use super::keys::{Key, key};
 use super::reader::{Entry, Section};
-use super::units::Dimension::Length;
-use super::validity::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE};
-use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Facing, Law, Scratch, SolverStats};
-use crate::math::interpolation::linear;
-use crate::surface::{Heights, LENGTHS, Surface};
-use std::f64::consts::PI;
+use super::units::Dimension as Of;
+use crate::integral::Summits;
+use crate::surface::LENGTHS;
+use std::ops::Bound::Unbounded;
 use toml::de::DeValue;
+
+const RANGE: &str = "a list, or a table { from, to, count }";
+/// Most separations of a scene; far more than a curve needs.
+const MOST_SEPARATIONS: u64 = 10_000;
+/// Most cycles of a loop: this number is as good as any.
+const MOST_CYCLES: u64 = 1_000_000_000;
+
+/// The keys of `[separation]`.
+pub(super) static KEYS: &[Key] = &[
+    key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
+        .what("where forces are computed")
+        .about(
+            "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, or \
+             where the largest preload is reached, to where nothing pulls, in 161 steps.",
+        )
+        .follows("a range that follows from the surface"),
+    key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))
+        .what("separations of the mean planes, as lengths")
+        .about("h of the mean planes of the two faces. They rise.")
+        .follows("from `h_star`")
+        .excludes(&["separation.h_star"]),
+    key("separation.h.from", "\"-2 nm\"", Quantity(Of::Length, Any)).what("the first"),
+    key("separation.h.to", "\"13 nm\"", Quantity(Of::Length, Any))
+        .what("the last")
+        .about("Greater than `from`."),
+    key("separation.h.count", "91", Whole(2, MOST_SEPARATIONS)).what("how many, evenly spaced"),
+    key("separation.h[]", "\"3 nm\"", Quantity(Of::Length, Any)),
+    key("separation.h_star", "{ from = -1.0, to = 8.0, count = 91 }", Various(RANGE))
+        .what("separations of the mean planes over σ")
+        .about(
+            "h* = h/σ, with σ of the surface, not σ_s. Pull-off is mostly found between 1 and 6; 0.05 is \
+             a good step.",
+        )
+        .follows("from `h`"),
+    key("separation.h_star.from", "-1.0", Number(Unbounded, Unbounded)).what("the first"),
+    key("separation.h_star.to", "8.0", Number(Unbounded, Unbounded))
+        .what("the last")
+        .about("Greater than `from`."),
+    key("separation.h_star.count", "91", Whole(2, MOST_SEPARATIONS)).what("how many, evenly spaced"),
+    key("separation.h_star[]", "2.0", Number(Unbounded, Unbounded)),
+    key("separation.cycles", "2", Whole(1, MOST_CYCLES))
+        .what("how often the surfaces of a loop are brought close and pulled back")
+        .about(
+            "Needs `history = \"loop\"`. From 2 on the file has the second approach, in datasets that begin with `reapproach_`, and the energy that each \
+             cycle after the first dissipates. Between cycles the surfaces are parted until nothing touches. The second \
+             retraction equals the first, and every further cycle equals the second.",
+        )
+        .defaults_to("1"),
+    key("separation.stiffness_span", "\"0.2 nm\"", Quantity(Of::Length, Positive))
+        .what("span of the secant stiffness")
+        .about(
+            "The stiffness of a replica is the steepest secant of its force over this length. It lies \
+             within the separations.",
+        )
+        .follows("`equilibrium_spacing`"),
+];
 
 /// Least span of a secant, as a share of the largest separation: a million of its roundings.
 const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 
 /// Separations that a scene without any has.
 const DEFAULT_COUNT: u32 = 161;
-/// Equilibrium spacings from a tip where it pulls with 1 % of its largest pull: (Z₀/(Z₀ + gap))² there.
-const REACH: f64 = 9.0;
-/// Interference, in units of approach and equilibrium spacings, that a tip passes after its pull-off.
-const PAST: f64 = 4.0;
-/// The probability that a replica has a tip that touches at the furthest of them.
-const TOUCHING: f64 = 1e-3;
-/// Ends of the range are whole multiples of 1 over this in h*, so that a few digits give their bits.
-const STEPS_OF_ENDS: f64 = 10.0;
-/// Heights that stand for the law of heights, at equal probabilities.
-const HEIGHTS: u32 = 2000;
-/// Mean load of the closest separation over the largest preload, less its scatter.
-const MARGIN_OF_LOADS: f64 = 1.5;
-/// Standard deviations by which the load of a patch may be below the mean.
-const SCATTER_OF_LOADS: f64 = 3.0;
 
 /// Reads the separations, m, rising, if there are any.
 pub(super) fn given(section: &Section<'_>, surface_height_std: f64) -> Result<Option<Vec<f64>>, SceneError> {
@@ -43,115 +84,10 @@ pub(super) fn given(section: &Section<'_>, surface_height_std: f64) -> Result<Op
     }
 }
 
-/// The asperities of a scene without separations.
-pub(super) struct Tips<'a> {
-    pub asperity: &'a Asperity,
-    pub surface: &'a Surface,
-    /// The range of a liquid, m.
-    pub liquid: f64,
-    /// The largest preload, N; 0 without any.
-    pub preload: f64,
-    /// The plastic contact of `md_plastic`, where there is a preload to reach.
-    pub flow: Option<&'a dyn Law>,
-}
-
-/// Halvings of the deepest contact that a law is solved at, and steps of each, for loads between them.
-const HALVINGS: i32 = 20;
-const STEPS_OF_HALVING: i32 = 4;
-
-/// A sum over the tips of a patch, and the standard deviations, of tips at random, that the mean is above it.
-struct Wanted {
-    sum: f64,
-    scatter: f64,
-}
-
-impl Tips<'_> {
-    /// Separations, m, that follow from the surface: from where a tenth of the nominal area touches, or where the largest
-    /// preload is reached, to where the tallest tip of a thousand replicas pulls no longer.
-    pub fn separations(&self) -> Vec<f64> {
-        let (surface, sigma) = (self.surface, self.surface.surface_height_std);
-        let normal = Heights::gaussian(1.0);
-        let heights = surface.heights.strata(HEIGHTS);
-        let tallest = -normal.gaussian_quantile(TOUCHING / surface.asperity_count as f64);
-        let furthest = surface.heights.of_normal(tallest)
-            + self.asperity.lubricant_thickness
-            + self.liquid
-            + REACH * self.asperity.equilibrium_spacing;
-        let touching = Wanted { sum: LARGEST_SHARE * surface.loaded_area(), scatter: 0.0 };
-        let touching =
-            self.closest(&heights, furthest, touching, &|depth| PI * surface.asperity_radius * depth);
-        // The highest tips keep contacts that are small against their radius, also in a patch without tall ones.
-        let shortest = normal.gaussian_quantile(libm::pow(TOUCHING, 1.0 / surface.asperity_count as f64));
-        let highest = surface.heights.of_normal(shortest.min(HIGHEST));
-        let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
-        let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
-        let from = match self.preload > 0.0 {
-            true => {
-                let of_law = self.loads(heights[heights.len() - 1] - heights[0] + surface.asperity_radius);
-                let wanted = Wanted { sum: MARGIN_OF_LOADS * self.preload, scatter: SCATTER_OF_LOADS };
-                end(self.closest(&heights, furthest, wanted, &|depth| self.load(depth, &of_law))).floor()
-            }
-            // Spots without tall tips come nearer than the mean.
-            false if surface.heights.depths().is_some() => end(highest - self.pulled()).floor(),
-            false => end(touching).floor().max(end(small).ceil()),
-        };
-        let [from, to] = [from, end(furthest).ceil()].map(|steps| steps / STEPS_OF_ENDS * sigma);
-        spaced(from, to, DEFAULT_COUNT)
-    }
-
-    /// An interference, m, that a tip passes after its pull-off.
-    fn pulled(&self) -> f64 {
-        let length = Scale::new(self.asperity).map_or(0.0, |scale| scale.length);
-        PAST * (length + self.asperity.equilibrium_spacing)
-    }
-
-    /// The separation d, m, at which tips of `heights`, m, that overlap by a depth have enough of what a depth gives.
-    fn closest(&self, heights: &[f64], furthest: f64, wanted: Wanted, of: &dyn Fn(f64) -> f64) -> f64 {
-        let share = self.surface.asperity_count as f64 / heights.len() as f64;
-        let lacks = |d: f64| {
-            let depths = heights.iter().map(|height| height - d).filter(|depth| *depth > 0.0);
-            let [sum, squares] = depths.map(of).fold([0.0; 2], |[a, b], own| [a + own, b + own * own]);
-            share * sum - wanted.scatter * (share * squares).sqrt() < wanted.sum
-        };
-        // A depth of all the radius is beyond every law.
-        let (mut near, mut far) = (heights[0] - self.surface.asperity_radius, furthest);
-        while far - near > 1e-3 * self.surface.heights.std && near < 0.5 * (near + far) {
-            let middle = 0.5 * (near + far);
-            if lacks(middle) { far = middle } else { near = middle }
-        }
-        near
-    }
-
-    /// The least load, N, of a contact of a depth, m: Hertz's or that of its hardness, less its adhesion, or that of
-    /// a plastic contact, of which flatter tops pull more.
-    fn load(&self, depth: f64, [depths, loads]: &[Vec<f64>; 2]) -> f64 {
-        let Asperity { reduced_modulus, hardness, radius, work_of_adhesion, .. } = *self.asperity;
-        let elastic = 4.0 / 3.0 * reduced_modulus * radius.sqrt() * depth * depth.sqrt();
-        let least = elastic.min(PI * radius * depth * hardness) - 2.0 * PI * radius * work_of_adhesion;
-        if depths.is_empty() { least } else { least.min(linear(depths, loads, depth)) }
-    }
-
-    /// Depths, m, rising to the deepest contact, and the loads, N, of the plastic contact there less 2πR₁Δγ of its top, of
-    /// the radius of curvature R₁ = 4E*a³/(3P).
-    fn loads(&self, deepest: f64) -> [Vec<f64>; 2] {
-        let Some(law) = self.flow else { return Default::default() };
-        let steps = (0..=HALVINGS * STEPS_OF_HALVING).rev();
-        let depths: Vec<f64> =
-            steps.map(|k| deepest * libm::exp2(-f64::from(k) / f64::from(STEPS_OF_HALVING))).collect();
-        let mut loads = vec![0.0; depths.len()];
-        let facing = Facing { law, heights: &depths, separation: 0.0 };
-        let Asperity { reduced_modulus, work_of_adhesion, .. } = *self.asperity;
-        facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, responses| {
-            for (load, (pressed, area)) in
-                loads[block].iter_mut().zip(responses.contact.iter().zip(responses.area))
-            {
-                let own = (area / PI).sqrt();
-                let radius = 4.0 * reduced_modulus * own * own * own / (3.0 * pressed);
-                *load = pressed - 2.0 * PI * radius * work_of_adhesion;
-            }
-        });
-        [depths, loads]
-    }
+/// The range that follows from the summits of a surface, in evenly spaced steps.
+pub(super) fn following(summits: &Summits<'_>) -> Vec<f64> {
+    let (from, to) = summits.range();
+    spaced(from, to, DEFAULT_COUNT)
 }
 
 /// Values from one to another, evenly spaced.
@@ -177,13 +113,13 @@ pub(super) fn stiffness_span(
     if span > most {
         return Err(entry.wrong(&format!(
             "the separations reach over {} only: the span has to lie within them",
-            Length.shown(most)
+            Of::Length.shown(most)
         )));
     }
     if span < least {
         return Err(entry.wrong(&format!(
             "against these separations less than {} is lost in rounding",
-            Length.shown(least)
+            Of::Length.shown(least)
         )));
     }
     Ok(span)

@@ -25,7 +25,7 @@ impl FromStr for Setting {
     /// Reads `KEY=VALUE`: a dotted key as in TOML, and a TOML value, or a text without its quotation marks.
     fn from_str(given: &str) -> Result<Self, String> {
         let needed = "KEY=VALUE is needed, such as material.work_of_adhesion=\"0.1 J/m^2\"";
-        // A quoted key may hold the sign itself, a value any number of them.
+        // A quoted key may have the sign itself, a value any number of them.
         let splits = given.match_indices('=').map(|(at, _)| (&given[..at], &given[at + 1..]));
         let mut read = splits.filter_map(|(key, text)| Some((Key::parse(key).ok()?, text)));
         let (keys, text) = read.next().ok_or_else(|| needed.to_owned())?;
@@ -68,7 +68,7 @@ impl Setting {
 
     fn put(&self, scene: &mut DocumentMut) -> Result<(), SceneError> {
         let name = self.path.join(".");
-        if self.path[0] != "sweep" && scene.get("sweep").is_some_and(|sweep| holds(sweep, &self.path)) {
+        if self.path[0] != "sweep" && scene.get("sweep").is_some_and(|sweep| sweeps(sweep, &self.path)) {
             let problem = format!("the scene sweeps `{name}`; set sweep.\"{name}\" in its place");
             return Err(self.refused(&problem));
         }
@@ -88,8 +88,8 @@ fn has(item: &Item, path: &[&str]) -> bool {
     path.iter().try_fold(item, |item, name| item.get(name)).is_some()
 }
 
-/// Whether \[sweep\] holds a key, quoted or not.
-fn holds(sweep: &Item, path: &[String]) -> bool {
+/// Whether \[sweep\] has a key, quoted or not.
+fn sweeps(sweep: &Item, path: &[String]) -> bool {
     let own: Vec<&str> = path.iter().map(String::as_str).collect();
     has(sweep, &[&own.join(".")]) || has(sweep, &own)
 }
@@ -142,7 +142,7 @@ pub fn with_settings(text: &str, settings: &[Setting]) -> Result<String, SceneEr
 /// The problems of a text that settings were put into, `edited`, in lines of the original, `text`; problems
 /// of a setting name it.
 #[must_use]
-pub fn told_of(mut error: SceneError, text: &str, edited: &str, settings: &[Setting]) -> SceneError {
+pub fn located(mut error: SceneError, text: &str, edited: &str, settings: &[Setting]) -> SceneError {
     for problem in &mut error.problems {
         let Some(line) = problem.line else { continue };
         problem.line = line_before(text, edited, line);
@@ -153,7 +153,7 @@ pub fn told_of(mut error: SceneError, text: &str, edited: &str, settings: &[Sett
     error
 }
 
-/// The line of `text` that a line of `edited` was: among equal ones the one with as many of them before it.
+/// The line of `text` that a line of `edited` was: among equal lines the one with the same number of them before it.
 fn line_before(text: &str, edited: &str, line: usize) -> Option<usize> {
     let own = edited.lines().nth(line - 1)?;
     let before = edited.lines().take(line - 1).filter(|other| *other == own).count();

@@ -1,12 +1,79 @@
 //! The elastic half-space that couples the asperities of a scene.
 
-use super::choices::{COUPLINGS, KERNELS, POSITIONS, TOLERANCES_OF_LOADS};
 use super::error::{SceneError, Together, all};
+use super::keys::Sign::Positive;
+use super::keys::Value::{Choice, Number, Quantity, Table, Various};
+use super::keys::{Key, key, names};
 use super::reader::{Entry, Section};
-use super::units::Dimension;
+use super::units::Dimension as Of;
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::{CountLaw, MeasuredPlaces, Places, Surface};
+use std::ops::Bound::Included;
 use toml::de::DeValue;
+
+/// The keys of `[substrate]`.
+pub(super) static KEYS: &[Key] = &[
+    key("substrate", "{ coupling = \"periodic\" }", Table)
+        .what("the elastic half-space that couples the asperities")
+        .about("With it each run also has the curves of its asperities without coupling, and the differences.")
+        .follows("none; asperities are independent"),
+    key("substrate.coupling", "\"periodic\"", Choice(|| names(&COUPLINGS)))
+        .what("what surrounds the surface")
+        .about(
+            "`none`: asperities are independent, as without the table, and its other keys are refused. `periodic`: the surface, a \
+             square, is repeated without end, and h is the distance from the mean plane of the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
+        )
+        .swept(),
+    key("substrate.kernel", "\"contact\"", Choice(|| names(&KERNELS)))
+        .what("how contacts act on each other")
+        .about(
+            "`point`: each as its force at a point. `contact`: each with the second moment of its pressure too, on a substrate that \
+             the others have bent and tilted: the next orders in contact radius over distance. It takes some four times as long.",
+        )
+        .defaults_to("\"point\"")
+        .swept(),
+    key("substrate.positions", "\"uniform\"", Choice(|| names(&POSITIONS)))
+        .what("places of the asperities")
+        .about(
+            "`hard_core`: at random, one after the other, no two closer than `minimum_distance`. `uniform`: at random. \
+             `square`, `hexagonal`: on a lattice, which needs a number of asperities that fits. Measured asperities that \
+             are taken whole have their own places, and the key is refused.",
+        )
+        .defaults_to("\"hard_core\""),
+    key("substrate.minimum_distance", "\"0.18 um\"", Quantity(Of::Length, Positive))
+        .what("least distance of asperities")
+        .about("For `hard_core` positions only.")
+        .follows("half of 1/√η")
+        .swept(),
+    key(
+        "substrate.tolerance",
+        "1e-9",
+        Number(Included(1e-12), Included(1e-4)),
+    )
+    .what("largest error of a load, relative to the largest load")
+    .defaults_to("1e-9")
+        .out_of_bounds("a tolerance of loads is between 1e-12 and 1e-4"),
+    key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
+        .what("separations at which the asperities are recorded one by one")
+        .about(
+            "h* as numbers, or h as lengths; each means the nearest separation. There the file has place, height, \
+             interference, forces and state of every asperity of the first replica.",
+        )
+        .follows("nowhere"),
+];
+
+/// Surroundings of a surface of coupled asperities; none where they are independent.
+const COUPLINGS: [(&str, Option<Coupling>); 3] =
+    [("none", None), ("periodic", Some(Coupling::Periodic)), ("patch", Some(Coupling::Patch))];
+/// Models of the action of coupled contacts on each other.
+const KERNELS: [(&str, Kernel); 2] = Kernel::ALL;
+/// Positions of coupled asperities; the least distance of random ones follows from the surface.
+const POSITIONS: [(&str, Places); 4] = [
+    ("hard_core", Places::HardCore(f64::NAN)),
+    ("uniform", Places::Uniform),
+    ("square", Places::Square),
+    ("hexagonal", Places::Hexagonal),
+];
 
 /// Least distance of asperities at random, in 1/√η, unless a scene gives one.
 const LEAST_DISTANCE: f64 = 0.5;
@@ -71,7 +138,7 @@ impl<'a> SubstrateTable<'a> {
             let is_random = places.as_ref().is_ok_and(is_hard_core);
             if is_random { entry.measured() } else { Err(entry.wrong("is for positions = \"hard_core\"")) }
         });
-        let tolerance = tolerance(&section.value("tolerance"));
+        let tolerance = section.value("tolerance").bounded();
         let readings =
             (coupling, places.clone(), minimum_distance, (kernel, tolerance).together()).together()?;
         let (coupling, places, minimum_distance, (kernel, tolerance)) = readings;
@@ -160,7 +227,7 @@ fn loads_at(section: &Section<'_>, separations: &[f64], height_std: f64) -> Resu
     let (first, last) = (separations[0], separations[separations.len() - 1]);
     let nearest = |element: &Entry<'_>| {
         let h = match element.value.get_ref() {
-            DeValue::String(_) => element.quantity(Dimension::Length)?,
+            DeValue::String(_) => element.quantity(Of::Length)?,
             _ => element.number()? * height_std,
         };
         // Half a step further is nearest to the ends, too.
@@ -205,7 +272,7 @@ fn on_map(
     as_measured(section)?;
     let [width, height] = measured.extent;
     if coupling == Coupling::Periodic && (width - height).abs() > SQUARE * width {
-        let [width, height] = measured.extent.map(|length| Dimension::Length.shown(length));
+        let [width, height] = measured.extent.map(|length| Of::Length.shown(length));
         let entry = section.get("coupling").expect("it was read");
         return Err(entry.wrong(&format!(
             "a square is repeated, and the map is {width} x {height}; coupling = \"patch\" would do, or a square map"
@@ -216,13 +283,4 @@ fn on_map(
 
 fn is_hard_core(places: &Places) -> bool {
     matches!(places, Places::HardCore(_))
-}
-
-fn tolerance(entry: &Entry<'_>) -> Result<f64, SceneError> {
-    let tolerance = entry.number()?;
-    if TOLERANCES_OF_LOADS.contains(&tolerance) {
-        return Ok(tolerance);
-    }
-    let (low, high) = (TOLERANCES_OF_LOADS.start(), TOLERANCES_OF_LOADS.end());
-    Err(entry.wrong(&format!("a tolerance of loads is between {low:e} and {high:e}")))
 }

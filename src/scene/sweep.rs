@@ -9,13 +9,14 @@
 //! ```
 
 use super::axes::{Axis, SweepTable};
-use super::choices::Mode;
 use super::definition::Scene;
 use super::error::{SceneError, all};
 use super::files::Files;
+use super::mode::Mode;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::{COUPLING, place, uncouple};
+use super::table::KEYS;
 use crate::asperity::models::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
@@ -163,7 +164,7 @@ impl Sweep {
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
         let document = document(&text)
-            .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), &self.files));
+            .and_then(|document| read(&text, &Section::root(&text, document.get_ref(), &KEYS), &self.files));
         // A sweep over plastic contacts is their range.
         let are_swept = self.axes.iter().any(|axis| axis.key.name == "model.plastic_contact");
         let document = document.map(|scene| Scene { model_range: scene.model_range && !are_swept, ..scene });
@@ -239,6 +240,7 @@ mod tests {
     use super::super::units::Dimension;
     use super::*;
     use crate::scene::files::NoFiles;
+    use crate::surface::{HEIGHT_LAWS, NamedLaw};
 
     /// The first outputs of the published generator begun at 1234567 (Vigna, splitmix64.c; Rosetta Code,
     /// "Pseudo-random numbers/Splitmix64").
@@ -258,15 +260,18 @@ mod tests {
 
     /// A scene that has a key, or as much as it needs to take one.
     fn scene_with(key: &Sweepable) -> String {
-        let of_law = match key.name {
-            "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",
-            "surface.heights.lower" | "surface.heights.upper" => {
-                "heights = { law = \"truncated\", lower = -2.0, upper = 2.0 }\n"
+        let of_law = match key.name.rsplit_once('.') {
+            Some(("surface.heights", parameter)) => {
+                let has = |law: &&NamedLaw| law.parameters.iter().any(|own| own.key == parameter);
+                let NamedLaw { name, parameters, .. } = HEIGHT_LAWS.iter().find(has).unwrap();
+                let example = |key: &str| KEYS.example(&format!("surface.heights.{key}")).unwrap();
+                let values = parameters.iter().map(|own| format!(", {} = {}", own.key, example(own.key)));
+                format!("heights = {{ law = \"{name}\"{} }}\n", values.collect::<String>())
             }
-            "surface.radii.coefficient_of_variation" => {
-                "radii = { law = \"gamma\", coefficient_of_variation = 0.5 }\n"
+            Some(("surface.radii", _)) => {
+                "radii = { law = \"gamma\", coefficient_of_variation = 0.5 }\n".to_owned()
             }
-            _ => "",
+            _ => String::new(),
         };
         let scene = include_str!("../../configs/paper/case_iii_delta_a.toml")
             .replace("count = 181", "count = 5")
@@ -300,7 +305,7 @@ mod tests {
             };
             return format!("{}\n[shape]\n{keys}\n", scene.replace("nominal_area =", "# nominal_area ="));
         }
-        // Fits are of one dry law, and of loops whose tops keep their radius.
+        // Fits are of one dry law, and of loops whose summits keep their radius.
         let (law, history, liquid) = match key.name {
             "model.law" => ("hybrid", "approach", ""),
             "model.plastic_contact" => ("md_plastic", "approach", ""),
@@ -320,7 +325,7 @@ mod tests {
             // Neither the law nor the choices of the scene.
             None if key.name == "model.law" => 2.0,
             None if !key.names.is_empty() => 1.0,
-            None if key.name == "surface.heights.shape" => 1.5,
+            None if key.name == "surface.heights.shape" => 2.0,
             None if key.name.starts_with("surface.heights") || key.name.starts_with("surface.radii") => 0.25,
             None if key.name.starts_with("solver") || key.name.starts_with("substrate") => 1e-5,
             None if key.name == "electrostatic.relative_permittivity" => 7.0,

@@ -1,7 +1,7 @@
 //! What a scene takes where it gives no key: defaults, and the law, separations and heights that follow.
 
 use super::definition::Scene;
-use super::keys::{Absent, Key};
+use super::keys::{Absent, Key, Listed};
 use super::table::KEYS;
 use crate::surface::{HeightLaw, Radii};
 use toml::de::{DeTable, DeValue};
@@ -65,12 +65,12 @@ pub const FROM_ASPERITIES: &str = "from sigma_s, as of a Gaussian surface; surfa
 fn applies(key: &Key, scene: &Scene) -> bool {
     let table = key.name.rsplit_once('.').map_or("", |(table, _)| table);
     TABLES.contains(&table)
-        && match key.name {
-            "title" => false,
-            "surface.count" => scene.surface.heights.depths().is_none(),
-            "model.plastic_contact" => scene.model.contact().is_some(),
-            "ensemble.max_replicas" => scene.stopping.is_some(),
-            _ => true,
+        && match key.listed {
+            Listed::Always => true,
+            Listed::Flat => scene.surface.heights.depths().is_none(),
+            Listed::WithContact => scene.model.contact().is_some(),
+            Listed::WithTarget => scene.stopping.is_some(),
+            Listed::Never => false,
         }
 }
 

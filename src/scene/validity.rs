@@ -11,53 +11,47 @@ use crate::asperity::scale::{Asperity, STRESS_RATIO};
 use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
-use crate::integral::substrate_stiffness;
+use crate::integral::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE, substrate_stiffness};
 use crate::substrate::Coupling;
 use crate::surface::{HeightLaw, Radii};
 
-/// Largest radius of a contact over that of its asperity.
-pub(super) const LARGEST_CONTACT: f64 = 0.3;
-/// Heights that are called the highest asperities, in σ_s.
-pub(super) const HIGHEST: f64 = 3.0;
 /// Most copies of the highest measured asperity in a replica on average: 95 % of the patches have it.
 const MOST_COPIES: f64 = 3.0;
-/// Largest share of the nominal area in contact.
-pub(super) const LARGEST_SHARE: f64 = 0.1;
-/// Largest share of what is read off that the separations may miss.
+/// Largest fraction of a value read off the curves that the separations may miss.
 const LARGEST_MISSED: f64 = 0.05;
 /// Steps of the separation, over σ_s, that miss less.
 const RESOLVING: f64 = 0.15;
-/// Largest share by which surfaces that have touched may be pulled off harder.
+/// Largest relative excess of the pull-off of surfaces that have touched.
 const LARGEST_HELD: f64 = 0.01;
-/// Largest share of the adhesion at pull-off that asperities which do not touch may have.
+/// Largest fraction of the adhesion at pull-off of asperities that do not touch.
 const LARGEST_UNTOUCHED: f64 = 0.5;
-/// Largest relative error of an integral that is one.
+/// Largest relative error of an integral that passes without a warning.
 const LARGEST_ERROR: f64 = 1e-6;
-/// Largest shift, in σ, by which a patch gives way that is called none.
+/// Largest displacement of a patch, in σ, that is neglected.
 const LARGEST_SHIFT: f64 = 0.05;
-/// Fewest of given heights that are near enough to pull at pull-off.
+/// Fewest given heights that pull at pull-off.
 const FEWEST_NEAR: usize = 5;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Smallest Kelvin radius of a meniscus that is a continuum, m.
 const SMALLEST_MENISCUS: f64 = 0.5e-9;
-/// Largest share of the adhesion that contacts which have flowed may carry by fits for low λ.
+/// Largest fraction of the adhesion that contacts which have yielded may carry by fits for low λ.
 const LARGEST_FLOWED: f64 = 0.1;
-/// Largest share by which the curvature of a meniscus around an asperity shortens its reach.
+/// Largest fraction by which the curvature of a meniscus around an asperity shortens its reach.
 const LARGEST_SHORTENING: f64 = 0.1;
-/// Largest adhesive stress over the largest pressure of the plastic contact at which contacts part at their interface.
+/// Largest adhesive stress over the largest pressure of the plastic contact at which contacts detach at their interface.
 const LARGEST_STRESS: f64 = 1.0;
 /// Interference over the critical one up to which pull-offs by the fit of the apex radius are within some 10 % of finite elements,
-/// and the largest share of the contacts that flow which may be beyond it.
+/// and the largest fraction of the yielding contacts that may be beyond it.
 const LARGEST_FITTED: f64 = 10.0;
 const LARGEST_FLATTENED: f64 = 0.1;
 /// Fewest contacts of a replica, on average, that yield before it is pulled back for the plastic contact to matter.
 const FEWEST_YIELDED: f64 = 0.1;
-/// Fewest contacts in the whole run that are called some.
+/// Fewest contacts in the whole run that count.
 const FEWEST_UNLOADED: f64 = 0.5;
-/// Radius over that of the typical asperity of which asperities flow soonest, where radii scatter.
+/// Radius, over that of the typical asperity, of the asperities that yield first, where radii differ.
 const SMALLEST_RADIUS: f64 = 0.1;
-/// Fewest contacts of the whole run that flow, on average, of which a loop has to know the unloading.
+/// Fewest contacts of the whole run that yield, on average, for a loop to need a law of unloading.
 const FEWEST_REFUSED: f64 = 1e-6;
 
 /// The warnings of a scene under a law, of which the integral is `expected`.
@@ -148,7 +142,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
             units(&["lubricant_thickness", "surface_height_std"]),
         ));
     }
-    // A spot under a body has as few as are there.
+    // Under a body there may be few.
     let is_flat = surface.heights.depths().is_none();
     if is_flat && surface.asperity_count < FEWEST_ASPERITIES {
         warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
@@ -157,7 +151,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     warnings
 }
 
-/// Patches of which nearly each has the highest of the asperities that they are drawn from, and none a higher one.
+/// Whether nearly every patch has a copy of the highest measured asperity, and none a higher one.
 fn copies(scene: &Scene) -> Option<Warning> {
     let surface = &scene.surface;
     let HeightLaw::Sample(heights) = &surface.heights.law else { return None };
@@ -176,7 +170,7 @@ fn copies(scene: &Scene) -> Option<Warning> {
     })
 }
 
-/// Pull-offs that a few of the highest of given heights carry, of which replicas have copies at exactly one height.
+/// Whether a few of the highest given heights carry the pull-off, of which replicas have several copies at one height.
 fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let surface = &scene.surface;
     let HeightLaw::Sample(heights) = &surface.heights.law else { return None };
@@ -205,8 +199,8 @@ fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     })
 }
 
-/// Menisci that are too small for a continuum or too large for the asperities, and solids that the liquid parts, under a law
-/// that knows a liquid.
+/// Menisci that are too small for a continuum or too large for the asperities, and solids that the liquid separates, under a law
+/// of a liquid.
 fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let Some(meniscus) = scene.model.meniscus().filter(|_| model.is_wet()) else { return warnings };
@@ -249,39 +243,39 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     warnings
 }
 
-/// Contacts of the whole run that flow before the surfaces turn back, of a law of loading alone, and the plastic contact that is
-/// nearest to its own; none where too few do. Where radii scatter, contacts of small ones flow sooner.
+/// The number of contacts of the whole run that yield before retraction under a law of loading alone, and the plastic contact that is
+/// nearest to its own; none where too few do. Where radii differ, contacts of small ones yield sooner.
 pub(super) fn unknown_unloading(scene: &Scene) -> Option<(f64, PlasticContact)> {
     let Plasticity::Loading(nearest) = scene.model.validity.plasticity else { return None };
-    let onset = scene.turns().then(|| flow_onset(scene.law_of(&scene.model).ok()?.typical.as_ref()))??;
+    let onset = scene.turns().then(|| yield_onset(scene.law_of(&scene.model).ok()?.typical.as_ref()))??;
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
     let flowing = contacts_beyond(scene, least);
     (flowing >= FEWEST_REFUSED).then_some((flowing, nearest))
 }
 
-/// Interference, m, from which contacts flow under a law, if they do.
-fn flow_onset(law: &dyn Law) -> Option<f64> {
+/// Interference, m, from which contacts yield under a law, if they do.
+fn yield_onset(law: &dyn Law) -> Option<f64> {
     let first = law.regimes().iter().position(|regime| regime.is_plastic()).filter(|first| *first > 0)?;
     Some(law.boundaries()[first - 1].interference)
 }
 
-/// Whether enough contacts of a replica yield before the surfaces turn back, under a law that takes any plastic contact, for the
-/// pull-off to depend on which: on approach the contacts agree within 1 %. Where radii scatter, contacts of small ones yield sooner.
+/// Whether enough contacts of a replica yield before retraction, under a law that takes any plastic contact, for the
+/// pull-off to depend on the plastic contact: on approach the contacts agree within 1 %. Where radii differ, contacts of small ones yield sooner.
 pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool {
-    let Some(onset) = flow_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
+    let Some(onset) = yield_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
     let count = scene.surface.asperity_count as f64;
     let mut turns = readings.iter().filter(|reading| reading.what == WhatIsRead::Turn);
     turns.any(|turn| share_beyond(scene, least, turn.separation) * count >= FEWEST_YIELDED)
 }
 
-/// The share of asperities that flow under a law before they are pulled back, and then are tops of outlines of their own.
-pub(crate) fn share_of_tops(scene: &Scene, law: &dyn Law) -> f64 {
-    let onset = flow_onset(law).filter(|_| scene.turns() && scene.model.unloads_flow());
+/// The fraction of asperities that yield under a law before retraction, of which each then has an outline of its own.
+pub(crate) fn share_of_yielded(scene: &Scene, law: &dyn Law) -> f64 {
+    let onset = yield_onset(law).filter(|_| scene.turns() && scene.model.unloads_flow());
     onset.map_or(0.0, |onset| share_beyond(scene, onset, scene.separations[0]))
 }
 
-/// The share of asperities beyond an interference, m, at a separation h, m.
+/// The fraction of asperities beyond an interference, m, at a separation h, m.
 fn share_beyond(scene: &Scene, interference: f64, h: f64) -> f64 {
     scene.surface.heights.probability(interference + scene.surface.asperity_separation(h), f64::INFINITY)
 }
@@ -291,9 +285,9 @@ fn contacts_beyond(scene: &Scene, interference: f64) -> f64 {
     share_beyond(scene, interference, scene.separations[0]) * asperities_of_run(scene)
 }
 
-/// Whether contacts unload that flow by adhesion alone.
+/// Whether contacts unload that have yielded by adhesion alone.
 fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    let onset = flow_onset(law).filter(|onset| scene.turns() && *onset < 0.0)?;
+    let onset = yield_onset(law).filter(|onset| scene.turns() && *onset < 0.0)?;
     (contacts_beyond(scene, onset) >= FEWEST_UNLOADED).then(|| {
         Warning::new(
             format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
@@ -303,15 +297,15 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     })
 }
 
-/// Whether contacts that flow would be torn off rather than part at their interface.
+/// Whether yielding contacts would be torn off rather than detach at their interface.
 fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
     let Asperity { work_of_adhesion, equilibrium_spacing, hardness, .. } = scene.asperity;
     let contact = model.contact().filter(|_| scene.turns())?;
     let pressure = contact.largest_pressure(&scene.asperity);
     let share = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * pressure);
-    let flows = |onset: &f64| share > LARGEST_STRESS && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
+    let tears = |onset: &f64| share > LARGEST_STRESS && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
     let of = if pressure < hardness { "the pressure at which contacts flow" } else { "the hardness" };
-    flow_onset(law).filter(flows).map(|_| {
+    yield_onset(law).filter(tears).map(|_| {
         Warning::new(
             format!("the adhesive stress is {share:.2} of {of}, more than {LARGEST_STRESS}"),
             "tops as soft and sticky part by flow, not at their interface (Du et al. 2007), which the law leaves out",
@@ -368,7 +362,7 @@ fn left_out(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> Option<Warnin
     })
 }
 
-/// Whether contacts that have flowed carry adhesion under a law that joins Maugis and Dugdale's to Kogut and Etsion's fits.
+/// Whether contacts that have yielded carry adhesion under a law that joins Maugis and Dugdale's to Kogut and Etsion's fits.
 fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning> {
     let lambda = scene.scale().lambda;
     let is_joined = matches!(model.validity.plasticity, Plasticity::Loading(_))
@@ -440,13 +434,13 @@ fn phrases(
     (!all.is_empty()).then(|| all.join(" and "))
 }
 
-/// A share above a limit in whole per cent, with a digit more where it would look like the limit.
+/// A fraction above a limit in whole per cent, with a digit more where it would look like the limit.
 fn above(share: f64, limit: f64) -> String {
     let digits = usize::from(100.0 * share < 100.0 * limit + 0.5);
     format!("{:.digits$}", 100.0 * share)
 }
 
-/// Whether contacts are still far apart where results are read off.
+/// Whether contacts cover too much of the surface, where results are read off, to be independent.
 fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let phrase = |what: WhatIsRead, share: f64, h_star: &str| {
         let share = match share {
@@ -472,14 +466,14 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
 }
 
 /// Whether the pull-off is that of contacts, and not of the tails of attraction of asperities that do not touch, which
-/// together stand for the attraction between the faces.
+/// together stand for the attraction between the surfaces.
 fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let surface = &scene.surface;
     let Asperity { work_of_adhesion, equilibrium_spacing, .. } = scene.asperity;
     let reading = readings.iter().find(|reading| reading.what == WhatIsRead::PullOff)?;
     let (h, share) = (reading.separation, reading.untouched_adhesion);
     let is_of_tails = share > LARGEST_UNTOUCHED && surface.background.is_none() && h > 0.0;
-    // The pull-off of a loop is on the way back, and spots under a body pull off elsewhere than their mean.
+    // The pull-off of a loop is on retraction, and replicas under a body pull off elsewhere than their mean.
     let is_read = !scene.turns() && surface.heights.depths().is_none();
     (is_of_tails && is_read).then(|| {
         let planes = VanDerWaals::new(VanDerWaals::lennard_jones(work_of_adhesion, equilibrium_spacing), None);
@@ -498,7 +492,7 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     })
 }
 
-/// Whether surfaces that have touched hold harder than the approach tells, N.
+/// Whether the pull-off of surfaces that have touched is larger than that on approach, N.
 fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
     let more = touched / on_approach - 1.0;
     (more > LARGEST_HELD).then(|| {
@@ -514,8 +508,8 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
 
 /// Whether surfaces that have been pressed together are pulled off harder than the approach of fresh ones says.
 fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
-    let (psi, flows) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
-    (flows && psi > LARGEST_ELASTIC_PSI && !scene.turns()).then(|| {
+    let (psi, yields) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
+    (yields && psi > LARGEST_ELASTIC_PSI && !scene.turns()).then(|| {
         Warning::new(
             format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
             "tops that have flowed are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
@@ -525,7 +519,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     })
 }
 
-/// Whether the curves have what is read off them.
+/// Whether the separations are fine enough for the values that are read off the curves.
 fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     let phrase = |what: WhatIsRead, share: f64, h_star: &str| {
         let share = if share < 1.0 { format!("{:.0} %", 100.0 * share) } else { "all".to_owned() };
@@ -544,7 +538,7 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
     Some(Warning::new(format!("the separations are too coarse: the curves miss {missed}"), why, steps))
 }
 
-/// Whether the half-space both couples the asperities and is a spring that holds the surface.
+/// Whether the half-space both couples the asperities and is the spring on the surface.
 fn twice(scene: &Scene) -> Option<Warning> {
     let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
     let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.loaded_area());
@@ -562,7 +556,7 @@ fn twice(scene: &Scene) -> Option<Warning> {
 fn mean_planes(scene: &Scene) -> Vec<Warning> {
     let surface = &scene.surface;
     let mut warnings: Vec<Warning> =
-        scene.forces.0.iter().flat_map(|(_, given)| given.warnings(scene)).collect();
+        scene.forces.0.iter().flat_map(|(_, given)| given.warnings(scene.separations[0])).collect();
     if surface.background.is_none() {
         return warnings;
     }
@@ -588,7 +582,7 @@ fn mean_planes(scene: &Scene) -> Vec<Warning> {
     warnings
 }
 
-/// Whether the integral is one.
+/// Whether the error of the integral is too large.
 fn inaccurate(error: f64) -> Option<Warning> {
     (!(error <= LARGEST_ERROR)).then(|| {
         Warning::new(

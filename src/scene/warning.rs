@@ -41,7 +41,7 @@ pub enum WhatIsRead {
     StiffestPoint,
     /// The turn of surfaces that are pulled back: all that follows depends on it.
     Turn,
-    /// The shares at the smallest separation, where nothing pulls.
+    /// The fractions at the smallest separation, where nothing pulls.
     Nearest,
 }
 
@@ -52,13 +52,13 @@ pub struct Reading {
     pub what: WhatIsRead,
     /// Separation h of the place, m.
     pub separation: f64,
-    /// Expected share of the nominal area in contact there.
+    /// Expected fraction of the nominal area in contact there.
     pub share_in_contact: f64,
-    /// Expected share of the adhesion force there that contacts carry which have flowed.
+    /// Expected fraction of the adhesion force there that contacts carry which have yielded.
     pub flowed_adhesion: f64,
-    /// Expected share of the adhesion force there that asperities have which do not touch.
+    /// Expected fraction of the adhesion force there of asperities that do not touch.
     pub untouched_adhesion: f64,
-    /// The share of it that the curve does not have at any of the scene's separations.
+    /// The fraction of it that is missed: no separation of the scene has a force that large.
     pub missed: f64,
 }
 

@@ -1,9 +1,9 @@
 //! Forces between the mean planes under a body.
 //!
 //! # Formula
-//! Faces that are h + s apart at the depth s act on an area dA(s) with the pressure p(h + s) of flat faces, Derjaguin's (1934)
+//! Surfaces that are h + s apart at the depth s act on an area dA(s) with the pressure p(h + s) of flat surfaces, Derjaguin's (1934)
 //! approximation: the force is ∫p(h + s) dA down to the depth at which the body ends. A sphere has s = r²/2R_m. Divided by the
-//! nominal area the force is a pressure, as of flat faces.
+//! nominal area the force is a pressure, as of flat surfaces.
 
 use super::shape::Depths;
 use crate::background::{MeanPlaneForce, Strength};
@@ -11,7 +11,7 @@ use crate::math::piecewise::Piecewise;
 use crate::math::quadrature::{NODES, Rule};
 use std::sync::{Arc, OnceLock};
 
-/// Relative accuracy of integrals over depths, and of tabulated strengths between flat faces.
+/// Relative accuracy of integrals over depths, and of tabulated strengths between flat surfaces.
 const ACCURACY: f64 = 1e-12;
 const OF_TABLE: f64 = 1e-12;
 /// Times that a range of depths may be doubled: what is beyond is nothing.
@@ -45,14 +45,14 @@ impl Depths {
 /// A force between mean planes of which one is that of a body.
 #[derive(Debug)]
 pub(super) struct Curved {
-    /// The force between flat faces.
+    /// The force between flat surfaces.
     flat: Arc<dyn MeanPlaneForce>,
     depths: Depths,
     /// m².
     nominal_area: f64,
     /// The nearest separation h, m.
     nearest: f64,
-    /// Energy and pressure between flat faces over the logarithm of the separation, once they have been asked for.
+    /// Energy and pressure between flat surfaces over the logarithm of the separation, once they have been asked for.
     tables: [OnceLock<Piecewise>; 2],
 }
 
@@ -75,7 +75,7 @@ impl Curved {
         })
     }
 
-    /// The strength between flat faces at a separation h, m, as far as it is asked for.
+    /// The strength between flat surfaces at a separation h, m, as far as it is asked for.
     fn of_flat(&self, std: f64, separation: f64, all: bool) -> Strength {
         let x = libm::log1p((separation - self.nearest) / std);
         let of =

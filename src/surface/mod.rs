@@ -2,7 +2,6 @@
 
 mod curved;
 mod heights;
-mod lowered;
 #[doc(hidden)]
 pub mod nayak;
 mod places;
@@ -10,9 +9,9 @@ mod radii;
 mod scheme;
 mod shape;
 
-pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 #[doc(hidden)]
-pub use lowered::Lowered;
+pub use heights::{HEIGHT_LAWS, Lowered, NamedLaw, Parameter, ParameterValue};
+pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 pub use nayak::Spectrum;
 pub use places::{MeasuredPlaces, Places, PlacesError};
 pub use radii::Radii;

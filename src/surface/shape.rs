@@ -1,10 +1,10 @@
-//! The shape of a body on a scale on which its surface is smooth: how far its face lies behind its nearest point.
+//! The shape of a body on a scale on which its surface is smooth: how far its surface lies behind its nearest point.
 //!
 //! # Formula
-//! A rough face and a body of principal radii R₁ and R₂ have the gap d + x²/2R₁ + y²/2R₂ − z(x, y). Around an asperity of the
+//! A rough surface and a body of principal radii R₁ and R₂ have the gap d + x²/2R₁ + y²/2R₂ − z(x, y). Around an asperity of the
 //! radius R and height z_i at (x, y) it is least at (xR₁/(R₁ + R), yR₂/(R₂ + R)), where the body is nearest to the tip: there it
 //! is d − z_i + s with s = x²/2(R₁ + R) + y²/2(R₂ + R), and its curvatures are 1/R + 1/R₁ and 1/R + 1/R₂: as of two spheres,
-//! whichever face the asperity is on. For R ≪ R₁ these are the place, z_i − x²/2R₁ and R of Greenwood and Tripp (1967).
+//! whichever surface the asperity is on. For R ≪ R₁ these are the place, z_i − x²/2R₁ and R of Greenwood and Tripp (1967).
 
 use crate::math::quadrature::Rule;
 use rand::distr::Open01;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// Trials after which a tip keeps no distance: a small spot may by chance have more tips than room.
+/// Trials after which a tip keeps no distance: a small area may by chance have more summits than room.
 const TRIALS: u32 = 10_000;
 
 /// The shape of a body over a rough plane.
@@ -103,7 +103,7 @@ impl Depths {
 
     /// Puts tips at random places, one after the other, each in the area that the others left free: the share of the area and
     /// the turn of each place.
-    pub fn scatter(&self, count: usize, random: &mut impl Rng, mut put: impl FnMut(f64, f64)) {
+    pub fn place_all(&self, count: usize, random: &mut impl Rng, mut put: impl FnMut(f64, f64)) {
         let mut draw = || -> [f64; 2] { [random.sample(Open01), random.sample(Open01)] };
         // Cells as wide as the distance: neighbours of a place are in the nine around it.
         let mut cells: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();

@@ -24,15 +24,21 @@ fn a_file_is_read_back() {
     let back = asperities::read(&folder.path("map.h5")).unwrap();
     let file = unlocked::open(folder.path("map.h5"));
     let numbers = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
-    assert_eq!((back.heights.len(), &back.heights), (213, &numbers("/asperities/height")));
-    assert_eq!(back.radii, numbers("/asperities/radius"));
-    assert_eq!(back.equivalent_radii, Some(numbers("/asperities/equivalent_radius")));
+    assert_eq!(
+        (back.asperities.heights.len(), &back.asperities.heights),
+        (213, &numbers("/asperities/height"))
+    );
+    assert_eq!(back.asperities.radii, numbers("/asperities/radius"));
+    assert_eq!(back.asperities.equivalent_radii, Some(numbers("/asperities/equivalent_radius")));
     let places: Vec<[f64; 2]> =
         numbers("/asperities/x").into_iter().zip(numbers("/asperities/y")).map(|(x, y)| [x, y]).collect();
-    assert_eq!(back.positions, places);
+    assert_eq!(back.asperities.positions, places);
     let area: f64 = file.attr("nominal_area").unwrap().read_scalar().unwrap();
-    assert_eq!((back.nominal_area, back.density), (area, numbers("/measured/asperity_density")[0]));
-    let mean = back.heights.iter().sum::<f64>() / 213.0;
+    assert_eq!(
+        (back.asperities.nominal_area, back.density),
+        (area, numbers("/measured/asperity_density")[0])
+    );
+    let mean = back.asperities.heights.iter().sum::<f64>() / 213.0;
     assert!((back.mean_plane_offset / mean - 1.0).abs() < 1e-12);
     assert_eq!(
         [back.m0, back.m2, back.m4],
@@ -56,10 +62,10 @@ fn the_border_of_a_smoothed_map_is_left_out() {
     file.close().unwrap();
     let back = asperities::read(&folder.path("map.h5")).unwrap();
     let near = |value: f64, exact: f64| assert!((value - exact).abs() < 1e-18, "{value:e} {exact:e}");
-    let ([width, height], [x, y]) = (back.extent.unwrap(), [6.0 * 30e-9, 4.0 * 30e-9]);
+    let ([width, height], [x, y]) = (back.asperities.extent.unwrap(), [6.0 * 30e-9, 4.0 * 30e-9]);
     near(width, 192.0 * 30e-9 - 2.0 * x);
     near(height, 192.0 * 30e-9 - 2.0 * y);
-    for (own, other) in back.positions.iter().zip(&whole.positions) {
+    for (own, other) in back.asperities.positions.iter().zip(&whole.asperities.positions) {
         near(own[0], other[0] - x);
         near(own[1], other[1] - y);
     }

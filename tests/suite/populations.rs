@@ -8,7 +8,8 @@ use stiction::engine::Draw;
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+    CountLaw, HEIGHT_LAWS, HeightLaw, Heights, LogNormal, Parameter, ParameterValue, RADIUS_RANGE, Radii,
+    SamplingScheme, Surface, Truncated, Weibull,
 };
 use stiction::validation::{Draws, Verdict, basis};
 
@@ -314,13 +315,54 @@ fn poisson_counts_have_their_mean_and_variance() {
     assert!((variance - 30.0).abs() < 4.5 * ((30.0_f64 + 1800.0) / 4000.0).sqrt(), "{variance}");
 }
 
+/// Every law of heights that scenes name, with parameters of 1.2 where they may be, or between −2.5 and 1.2.
+fn named_laws() -> impl Iterator<Item = (&'static str, HeightLaw)> {
+    let value = |parameter: &Parameter| match parameter.value {
+        ParameterValue::Within(least, most) => 1.2_f64.clamp(least, most),
+        ParameterValue::Or(absent) => absent.clamp(-2.5, 1.2),
+    };
+    HEIGHT_LAWS.iter().map(move |law| {
+        let values: Vec<f64> = law.parameters.iter().map(value).collect();
+        (law.name, (law.make)(&values).unwrap())
+    })
+}
+
+/// Between all ends of panels the density of every law has the probability as its integral, by Simpson's rule, the height of
+/// the normal score of a height is this height, and the panels have all of the law.
+#[test]
+fn laws_of_heights_have_one_density_probability_and_score() {
+    for (name, law) in named_laws() {
+        let heights = Heights { mean: 2e-9, std: 3e-9, law };
+        let (low, high) = heights.reach(9.0);
+        let ends = heights.panels(low, high);
+        let mut all = 0.0;
+        for pair in ends.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let (count, step) = (2000_u32, (to - from) / 4000.0);
+            // Inside of the panel: a density may jump at its ends.
+            let at = |i: u32| {
+                heights.density((from + step * f64::from(i)).clamp(from + 1e-9 * step, to - 1e-9 * step))
+            };
+            let sum: f64 = (0..count).map(|i| at(2 * i) + 4.0 * at(2 * i + 1) + at(2 * i + 2)).sum();
+            let probability = heights.probability(from, to);
+            assert!((sum * step / 3.0 - probability).abs() < 1e-4, "{name}: {sum:e} {probability:e}");
+            all += probability;
+            let middle = 0.5 * (from + to);
+            let back = heights.of_normal(heights.score(middle));
+            let is_in_tail = !(1e-12..1.0).contains(&probability);
+            assert!(is_in_tail || (back - middle).abs() < 1e-6 * heights.std, "{name}: {back:e} {middle:e}");
+        }
+        assert!((all - 1.0).abs() < 1e-12, "{name}: {all}");
+    }
+}
+
 /// Draws of every law of heights by Kolmogorov and Smirnov at the level 1e-4 (false alarm below 1e-3 for all;
 /// the seed is fixed).
 #[test]
 fn heights_are_drawn_from_their_law() {
     let (_, plain) = case("II");
-    for name in ["gaussian", "exponential", "weibull", "lognormal", "truncated"] {
-        let heights = Heights { law: height_law(name, 1.2), ..plain.heights.clone() };
+    for (name, law) in named_laws() {
+        let heights = Heights { law, ..plain.heights.clone() };
         let surface = Surface { asperity_count: 20_000, heights, ..plain.clone() };
         let (mut drawn, mut radii) = (Vec::new(), Vec::new());
         Draw { seed: 2, scheme: SamplingScheme::Independent, index: 0 }.of(&surface, &mut drawn, &mut radii);

@@ -6,7 +6,7 @@ use super::nodes::Nodes;
 use super::offsets::{Cell, Offset, Polynomials};
 use crate::asperity::{Law, Quantity};
 use crate::engine::curves::Curves;
-use crate::surface::{HeightLaw, Surface};
+use crate::surface::Surface;
 use thiserror::Error;
 
 /// Separations have one step when they are off it by at most this share.
@@ -220,7 +220,7 @@ impl MomentMatrix {
 
 /// The farthest that heights are binned from their mean plane, m.
 fn reach(surface: &Surface) -> f64 {
-    let heavy = !matches!(surface.heights.law, HeightLaw::Gaussian | HeightLaw::Truncated(_));
+    let heavy = !surface.heights.law.has_normal_tails();
     HEIGHT_REACH[usize::from(heavy)] * surface.heights.std
 }
 

@@ -1,9 +1,9 @@
 //! Films of liquid on the surfaces.
 
 use super::{Dataset, History, Results, path};
+use crate::integral::Films;
 use crate::liquid::Film;
 use crate::output::schema::Dimension::Separation;
-use crate::scene::films::Films;
 
 const GROUP: &str = "/film";
 

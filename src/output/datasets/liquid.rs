@@ -2,9 +2,10 @@
 
 use super::{Dataset, History, Results, path};
 use crate::asperity::Quantity;
+use crate::integral::Wet;
 use crate::liquid::{Filling, Meniscus};
 use crate::output::schema::Dimension::Separation;
-use crate::scene::{Scene, Wet};
+use crate::scene::Scene;
 
 const GROUP: &str = "/capillary";
 
@@ -136,7 +137,7 @@ fn forces(scene: &Scene, pressure: impl Fn(f64) -> f64) -> Vec<f64> {
 fn filled(name: &str, meaning: &str, of: fn(&Filling, f64) -> f64) -> Dataset {
     Dataset::new(path(GROUP, name), &[Separation], "N", meaning, move |results| {
         results.scene.model.meniscus()?;
-        let filling = results.scene.filling()?;
+        let filling = results.scene.interface().filling()?;
         let surface = &results.scene.surface;
         Some(forces(&results.scene, |h| surface.over_body(0.0, f64::INFINITY, |h| of(&filling, h), h)))
     })

@@ -3,7 +3,6 @@
 use super::{ForceTable, GivenForce, Setting};
 use crate::background::{Electrostatic, MeanPlaneForce};
 use crate::format::si;
-use crate::scene::definition::Scene;
 use crate::scene::error::{SceneError, Together, all};
 use crate::scene::keys::Sign::{Any, NotNegative};
 use crate::scene::keys::Value::{Number, OneOrMore, Quantity, Table, Various};
@@ -90,9 +89,9 @@ impl GivenForce for Electrostatic {
         Arc::new(*self)
     }
 
-    fn warnings(&self, scene: &Scene) -> Vec<Warning> {
+    fn warnings(&self, nearest: f64) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        let field = self.field(scene.separations[0]);
+        let field = self.field(nearest);
         if field > LARGEST_FIELD {
             let [field, largest] = [field, LARGEST_FIELD].map(|field| si(field, "V/m"));
             warnings.push(Warning::new(

@@ -4,7 +4,6 @@
 mod electrostatic;
 mod van_der_waals;
 
-use super::definition::Scene;
 use super::error::{SceneError, all};
 use super::keys::Key;
 use super::reader::Section;
@@ -47,8 +46,8 @@ pub(crate) trait GivenForce: Debug + Send + Sync {
     /// The force between surfaces.
     fn force(&self, setting: &Setting<'_>) -> Arc<dyn MeanPlaneForce>;
 
-    /// Warnings about it.
-    fn warnings(&self, _scene: &Scene) -> Vec<Warning> {
+    /// Warnings about it at the closest separation h, m.
+    fn warnings(&self, _nearest: f64) -> Vec<Warning> {
         Vec::new()
     }
 }

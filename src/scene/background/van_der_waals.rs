@@ -88,7 +88,7 @@ fn van_der_waals(section: &Section<'_>) -> Result<VanDerWaalsTable, SceneError> 
     Ok(VanDerWaalsTable { hamaker_constant, wavelength, smallest_gap, cap_share })
 }
 
-/// The film between the faces under a law, m.
+/// The film between the surfaces under a law, m.
 fn film(model: &Model, asperity: &Asperity) -> f64 {
     if model.validity.dry { 0.0 } else { asperity.lubricant_thickness }
 }

@@ -7,12 +7,64 @@ mod sphere;
 mod tilted;
 
 use super::error::{SceneError, Together, all};
+use super::keys::Sign::Positive;
+use super::keys::Value::{Choice, OneOrMore, Quantity, Table};
+use super::keys::{Key, key, names};
 use super::reader::Section;
+use super::units::Dimension as Of;
 use super::units::Dimension;
 use crate::asperity::scale::Asperity;
 use crate::surface::{MOST_ASPERITIES, Radii, Shape, Surface};
 use std::f64::consts::PI;
 use std::sync::Arc;
+
+/// The keys of `[shape]`.
+pub(super) static KEYS: &[Key] = &[
+    key("shape", "{ body = \"sphere\", radius = \"10 um\" }", Table)
+        .what("the body over the rough surface, such as a probe")
+        .about(
+            "Asperities are drawn at random places under it, each lower by the depth s of its place behind the nearest point; h is \
+             the separation there. Places from which nothing pulls at the smallest h are left out; `nominal_area` follows from that. A \
+             replica is a spot, with a Poisson number of asperities.",
+        )
+        .follows("none; a flat patch"),
+    key("shape.body", "\"sphere\"", Choice(|| names(SHAPES)))
+        .what("shape of the body")
+        .about(
+            "`sphere` has a `radius`; `paraboloid` two principal `radii`, as crossed cylinders have; `cylinder`, which lies on the \
+             surface, `radius` and `length`; `punch` the `flat_radius` of its end and the `edge_radius` of its rounded edge; `tilted`, a flat \
+             square, `side` and `angle`.",
+        ),
+    key("shape.radius", "\"10 um\"", Quantity(Of::Length, Positive))
+        .what("radius of a sphere or a cylinder")
+        .about("R_m. The depth is s = r²/2(R_m + R), and the equivalent radius of contacts 1/(1/R + 1/R_m).")
+        .follows("none; required for `sphere` and `cylinder`")
+        .swept(),
+    key("shape.radii", "[\"10 um\", \"20 um\"]", OneOrMore(Of::Length, Positive, &[]))
+        .what("principal radii of a paraboloid")
+        .about("Crossed cylinders have their radii.")
+        .follows("none; required for `paraboloid`"),
+    key("shape.length", "\"50 um\"", Quantity(Of::Length, Positive))
+        .what("length of a cylinder")
+        .follows("none; required for `cylinder`")
+        .swept(),
+    key("shape.flat_radius", "\"1 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the flat end of a punch")
+        .follows("none; required for `punch`")
+        .swept(),
+    key("shape.edge_radius", "\"0.2 um\"", Quantity(Of::Length, Positive))
+        .what("radius of the edge of a punch")
+        .follows("none; required for `punch`")
+        .swept(),
+    key("shape.side", "\"10 um\"", Quantity(Of::Length, Positive))
+        .what("side of a tilted square")
+        .follows("none; required for `tilted`")
+        .swept(),
+    key("shape.angle", "\"0.1 deg\"", Quantity(Of::Angle, Positive))
+        .what("angle of a tilted square")
+        .follows("none; required for `tilted`")
+        .swept(),
+];
 
 /// A shape by its name, its keys and how it is read.
 pub(super) struct ShapeReader {
@@ -31,7 +83,7 @@ pub(super) static SHAPES: &[(&str, &ShapeReader)] = &[
 ];
 
 /// Equilibrium spacings from a tip beyond which its attraction is left out. Of a sphere the rest falls as 1 over the depth: for
-/// `configs/probe.toml` 0.05 % of the pull-off of a spot.
+/// `configs/probe.toml` 0.05 % of the pull-off of a place.
 const REACH: f64 = 300.0;
 /// Standard deviations of the highest tips.
 const HIGHEST: f64 = 6.0;

@@ -1,4 +1,4 @@
-//! A flat square face at an angle.
+//! A flat square at an angle.
 
 use super::ShapeReader;
 use crate::format::si;
@@ -22,10 +22,10 @@ pub(super) const SHAPE: (&str, &ShapeReader) = (
     },
 );
 
-/// The steepest face, rad, whose forces are along the normal of the plane.
+/// The steepest square, rad, whose forces are along the normal of the plane.
 const STEEPEST: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
-/// A square of a side, m, whose face rises from one edge at an angle, rad.
+/// A square of a side, m, that rises from one edge at an angle, rad.
 #[derive(Debug)]
 struct Tilted {
     side: f64,

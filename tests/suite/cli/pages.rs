@@ -96,6 +96,7 @@ fn value(key: &Key) -> String {
             names().iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(", ")
         }
         Value::Various(words) => (*words).to_owned(),
+        Value::OfLaw(words) => words(),
     }
 }
 

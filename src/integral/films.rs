@@ -5,9 +5,8 @@
 //! bridges that there are for t. V rises with t, so one t solves it. ΣV is its expectation. It is that around rigid spheres;
 //! which asperities have bridges is that of elastic ones.
 
-use super::Scene;
+use super::{Expectations, Interface};
 use crate::asperity::{LawError, Quantity};
-use crate::integral::Expectations;
 use crate::math::extrema::smallest;
 use crate::math::interpolation::lagrange;
 
@@ -16,7 +15,7 @@ const NODES: usize = 17;
 /// Halvings of an interval of thicknesses, to its rounding.
 const HALVINGS: usize = 60;
 
-/// The films on the faces on one way over the separations.
+/// The films on the surfaces on one branch over the separations.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Films {
@@ -26,10 +25,10 @@ pub struct Films {
     pub external_force: Vec<f64>,
 }
 
-/// The share of a film that is as good as none.
+/// The fraction of a film that is negligible.
 const ROUNDING: f64 = 1e-13;
 
-/// Expectations with one thickness on one way over the separations.
+/// Expectations with one thickness on one branch over the separations.
 struct Expected {
     /// Volume ΣV, m³.
     volume: Vec<f64>,
@@ -37,16 +36,14 @@ struct Expected {
     external_force: Vec<f64>,
 }
 
-impl Scene {
-    /// The films on the faces of the scene on approach and on the ways after it, if it has any.
-    ///
-    /// # Errors
-    /// [`LawError`] where a law cannot be made.
-    fn films_on_ways(&self) -> Result<Vec<Films>, LawError> {
+impl Interface {
+    /// The films on the surfaces on approach and on the branches after it, if there are any; their `initial` thickness, m, if they
+    /// drain into bridges.
+    fn films(&self, initial: Option<f64>) -> Result<Vec<Films>, LawError> {
         let Some(film) = self.model.meniscus().and_then(|meniscus| meniscus.film) else {
             return Ok(Vec::new());
         };
-        let Some(initial) = self.draining_film else {
+        let Some(initial) = initial else {
             let thickness = vec![film.thickness; self.separations.len()];
             let of =
                 |one: Expected| Films { thickness: thickness.clone(), external_force: one.external_force };
@@ -88,30 +85,31 @@ impl Scene {
         Ok((0..nodes[0].len()).map(drained).collect())
     }
 
-    /// The scene with its films, in the law drained as far as where the surfaces are pulled off, on average.
+    /// The surfaces with their liquid: films, in the law drained as far as where the surfaces are pulled off, on average, and liquid
+    /// that spreads. `draining` is the thickness of films before they drain, m, if they do.
     ///
     /// # Errors
     /// [`LawError`] where a law cannot be made.
-    pub(super) fn with_films(self) -> Result<Self, LawError> {
-        let films = self.films_on_ways()?;
+    pub fn with_liquid(self, draining: Option<f64>) -> Result<(Self, Vec<Films>), LawError> {
+        let films = self.films(draining)?;
         let pulled = films.get(1).or(films.first());
-        let Some(Films { thickness, external_force }) = pulled else { return Ok(self) };
+        let Some(Films { thickness, external_force }) = pulled else {
+            return Ok((self.with_spread()?, films));
+        };
         let deepest = smallest(external_force);
-        let scene = self.with_film(thickness[deepest])?;
-        Ok(Self { films, ..scene })
+        Ok((self.with_film(thickness[deepest])?, films))
     }
 
-    /// The scene with films of another thickness, m, and with the liquid that then spreads.
+    /// The surfaces with films of another thickness, m, and with the liquid that then spreads.
     fn with_film(&self, thickness: f64) -> Result<Self, LawError> {
         let meniscus = self.model.meniscus().expect("films are of a liquid").at_thickness(thickness);
-        let model = self.model.with_liquid(meniscus);
-        Self { model, ..self.clone() }.with_background_of(&model).with_spread()
+        Self { model: self.model.with_liquid(meniscus), ..self.clone() }.with_spread()
     }
 
-    /// Expectations of the scene as it is, on approach and on the ways after it.
+    /// Expectations of the surfaces as they are, on approach and on the branches after it.
     fn expected(&self) -> Result<Vec<Expected>, LawError> {
-        let contents = self.expectations_on_ways(self.model.content(), &self.separations)?;
-        let forces = self.expectations_on_ways(self.model, &self.separations)?;
+        let contents = self.expectations(self.model.content(), &self.separations)?;
+        let forces = self.expectations(self.model, &self.separations)?;
         let of = |(content, force): (Expectations, Expectations)| {
             let [volume, external_force] =
                 [(content, Quantity::AdhesionForce), (force, Quantity::ExternalForce)]

@@ -1,10 +1,10 @@
-//! Heights of asperities under a body whose face lies behind its nearest point.
+//! Heights of asperities under a body whose surface lies behind its nearest point.
 
-use super::heights::{HeightLaw, Heights};
-use super::places::MeasuredPlaces;
-use super::shape::Depths;
+use super::{HeightLaw, Heights};
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
+use crate::surface::places::MeasuredPlaces;
+use crate::surface::shape::Depths;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 use std::sync::{Arc, OnceLock};
@@ -187,7 +187,7 @@ impl Lowered {
         let mut lowered = heights.iter_mut();
         let mut tips = radii.iter_mut();
         let Depths { shape, area, tip, .. } = &self.depths;
-        self.depths.scatter(lowered.len(), random, |share, turn| {
+        self.depths.place_all(lowered.len(), random, |share, turn| {
             let radius = tips.next();
             let own = radius.as_deref().copied().unwrap_or(*tip);
             if let Some(height) = lowered.next() {

@@ -1,4 +1,4 @@
-//! Liquid that spreads between the bridges of a scene's asperities.
+//! Liquid that spreads between the bridges of asperities.
 //!
 //! # Formula
 //! On each way over the separations, with the expected pull E of the asperities, their pull without the
@@ -7,15 +7,13 @@
 //!
 //! p = w(f) [p_f − (E − E₀)/A_n],
 //!
-//! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the faces have touched
-//! or bridges are reversible there is liquid in all gaps that hold some, and f is the larger of that share and the share Φ(−v)
+//! with the tension p_f of [`crate::liquid::Filling`], at least 0. f is the share that bridges cover; where the surfaces have touched
+//! or bridges are reversible there is liquid in all gaps that keep some, and f is the larger of that share and the share Φ(−v)
 //! of these gaps: liquid that fills the gaps lasts where single bridges break. m₂ belongs to the Gaussian
-//! surface with the asperities of the scene, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
+//! surface with these asperities, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
 
-use super::Scene;
-use crate::asperity::models::Model;
+use super::{Expectations, Interface};
 use crate::asperity::{LawError, LawParameters, Path, Quantity, Regime};
-use crate::integral::{Expectations, RetractionModel};
 use crate::liquid::{Bridges, Filling, Meniscus, Spread, Spreads, Volume, weight};
 use crate::surface::{Radii, Spectrum, Surface};
 use std::f64::consts::PI;
@@ -32,7 +30,7 @@ const REACH: f64 = 10.0;
 pub struct Wet {
     /// Asperities that touch.
     pub contacts: f64,
-    /// Asperities that only a bridge joins to the other face.
+    /// Asperities that only a bridge joins to the other surface.
     pub bridges: f64,
     /// F_s of these, N.
     pub pull: f64,
@@ -72,8 +70,8 @@ impl Wet {
     }
 }
 
-impl Scene {
-    /// The liquid that fills gaps between the faces of the scene, if its law has one.
+impl Interface {
+    /// The liquid that fills gaps between the surfaces, if the law has one.
     pub fn filling(&self) -> Option<Filling> {
         let meniscus = self.model.meniscus()?;
         let surface = self.surface.plane();
@@ -87,24 +85,7 @@ impl Scene {
         Some(Filling::new(meniscus, share, std, spectrum.m2))
     }
 
-    /// The expectations of the asperities of the scene under a law over separations, m: on approach, and on the ways after it.
-    pub(super) fn expectations_on_ways(
-        &self,
-        model: Model,
-        separations: &[f64],
-    ) -> Result<Vec<Expectations>, LawError> {
-        let scene = Self { model, ..self.clone() };
-        let law = scene.law()?;
-        let mut ways = vec![Expectations::new(law.view(), &scene.surface, separations)];
-        if let Some(cycle) = scene.loop_law()? {
-            ways.push(Expectations::retraction(&cycle, &scene.surface, separations));
-            let again = RetractionModel::again(&cycle, &scene.surface, separations[0]);
-            ways.extend(again.map(|model| model.answer(separations)));
-        }
-        Ok(ways)
-    }
-
-    /// The scene with liquid that spreads where bridges merge. Bridges that keep their liquid are left as they are.
+    /// The surfaces with liquid that spreads where bridges merge. Bridges that keep their liquid are left as they are.
     ///
     /// # Errors
     /// [`LawError`] where a law cannot be made.
@@ -117,8 +98,8 @@ impl Scene {
             return Ok(self);
         }
         self.model.immersed().admits(&LawParameters::new(&self.asperity, Path::Approach, (0.0, 0.0))?)?;
-        let scene = self.clone();
-        self.surface.spread = Spreads::new(move || scene.spreads(&filling, &meniscus).unwrap_or_default());
+        let dry = self.clone();
+        self.surface.spread = Spreads::new(move || dry.spreads(&filling, &meniscus).unwrap_or_default());
         Ok(self)
     }
 
@@ -129,16 +110,16 @@ impl Scene {
         let tip = surface.asperity_radius;
         let flat = Surface { background: None, spread: Spreads::default(), ..surface.into_owned() };
         let alone = Self { surface: flat, ..self.clone() };
-        let wet = alone.expectations_on_ways(self.model, &separations)?;
-        let immersed = alone.expectations_on_ways(self.model.immersed(), &separations)?;
-        let law = self.law()?;
+        let wet = alone.expectations(self.model, &separations)?;
+        let immersed = alone.expectations(self.model.immersed(), &separations)?;
+        let law = self.law(Path::Approach, &self.model)?;
         let regimes: Vec<&str> = law.view().regimes().iter().map(|regime| regime.name()).collect();
         let (area, force) = (Quantity::ContactArea.index(), Quantity::ExternalForce.index());
         let covered = |wet: &Expectations, k: usize| {
             let of = |regime: usize| (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k]);
             Wet::new(&regimes, wet.expected[area][k], of).covered(meniscus, &alone.surface)
         };
-        // On the way back there is liquid where a body was near enough, or bridges form by themselves.
+        // On retraction there is liquid where a body was near enough, or bridges form without contact.
         let is_wet = |k: &usize| weight(covered(&wet[0], *k)) > 0.0;
         let reached =
             (0..separations.len()).rev().find(is_wet).map_or(0.0, |k| separations[k] - separations[0]);
@@ -173,7 +154,7 @@ impl Scene {
         Ok(if is_none { Vec::new() } else { spread })
     }
 
-    /// Separations h, m, from the first of the scene to its last or to where no asperity is wet: by [`STEP`] standard
+    /// Separations h, m, from the first to the last or to where no asperity is wet: by [`STEP`] standard
     /// deviations of the heights where asperities begin to touch or bridges to break, and further apart away from there.
     fn spread_separations(&self, meniscus: &Meniscus) -> Vec<f64> {
         let (mean, std) = self.surface.plane().heights.moments();

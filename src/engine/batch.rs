@@ -3,8 +3,8 @@
 use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
+use super::job::{Ends, Job};
 use super::replica::{Replica, Workspace};
-use super::{Ends, Job};
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
@@ -40,6 +40,14 @@ pub fn batches_of(replicas: u64) -> u64 {
 pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
     let first = |batch: u64| batch.saturating_mul(BATCH).min(replicas);
     first(batches.start)..first(batches.end)
+}
+
+impl Job<'_> {
+    /// Number of batches.
+    #[doc(hidden)]
+    pub fn batches(&self) -> u64 {
+        batches_of(self.replicas)
+    }
 }
 
 /// The moments of an ensemble and what is kept of every replica.

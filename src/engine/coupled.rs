@@ -2,18 +2,16 @@
 
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::curves::{CoupledCurves, Curves};
+use super::job::{Ends, Job, Substrate, Ways};
 use super::replica::{CoupledReplica, Replica};
-use super::scalars::Ways;
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
-use super::{Ends, Job};
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Loop, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
-use crate::substrate::{Coupling, Kernel};
-use crate::surface::Places;
+use crate::substrate::Kernel;
 use std::f64::consts::PI;
 
 /// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again; how often at most, and how
@@ -27,29 +25,6 @@ const HALVINGS: i32 = 6;
 const SMOOTH: f64 = 1e-4;
 /// Share of a pull-off up to which samples may miss it.
 const MISSED: f64 = 0.01;
-
-/// The half-space under the asperities of the surfaces of a job.
-#[derive(Clone, Copy)]
-pub struct Substrate<'a> {
-    /// Surroundings of a surface.
-    pub coupling: Coupling,
-    /// Action of contacts on each other.
-    pub kernel: Kernel,
-    /// The places of asperities.
-    pub places: &'a Places,
-    /// Largest error of a load, relative to the largest.
-    pub tolerance: f64,
-    /// Indices of the separations at which the asperities of the first replica are recorded one by one.
-    pub loads_at: &'a [usize],
-    /// E*, Pa.
-    pub reduced_modulus: f64,
-    /// Memory of asperities.
-    pub memory: Option<&'a SurfaceLoops>,
-    /// The length over which the law of the typical asperity varies, m.
-    pub length: f64,
-    /// The unit of its energy, J; none where it is not known: bridges of liquid take energy from the vapour.
-    pub energy: Option<f64>,
-}
 
 /// Halvings of a step to a separation at which no stable state is found.
 const SHORTER: u32 = 3;

@@ -2,9 +2,8 @@
 
 use super::curves::Curves;
 use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
-use super::scalars::Ways;
+use super::job::{Job, Protocol, Ways};
 use super::summed::Summed;
-use super::{Job, Protocol};
 use crate::asperity::Quantity;
 use crate::math::extrema::Extremum;
 use crate::math::sums::SUM_ROUNDING;

@@ -1,6 +1,6 @@
 //! The external force of one asperity in a table, for many sums over a few asperities.
 
-use super::Job;
+use super::job::Job;
 use super::kinks::{Kink, Kinks, solver, spacing};
 use super::sums::{RegimeSums, Sums};
 use crate::asperity::{Law, Piece, Smoothness};

@@ -1,7 +1,7 @@
 //! Surfaces whose heights are all held at once.
 
-use super::Job;
 use super::force_table::ForceTable;
+use super::job::Job;
 use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
 use super::polydisperse::{Asperities, LaneSums, PulledBack};

@@ -1,6 +1,6 @@
 //! The kinks of a law: the interferences at which the force of one asperity is not smooth.
 
-use super::Job;
+use super::job::Job;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
 use crate::asperity::{Facing, Law, Loop, Scratch, SolverStats};

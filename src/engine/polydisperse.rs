@@ -5,8 +5,8 @@ mod pairs;
 
 pub(super) use pairs::{Pair, Pairs};
 
-use super::Job;
 use super::curves::Curves;
+use super::job::Job;
 use super::sums::RegimeSums;
 use crate::asperity::unloading::TOP_KINKS;
 use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};

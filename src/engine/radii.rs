@@ -1,7 +1,7 @@
 //! The curve of a surface of asperities that differ in their radii, each with a law, and so with kinks, of
 //! its own.
 
-use super::Job;
+use super::job::Job;
 use super::kinks::{KINKS, Kink, Kinks, beside, rounding};
 use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
 use super::search::{Curve, Passing, Stray};

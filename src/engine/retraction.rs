@@ -1,6 +1,6 @@
 //! The curve of a surface on retraction of a loop.
 
-use super::Job;
+use super::job::Job;
 use super::kinks::{KINKS, Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{State, Sums};

@@ -1,7 +1,7 @@
 //! The choice between direct sums and sums by moments, and the error that the latter turn out to have.
 
-use super::Job;
 use super::curves::Curves;
+use super::job::Job;
 use super::moments::{MANY, MomentMatrix, SMALL, Unfit, largest_error};
 use super::replica::{Replica, Workspace};
 use crate::asperity::Quantity;

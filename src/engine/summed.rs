@@ -1,6 +1,6 @@
 //! A surface whose curves are known, and what is asked of it then.
 
-use super::Job;
+use super::job::Job;
 use crate::asperity::Loop;
 use crate::math::extrema::Extremum;
 

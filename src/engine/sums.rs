@@ -1,9 +1,8 @@
 //! Direct sums over the asperities of a surface of one radius.
 
-use super::Job;
 use super::curves::Curves;
+use super::job::{Job, Ways};
 use super::polydisperse::{LaneSums, PulledBack};
-use super::scalars::Ways;
 use crate::asperity::{Facing, Law, Loop, Method, Quantity, Scratch, SolverStats};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};

@@ -17,32 +17,31 @@ mod coupled;
 mod coupled_moments;
 mod curves;
 mod cycle;
-mod force_table;
 mod groups;
-mod held;
 #[doc(hidden)]
 pub mod instability;
 mod job;
 mod kinks;
 #[doc(hidden)]
 pub mod moments;
-mod polydisperse;
+mod one_radius;
 mod radii;
 mod reduce;
 mod reduction_tree;
 mod replica;
-mod retraction;
 mod sampling;
 mod scalars;
 mod search;
 mod shard;
+mod snaps;
+mod state;
 mod stopping;
 mod stray_table;
 #[doc(hidden)]
 pub mod stream;
 mod summation;
 mod summed;
-mod sums;
+mod workspace;
 
 pub use crate::math::moments::Moments;
 #[doc(hidden)]
@@ -73,8 +72,6 @@ pub use reduction_tree::ReductionTree;
 pub use replica::CoupledReplica;
 pub use replica::Replica;
 #[doc(hidden)]
-pub use replica::Workspace;
-#[doc(hidden)]
 pub use sampling::Draw;
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar};
 #[doc(hidden)]
@@ -84,3 +81,5 @@ pub use shard::Shard;
 pub use stopping::{Attained, Estimator, Limit, Rule, Stopping, Target};
 #[doc(hidden)]
 pub use summation::{PILOTS, Summation};
+#[doc(hidden)]
+pub use workspace::Workspace;

@@ -3,8 +3,8 @@
 use super::batch::{Batch, Ensemble};
 use super::job::{Ends, Job};
 use super::reduction_tree::ReductionTree;
-use super::replica::Workspace;
 use super::stopping::Rule;
+use super::workspace::Workspace;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::convert::Infallible;

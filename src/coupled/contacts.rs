@@ -11,7 +11,7 @@
 //! s changes, the parameter of Maugis, gaps before contact against Z₀ and the onset of flow, is left out.
 
 use super::asperities::Forces;
-use super::half_space::{Known, Sums};
+use super::sums::{Known, Sums};
 use super::tilt::Tilt;
 use crate::substrate::{Coupling, Influence};
 use std::f64::consts::PI;

@@ -22,7 +22,7 @@
 
 use super::asperities::{Asperities, Forces, States};
 use super::half_space::HalfSpace;
-use super::solver::{Snapshot, Solver};
+use super::solver::{Solver, Step};
 use super::systems::{Accuracy, System};
 use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
@@ -56,15 +56,6 @@ pub fn least_energy(class: usize) -> f64 {
 /// The class of an energy, over the unit.
 pub fn energy_class(energy: f64) -> usize {
     (1..ENERGY_CLASSES).rfind(|class| energy >= least_energy(*class)).unwrap_or(0)
-}
-
-/// The last step of a surface from one stable state to another.
-#[derive(Debug)]
-pub struct Step {
-    /// The state before.
-    pub before: Snapshot,
-    /// Whether the surface fell, or may have: the branch on which it came may have ended.
-    pub has_left: bool,
 }
 
 /// A state close to a branch.

@@ -7,7 +7,7 @@
 //! what two contacts do to each other is reciprocal. They are of the fourth order in a/r, next to 1 of δ: moment and
 //! curvature ([`super::contacts`]) are of the third. Next are terms of s/r and of (a/r)⁵.
 
-use super::half_space::{Known, Sums};
+use super::sums::{Known, Sums};
 use crate::substrate::{Coupling, Influence};
 
 /// Longest way of a contact, over the distance of the nearest asperity: beyond it circles overlap.

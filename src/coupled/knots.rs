@@ -199,8 +199,6 @@ impl Solver<'_> {
     }
 
     /// Unties one knot, with the asperities that give way.
-    // Responses, choices and places are of one state of the knot: apart they would have all of them as
-    // arguments.
     fn untie_one(
         &mut self,
         first: usize,
@@ -238,6 +236,12 @@ impl Solver<'_> {
                 None => self.interference[*i] += step,
             }
         }
+        self.put(members, choices, &untied, &yielding);
+    }
+
+    /// Puts the members of a knot where they have been untied, by the displacements that their forces cause.
+    fn put(&mut self, members: &[Member], choices: &[Vec<Choice>], untied: &Untied, yielding: &[f64]) {
+        let count = members.len();
         for (k, (i, rests)) in members.iter().enumerate() {
             let segment = match choices[k][untied.choices[k]] {
                 Choice::In { segment, .. } => segment,
@@ -251,9 +255,9 @@ impl Solver<'_> {
                     rest.segments[usize::from(share >= 0.5)]
                 }
             };
-            self.states.segments[of[k]] = segment;
-            self.interference[of[k]] = untied.places[k];
-            self.passages.untied(of[k]);
+            self.states.segments[*i as usize] = segment;
+            self.interference[*i as usize] = untied.places[k];
+            self.passages.untied(*i as usize);
         }
     }
 

@@ -16,11 +16,11 @@ pub const KINKS: usize = 64;
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
 const WINDOWS: usize = 8;
 const PLACES: usize = 8;
-/// Places of a kink in each space or interval, and between which a kink of it matters: in spaces from the one
-/// that is interpolated, and in the widths of an interval.
+/// Places of a kink that are tried in each space or interval.
 const POSITIONS: f64 = 4.0;
-const SPACES: (f64, f64) = (-2.5, 3.5);
-const INTERVAL: (f64, f64) = (-0.25, 1.25);
+/// Interpolation between samples, which a kink upsets some spaces away, and of an interval through its own points.
+const OF_SAMPLES: Rule = Rule { interpolated: interpolated_from_samples, range: (-2.5, 3.5), widths: 1.0 };
+const OF_POINTS: Rule = Rule { interpolated, range: (-0.25, 1.25), widths: 1.5 };
 /// Kinks that are closer to each other than this share of the space between samples are one to what is
 /// interpolated between them.
 const CLOSE: f64 = 0.25;
@@ -252,35 +252,36 @@ fn fall(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> f64 {
 
 /// The error of interpolating a force, with the kink anywhere nearby.
 fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
-    Stray {
-        samples: stray_of(force, kink, width, interpolated_from_samples, SPACES, 1.0),
-        points: stray_of(force, kink, width, interpolated, INTERVAL, INTERVAL.1 - INTERVAL.0),
-        ..Stray::default()
-    }
+    let [samples, points] = [OF_SAMPLES, OF_POINTS].map(|rule| rule.error(force, kink, width));
+    Stray { samples, points, ..Stray::default() }
 }
 
-/// The error of interpolating a force by one rule with the kink between two places, in widths: at most, and
-/// the root of the mean square over `widths` widths.
-fn stray_of(
-    force: &dyn Fn(&[f64]) -> Vec<f64>,
-    kink: f64,
-    width: f64,
+/// A rule of interpolation near a kink.
+struct Rule {
     interpolated: Interpolation,
-    (from, to): (f64, f64),
+    /// Places of the kink at which it matters, in widths from where the interpolation begins.
+    range: (f64, f64),
+    /// The widths over which the mean square is taken.
     widths: f64,
-) -> (f64, f64) {
-    let mut most: f64 = 0.0;
-    let mut squares = [0.0; PLACES - 1];
-    for position in 0..((to - from) * POSITIONS) as usize {
-        let low = kink - width * (from + (position as f64 + 0.5) / POSITIONS);
-        let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
-        let values = interpolated(force, low, width, &places);
-        for ((value, truth), square) in values.iter().zip(force(&places)).zip(&mut squares) {
-            most = most.max((value - truth).abs());
-            *square += (value - truth).powi(2);
+}
+
+impl Rule {
+    /// The error of interpolating a force with the kink anywhere in the range: at most, and the root of the mean square.
+    fn error(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> (f64, f64) {
+        let Self { interpolated, range: (from, to), widths } = *self;
+        let mut most: f64 = 0.0;
+        let mut squares = [0.0; PLACES - 1];
+        for position in 0..((to - from) * POSITIONS) as usize {
+            let low = kink - width * (from + (position as f64 + 0.5) / POSITIONS);
+            let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
+            let values = interpolated(force, low, width, &places);
+            for ((value, truth), square) in values.iter().zip(force(&places)).zip(&mut squares) {
+                most = most.max((value - truth).abs());
+                *square += (value - truth).powi(2);
+            }
         }
+        (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
     }
-    (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
 }
 
 /// External forces, N, of an asperity at interferences δ, m, rising, however often.

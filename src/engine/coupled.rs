@@ -279,10 +279,8 @@ struct Placed {
 fn contacts(job: &Job<'_>, curves: &Curves) -> Contacts {
     let (s, states) = (job.separations.len(), job.states());
     let touches = |state: usize| {
-        let regimes = job.laws.regimes().iter().enumerate();
-        regimes
-            .filter(|(_, regime)| regime.is_contact())
-            .any(|(r, _)| curves.regime_count[r * states + state] > 0.0)
+        let mut counts = job.laws.regimes().iter().zip(curves.regime_count.chunks_exact(states));
+        counts.any(|(regime, count)| regime.is_contact() && count[state] > 0.0)
     };
     let furthest = |first: usize| {
         let found = (0..s).rev().find(|k| touches(first + k));

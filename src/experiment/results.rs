@@ -2,12 +2,13 @@
 
 use super::integral::{PathIntegral, resolving};
 use super::model_range::ModelRange;
-use crate::asperity::{FitReport, Laws, Loop, Quantity};
+use crate::asperity::{ByRegime, FitReport, Laws, Loop, Quantity, Regime};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
+use crate::math::moments::Moments;
 use crate::scene::{Scene, Warning};
 use crate::validation::{Basis, JointTest};
 use std::cell::LazyCell;
@@ -19,7 +20,7 @@ use std::time::Duration;
 pub(crate) struct Results {
     pub scene: Scene,
     pub warnings: Vec<Warning>,
-    pub regimes: Vec<&'static str>,
+    pub regimes: Vec<Regime>,
     /// How good the fits are of a law that is one.
     pub fit: Option<FitReport>,
     pub expectations: Expectations,
@@ -120,6 +121,12 @@ impl PathResults {
 }
 
 impl Results {
+    /// The means of a table of the ensemble, over the states by regime.
+    pub fn by_regime(&self, table: &Moments) -> ByRegime {
+        let rows = table.mean().chunks_exact(self.scene.states());
+        ByRegime::new(&self.regimes, rows.map(<[f64]>::to_vec).collect())
+    }
+
     /// Adds the seconds that the ensemble took before.
     pub fn add_seconds(&mut self, before: f64) {
         let ensemble = self.seconds.iter_mut().filter(|(name, _)| *name == "ensemble");

@@ -10,7 +10,7 @@ pub(super) const PASSAGES: u8 = 10;
 /// Passages after which asperities that went to and fro are taken for a knot.
 const RETURNS: u8 = 3;
 
-/// A passage of an asperity from a segment without way back, at δ of its law, m, upwards or not.
+/// An irreversible passage of an asperity from a segment, at δ of its law, m, upwards or not.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     pub(super) asperity: usize,
@@ -32,11 +32,11 @@ pub struct Passages {
     pub is_knot: bool,
     /// The number of knots that asperities were members of.
     knots: BTreeMap<u32, u8>,
-    /// Passages without way back.
+    /// Irreversible passages.
     pub(super) made: Vec<Passage>,
     /// Passages that are part of avalanches.
     pub events: Vec<Event>,
-    /// Asperities that made passages which lose energy: without way back, or over a jump to more attraction
+    /// Asperities that made passages which lose energy: irreversible ones, or over a jump to more attraction
     /// where the others yield to it. Over other jumps an asperity would have gone little by little.
     pub losing: Vec<u32>,
     /// The longest Newton step, m.
@@ -56,7 +56,7 @@ impl Passages {
         self.is_moved = true;
     }
 
-    /// Counts anew the passages of `count` asperities.
+    /// Begins to count the passages of `count` asperities.
     pub fn begin(&mut self, count: usize, is_close: bool) {
         self.counts.clear();
         self.counts.resize(count, 0);
@@ -67,7 +67,7 @@ impl Passages {
         self.is_close = is_close;
     }
 
-    /// Counts anew from a state that is close to a stable one.
+    /// Begins to count again from a state that is close to a stable one.
     pub fn come_close(&mut self) {
         self.counts.fill(0);
         self.jumps.clear();
@@ -75,7 +75,7 @@ impl Passages {
         self.is_close = true;
     }
 
-    /// Whether there were any without way back.
+    /// Whether there were irreversible ones.
     pub fn have_lasting(&self) -> bool {
         !self.made.is_empty()
     }
@@ -123,7 +123,7 @@ impl Passages {
         driven
     }
 
-    /// Counts anew the passages of a member of a knot.
+    /// Begins to count again the passages of a member of a knot.
     pub fn untied(&mut self, i: usize) {
         self.counts[i] = 0;
         let knots = self.knots.entry(i as u32).or_default();

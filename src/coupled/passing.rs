@@ -44,7 +44,7 @@ impl Solver<'_> {
         let Some(to) = asperities.next(states, i, upwards) else { return false };
         let (own, from) = (asperities.segment_of_law(states, i), states.segments[i]);
         let is_hysteretic = asperities.is_hysteretic(states, i, [from, to]);
-        // Without way back only where the others are known.
+        // Irreversibly only where the forces of the others are known.
         if is_hysteretic && !passages.is_close {
             return false;
         }
@@ -84,7 +84,7 @@ impl Solver<'_> {
         true
     }
 
-    /// Undoes passages without way back that others have relieved; how many.
+    /// Undoes irreversible passages that others have relieved; how many.
     pub(super) fn undo(&mut self) -> usize {
         let Self { asperities, states, interference, passages, .. } = self;
         let mut undone = 0;

@@ -21,7 +21,7 @@ const KNOWN: f64 = 0.1;
 /// Newton steps from which on systems are solved with sums of full accuracy and to the end: close to a fold rough
 /// ones do not tell on which side.
 const STUBBORN: usize = 30;
-/// Error of loads, and Newton steps, from which on passages without way back are made and knots are untied.
+/// Error of loads, and Newton steps, from which on irreversible passages are made and knots are untied.
 const CLOSE: (f64, usize) = (1e-3, 3);
 /// Newton steps that count as made after a knot has been untied, and most knots of which that is so: the rest
 /// of the work does not grow with their number.
@@ -123,7 +123,7 @@ impl Solver<'_> {
         })
     }
 
-    /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: asperities that hold
+    /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: asperities that keep
     /// each other at jumps may have others.
     fn stability_without_rests(&mut self) -> f64 {
         let resting = std::mem::take(&mut self.states.resting);

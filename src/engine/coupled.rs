@@ -15,12 +15,12 @@ use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
 use crate::substrate::Kernel;
 use std::f64::consts::PI;
 
-/// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again; how often at most, and how
-/// often where the curve jumps to its smallest force.
+/// The smallest force of a curve is sought again between the neighbours of the smallest sample, at this many parts. This is
+/// repeated at most `ROUNDS` times, and `ROUNDS_AT_JUMP` times where the curve jumps there.
 const PARTS: usize = 8;
 const ROUNDS: usize = 6;
 const ROUNDS_AT_JUMP: usize = 3;
-/// Halvings of the ways to a pull-off that the samples miss.
+/// Halvings of the distances from the samples next to a pull-off that they miss.
 const HALVINGS: i32 = 6;
 /// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
 const SMOOTH: f64 = 1e-4;
@@ -47,16 +47,16 @@ struct CoupledSurface<'a> {
     highest: f64,
     /// The first contact on approach, and the last on retraction.
     contacts: Contacts,
-    /// Where the pull-off is looked for on approach and on retraction, and, if surfaces turn back at preloads, the states at
-    /// each separation of the approach.
+    /// Where the pull-off is sought on approach and on retraction.
     starts: [Starts; 2],
+    /// The states at each separation of the approach, if surfaces turn back at preloads.
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
     recorded: Option<Recorded<'a>>,
 }
 
-/// Samples of a way between the neighbours of which the pull-off is looked for.
+/// The states from which the pull-off is sought on a branch.
 struct Starts {
     /// The separation h, m, of the pull-off of independent asperities, if the separations miss it; NaN if not.
     missed: f64,
@@ -393,7 +393,7 @@ impl CoupledSurface<'_> {
         coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
-    /// The smallest force on approach or on retraction over the separations of the job, of which samples are given in its order.
+    /// The smallest force on a branch, by its number, from samples over the separations of the job in their order on it.
     fn zoom_on(&mut self, way: usize, samples: &[(f64, f64)]) -> Extremum {
         let seen = Starts::new(self.starts[way].missed);
         let starts = std::mem::replace(&mut self.starts[way], seen);

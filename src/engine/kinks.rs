@@ -6,9 +6,9 @@ use super::stray_table::StrayTable;
 use crate::asperity::{Facing, Law, Loop, Scratch, SolverStats};
 use std::cell::RefCell;
 
-/// Tops of which the kinks are looked at, and the highest asperity of these, in standard deviations of heights,
-/// that is at least so far beyond the onset.
-const TOPS: usize = 8;
+/// Asperities that have yielded whose kinks are found. The highest is this many standard deviations above the mean
+/// height, and at least so many beyond the onset of yielding.
+const SAMPLED: usize = 8;
 const HIGHEST: f64 = 5.0;
 const LEAST_REACH: f64 = 0.1;
 /// More kinks than asperities of one history have.
@@ -38,7 +38,7 @@ const NO_JUMP: f64 = 1e-11;
 pub(super) struct Kink {
     /// δ, m.
     pub interference: f64,
-    /// Force above less force below, N; of tops the largest.
+    /// Force above less force below, N; the largest of several asperities.
     pub jump: f64,
     /// Fall of the force below the line between the ends of an interval with the kink in it, N, about.
     pub fall: f64,
@@ -78,8 +78,9 @@ impl Kink {
         kinks
     }
 
-    /// The kinks of a top that has flowed to ω_max, m, by the interference from its lowered apex; NaN where it has none.
-    fn of_top(cycle: &Loop, largest: f64, width: f64) -> Vec<Self> {
+    /// The kinks of an asperity that has yielded to ω_max, m, by the interference from its lowered apex; NaN where it has
+    /// none.
+    fn of_yielded(cycle: &Loop, largest: f64, width: f64) -> Vec<Self> {
         let solved = |own: &[f64]| cycle.forces_after(largest, own);
         let places = cycle.flattened_kinks(largest);
         let jump = |place: &f64| {
@@ -168,8 +169,7 @@ impl Kinks {
         };
         let known: Vec<Kink> = approach.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
         let [untouched, elastic] = cycle.kinks().map(|kinks| {
-            // What begins or ends on retraction alone does so with about as much as what does so before
-            // contact.
+            // A kink that is on retraction alone is taken for the largest of the kinks before contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
                 known.iter().filter(|kink| kink.interference <= 0.0).map(of).fold(0.0, f64::max)
             };
@@ -189,28 +189,29 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        let flowed = if cycle.flows() { Self::of_tops(job, cycle, width) } else { Vec::new() };
-        Self { approach, strays, retraction: [untouched, elastic, flowed] }
+        let yielded = if cycle.flows() { Self::of_all_yielded(job, cycle, width) } else { Vec::new() };
+        Self { approach, strays, retraction: [untouched, elastic, yielded] }
     }
 
-    /// The largest falls and strays of the kinks of tops that have flowed, of asperities up to the highest of a surface.
-    fn of_tops(job: &Job<'_>, cycle: &Loop, width: f64) -> Vec<Kink> {
+    /// The largest falls and strays of the kinks of asperities that have yielded, up to the highest of a surface.
+    fn of_all_yielded(job: &Job<'_>, cycle: &Loop, width: f64) -> Vec<Kink> {
         let heights = &job.surface.heights;
         let closest = job.surface.asperity_separation(job.separations[0]);
         let from = cycle.onset();
         let reach = (heights.mean + HIGHEST * heights.std - closest - from).max(LEAST_REACH * heights.std);
-        let share = |top: usize| (top as f64 + 0.5) / TOPS as f64;
-        let tops = (0..TOPS).map(|top| Kink::of_top(cycle, from + reach * share(top) * share(top), width));
+        let share = |i: usize| (i as f64 + 0.5) / SAMPLED as f64;
+        let sampled =
+            (0..SAMPLED).map(|i| Kink::of_yielded(cycle, from + reach * share(i) * share(i), width));
         let most = |a: Vec<Kink>, b: Vec<Kink>| a.iter().zip(&b).map(|(a, b)| a.most(b)).collect();
-        let mut kinks: Vec<Kink> = tops.reduce(most).unwrap_or_default();
+        let mut kinks: Vec<Kink> = sampled.reduce(most).unwrap_or_default();
         let largest = kinks.iter().fold(0.0, |most: f64, kink| most.max(kink.jump.abs()));
         kinks.iter_mut().filter(|kink| kink.jump.abs() <= NO_JUMP * largest).for_each(|kink| kink.jump = 0.0);
         kinks
     }
 }
 
-/// The errors of asperities in what is interpolated between samples `width`, m, apart, and at each kink of
-/// their law what that leaves out.
+/// The table of errors of the interpolation of a force between samples `width`, m, apart. It gives each kink the errors
+/// that the table leaves out.
 fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
     let interferences: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
     let force = continuous(law, kinks);

@@ -54,15 +54,13 @@ impl Workspace {
         stats
     }
 
-    /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its
-    /// curves.
+    /// Draws replicas, sums them over all separations, and visits each with its record and its curves.
     pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, visit: impl FnMut(Replica, &Curves)) {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// Draws and visits replicas until `ends` is true, which is looked at before each sum, and for coupled ones before each
-    /// separation: then the replica at hand is not visited, nor any further one.
-    /// Whether all were visited.
+    /// Draws and visits replicas until `ends` is true, and whether all were visited. It is asked before each sum, and before
+    /// each separation of coupled ones. The replica that it ends is not visited.
     pub fn replicas_until(
         &mut self,
         job: &Job<'_>,
@@ -77,7 +75,7 @@ impl Workspace {
         let all = self.independent(job, replicas, ends, |index, kept, curves| {
             independent.push(Independent { index, kept, curves: curves.clone() })
         });
-        // Each takes seconds, so the replicas of a batch are computed side by side.
+        // Each takes seconds, so the replicas of a batch are computed in parallel.
         let of = CoupledJob { job, substrate, ends };
         let coupled: Vec<_> = independent.into_par_iter().map(|replica| of.couple(replica)).collect();
         for coupled in coupled {
@@ -88,8 +86,8 @@ impl Workspace {
         all
     }
 
-    /// Draws replicas, sums them as independent ones, and visits each with its index, what is kept of it and its curves,
-    /// until `ends` is true, which is looked at before each sum. Whether all were visited.
+    /// Draws replicas, sums them as independent ones, and visits each with its index, its record and its curves until `ends`
+    /// is true, which is asked before each sum. Whether all were visited.
     fn independent(
         &mut self,
         job: &Job<'_>,

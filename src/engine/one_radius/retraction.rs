@@ -26,7 +26,7 @@ pub struct Retraction<'a> {
     yielded: Vec<[f64; TOP_KINKS]>,
     /// m, rising.
     heights: &'a [f64],
-    /// Where the heights of each history end; it follows from the height.
+    /// The number of heights up to each history: the higher an asperity, the later its history.
     ends: [usize; 3],
     /// The separation d of the asperity mean plane where the surface turned, m.
     closest: f64,
@@ -64,7 +64,8 @@ impl<'a> Retraction<'a> {
         let offset = from - closest;
         let place = |kinks: [f64; TOP_KINKS]| kinks.map(|separation| separation + offset);
         let reversed = sums.turn(job, reversal, &heights[ends[YIELDED - 1]..]);
-        let yielded = reversed.map_or_else(Vec::new, |reversed| reversed.top_kinks().map(place).collect());
+        let yielded =
+            reversed.map_or_else(Vec::new, |reversed| reversed.kinks_of_yielded().map(place).collect());
         Self { job, reversal, kinks, yielded, heights, ends, closest, sums, few: Default::default() }
     }
 

@@ -6,15 +6,15 @@ use crate::engine::job::Job;
 use crate::engine::radii::asperities::{LaneSums, OnBranch, Reversed};
 use crate::engine::state::{Branch, Reversal};
 
-/// Tops of a surface from which on a table of their responses at a distance is worth its making, even for one surface.
-const MANY_TOPS: usize = 1000;
+/// Asperities of a surface that have yielded, from which number on a table of their responses at a distance saves time.
+const MANY: usize = 1000;
 
 /// Sums over the asperities of one surface in one state.
 pub struct Sums {
     pub regimes: Vec<RegimeSums>,
     scratch: Scratch,
     pub stats: SolverStats,
-    /// The asperities that yielded, each with an outline of its own, since they turned last.
+    /// The asperities that have yielded, each with its own outline, since they turned last.
     yielded: Option<Reversed>,
     lane_sums: LaneSums,
 }
@@ -33,7 +33,7 @@ impl Sums {
 
     /// Sums a surface, `heights` (m) rising, in all states of a job.
     pub fn record(&mut self, job: &Job<'_>, heights: &[f64], curves: &mut Curves) {
-        // That was another surface's.
+        // It was of another surface.
         self.yielded = None;
         for (i, branch) in Branch::all(job).into_iter().enumerate() {
             for (k, h) in job.separations.iter().enumerate() {
@@ -57,9 +57,9 @@ impl Sums {
         }
         let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
         let is_own = |separations: &[f64]| separations.binary_search_by(|own| own.total_cmp(&h)).is_ok();
-        // Of many asperities that yielded there are tables, at distances at which all surfaces of the job are;
-        // else what is left of each is found once.
-        if heights.len() - first >= MANY_TOPS && from == job.separations[0] && is_own(job.separations) {
+        // Many that have yielded are read from a table, which all surfaces of the job share at this distance; of few
+        // the outline of each is found once.
+        if heights.len() - first >= MANY && from == job.separations[0] && is_own(job.separations) {
             let law = cycle.tabulated_at(d - closest);
             return self.over(&law, Some(law.base()), heights, closest);
         }
@@ -75,8 +75,8 @@ impl Sums {
         self.over(&law, Some(law.base()), heights, closest);
     }
 
-    /// Turns the asperities of a surface that have yielded, heights in m, if that was not done last; none where there are
-    /// none.
+    /// Turns the asperities of a surface that have yielded, heights in m, unless they turned there last; none where there
+    /// are none.
     pub fn turn(&mut self, job: &Job<'_>, reversal: Reversal<'_>, heights: &[f64]) -> Option<&Reversed> {
         if heights.is_empty() {
             return None;

@@ -196,8 +196,8 @@ impl Reversed {
         distances.map(|distance| self.closest + distance).collect()
     }
 
-    /// The separations d, m, of the kinks of asperities, all of which have flowed; NaN of kinks that they do not have.
-    pub fn top_kinks(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
+    /// The separations d, m, of the kinks of asperities, all of which have yielded; NaN where an asperity lacks one.
+    pub fn kinks_of_yielded(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
         (0..self.turned.count()).map(|i| self.turned.kinks_of_top(i).map(|distance| self.closest + distance))
     }
 

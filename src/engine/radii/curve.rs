@@ -87,8 +87,8 @@ impl<'a> ForceCurve<'a> {
         }
     }
 
-    /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
-    /// each. The last are alike, and what not all have comes first.
+    /// The kinks of an asperity: separations h, m, falling, each with the number of the corresponding kink of the typical
+    /// asperity. They correspond from the last on: an asperity may have more or fewer at first.
     fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
         let (places, history) = (self.places.of(asperity), self.history(asperity));
         let typical = self.typical[history].len();

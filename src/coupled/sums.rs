@@ -7,6 +7,18 @@ const ROUGH: f64 = 1e-3;
 /// Error of sums over their tolerance, at most.
 const BOUND: f64 = 10.0;
 
+/// A square of an elastic half-space with asperities.
+pub struct Square {
+    /// Its surroundings.
+    pub coupling: Coupling,
+    /// The places of the asperities, in sides.
+    pub places: Vec<[f64; 2]>,
+    /// 1/(πE*L) with its side L, m/N.
+    pub compliance: f64,
+    /// The error of sums.
+    pub tolerance: f64,
+}
+
 /// Sums over asperities, to full accuracy and to a few digits.
 pub struct Sums {
     fine: DisplacementSums,
@@ -18,14 +30,11 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// The sums of an influence over asperities at `places`, in sides of the square, times `scale`.
-    pub fn new(
-        (coupling, influence): (Coupling, Influence),
-        places: &[[f64; 2]],
-        scale: f64,
-        tolerance: f64,
-    ) -> Self {
-        let count = places.len() as f64;
+    /// The sums of an influence over the asperities of a square, times `scale`, to the tolerance of the square times
+    /// `coarser`.
+    pub fn new(square: &Square, influence: Influence, scale: f64, coarser: f64) -> Self {
+        let Square { coupling, ref places, tolerance, .. } = *square;
+        let (count, tolerance) = (places.len() as f64, coarser * tolerance);
         let nearby = match influence {
             Influence::Displacement => count.sqrt(),
             Influence::SlopeX | Influence::SlopeY => count,

@@ -135,14 +135,18 @@ impl Ensemble {
         }
     }
 
+    /// The moments of curves and of regimes.
+    fn moments(&self) -> impl Iterator<Item = &Moments> {
+        let regimes = [&self.regime_count, &self.regime_adhesion_force, &self.regime_external_force];
+        self.curves.iter().chain(regimes)
+    }
+
     /// Adds the sums over the replicas of another that come behind.
     pub(super) fn merge_sums(&mut self, other: &Self) {
-        for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
-            mine.merge(theirs);
-        }
-        self.regime_count.merge(&other.regime_count);
-        self.regime_adhesion_force.merge(&other.regime_adhesion_force);
-        self.regime_external_force.merge(&other.regime_external_force);
+        let regimes =
+            [&mut self.regime_count, &mut self.regime_adhesion_force, &mut self.regime_external_force];
+        let mine = self.curves.iter_mut().chain(regimes);
+        mine.zip(other.moments()).for_each(|(mine, theirs)| mine.merge(theirs));
         self.groups.merge(&other.groups);
         if let (Some(mine), Some(theirs)) = (&mut self.coupled, &other.coupled) {
             mine.merge(theirs);
@@ -152,10 +156,7 @@ impl Ensemble {
 
     /// Whether the sums of both are of the same numbers of states, regimes and scalars.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        self.curves.iter().zip(&other.curves).all(|(own, other)| own.is_like(other))
-            && self.regime_count.is_like(&other.regime_count)
-            && self.regime_adhesion_force.is_like(&other.regime_adhesion_force)
-            && self.regime_external_force.is_like(&other.regime_external_force)
+        self.moments().zip(other.moments()).all(|(own, other)| own.is_like(other))
             && self.groups.is_like(&other.groups)
             && match (&self.coupled, &other.coupled) {
                 (None, None) => true,

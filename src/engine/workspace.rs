@@ -24,16 +24,18 @@ pub struct Workspace {
 
 /// What surfaces are solved by.
 enum Solver {
-    OneRadius(one_radius::Solver),
-    Radii(radii::Solver),
+    OneRadius(Box<one_radius::Solver>),
+    Radii(Box<radii::Solver>),
 }
 
 impl Workspace {
     /// Memory for replicas of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let (at_once, solver) = match job.laws.family {
-            Some(family) => (1, Solver::Radii(radii::Solver::new(job, family))),
-            None => (one_radius::Solver::at_once(job), Solver::OneRadius(one_radius::Solver::new(job))),
+            Some(family) => (1, Solver::Radii(Box::new(radii::Solver::new(job, family)))),
+            None => {
+                (one_radius::Solver::at_once(job), Solver::OneRadius(Box::new(one_radius::Solver::new(job))))
+            }
         };
         Self {
             heights: vec![Vec::new(); at_once],

@@ -71,7 +71,10 @@ fn no_files_import_each_other() {
         let words = text.split(|c: char| !(c.is_alphanumeric() || "_:".contains(c)));
         let in_code = words.filter(|word| word.starts_with("crate::") || word.starts_with("super::"));
         exports.insert(name.clone(), all(&public));
-        imports.insert(name.clone(), all(&own).into_iter().chain(in_code.map(str::to_owned)).collect::<Vec<_>>());
+        imports.insert(
+            name.clone(),
+            all(&own).into_iter().chain(in_code.map(str::to_owned)).collect::<Vec<_>>(),
+        );
     }
     let next = |name: &String| -> BTreeSet<String> {
         let targets = imports[name].iter().filter_map(|path| target(name, path, &exports));

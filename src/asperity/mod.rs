@@ -10,6 +10,7 @@ mod block;
 #[doc(hidden)]
 pub mod branch;
 mod bridge;
+mod by_regime;
 #[doc(hidden)]
 pub mod contact;
 #[doc(hidden)]
@@ -62,6 +63,7 @@ pub mod unloading;
 
 #[doc(hidden)]
 pub use block::{BLOCK, Responses};
+pub use by_regime::ByRegime;
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};

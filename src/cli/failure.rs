@@ -6,6 +6,9 @@ use crate::scene::SceneError;
 use anyhow::anyhow;
 use std::path::Path;
 
+/// Exit code of a run that was interrupted.
+pub(super) const INTERRUPTED: u8 = 130;
+
 /// The reason why a command ends without its result.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Failure {
@@ -63,7 +66,7 @@ impl Failure {
             Self::Running(_) => 1,
             Self::Usage(_) | Self::Listed { .. } => 2,
             Self::Disagree | Self::Contradicts(_) => 3,
-            Self::Interrupted { .. } => 130,
+            Self::Interrupted { .. } => INTERRUPTED,
             Self::AtPoint { failure, .. } | Self::Kept { failure, .. } => failure.exit_code(),
         }
     }

@@ -12,6 +12,7 @@ pub(super) fn has_parent() -> bool {
 /// `STICTION_PARENT`, however that ends: the Python package names itself.
 #[cfg(target_os = "linux")]
 pub(super) fn end_with_parent() {
+    use super::failure::INTERRUPTED;
     use super::terminal::note;
     use rustix::process::{Pid, Signal, set_parent_process_death_signal, test_kill_process};
     let named = std::env::var(PARENT).ok().and_then(|number| number.parse().ok());
@@ -21,7 +22,7 @@ pub(super) fn end_with_parent() {
     if test_kill_process(parent) == Err(rustix::io::Errno::SRCH) {
         let number = parent.as_raw_nonzero();
         note(&format!("stiction: {PARENT} = {number}: there is no such process any more"));
-        std::process::exit(super::session::INTERRUPTED);
+        std::process::exit(INTERRUPTED.into());
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sessions of commands that compute: threads, interruptions, what experiments ask of the terminal.
 
 use super::arguments::{Execution, RunOptions};
-use super::failure::Failure;
+use super::failure::{Failure, INTERRUPTED};
 use super::parent::has_parent;
 use super::progress::{Display, Progress};
 use super::resources;
@@ -21,9 +21,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-
-/// Exit code of a run that was interrupted.
-pub(super) const INTERRUPTED: i32 = 130;
 
 /// A session: all that the runs of a command have in common.
 pub(super) struct Session {
@@ -96,7 +93,7 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
         for signal in &signals {
             // Of the two that a signal sets off, the first sees what the signals before it have set.
             if !has_parent() {
-                flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&is_second))?;
+                flag::register_conditional_shutdown(*signal, INTERRUPTED.into(), Arc::clone(&is_second))?;
             }
             flag::register(*signal, Arc::clone(&stop))?;
         }

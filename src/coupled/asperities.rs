@@ -206,7 +206,7 @@ impl<'a> Asperities<'a> {
         self.segment(states, i).next[0]
     }
 
-    /// Whether a step from one segment to another is one from which there is no way back at the same place.
+    /// Whether a step from one segment to another is irreversible: the step back is at another place.
     pub fn is_hysteretic(&self, states: &States, i: usize, [from, to]: [u8; 2]) -> bool {
         let segments = self.segments(states, i);
         let [low, high] = if segments[from as usize].next[1] == Some(to) { [from, to] } else { [to, from] };

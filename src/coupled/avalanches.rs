@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-/// A passage over a jump from which there is no way back, or that pulls others along.
+/// A passage over an irreversible jump, or over one that pulls others along.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// The asperity.

@@ -11,9 +11,9 @@
 //! s changes, the parameter of Maugis, gaps before contact against Z₀ and the onset of flow, is left out.
 
 use super::asperities::Forces;
-use super::half_space::{Known, Sums};
+use super::sums::{Known, Square, Sums};
 use super::tilt::Tilt;
-use crate::substrate::{Coupling, Influence};
+use crate::substrate::Influence;
 use std::f64::consts::PI;
 
 /// Least and largest 1 + R Σ f/(2πE*r³) that is taken: beyond it circles overlap.
@@ -34,22 +34,14 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// The contacts of asperities of `radii`, m, at `places`, in sides of the square, `nearest` from each other; a side is
-    /// `side`, m, and `compliance` 1/(πE*L), m/N.
-    pub fn new(
-        (coupling, places): (Coupling, &[[f64; 2]]),
-        (side, radii): (f64, Vec<f64>),
-        nearest: &[f64],
-        compliance: f64,
-        tolerance: f64,
-    ) -> Self {
-        let count = places.len();
-        let scale = compliance / (side * side);
+    /// The contacts of asperities of `radii`, m, in a square of `side`, m, `nearest` from each other in sides.
+    pub fn new(square: &Square, (side, radii): (f64, Vec<f64>), nearest: &[f64]) -> Self {
+        let (count, scale) = (radii.len(), square.compliance / (side * side));
         Self {
-            sums: Sums::new((coupling, Influence::Curvature), places, scale, tolerance),
+            sums: Sums::new(square, Influence::Curvature, scale, 1.0),
             forces: Known::new(count),
             moments: Known::new(count),
-            tilt: Tilt::new((coupling, places), (side, &radii), nearest, compliance, tolerance),
+            tilt: Tilt::new(square, (side, &radii), nearest),
             radii,
             of_each: vec![0.0; count],
             out: vec![0.0; count],

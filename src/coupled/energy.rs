@@ -2,7 +2,7 @@
 //!
 //! # Formula
 //! At a separation d a surface has the energy E = ½ fᵀGf + Σ φ_i(δ_i), φ_i = ∫f dδ along the path of the asperity
-//! up to here: dE/dd = −Σ f_i. Over a jump from which there is no way back at the same place the path leads along
+//! up to here: dE/dd = −Σ f_i. Over an irreversible jump the path leads along
 //! the unstable part of the force curve; at other jumps φ is continuous. The unstable part of a top that has
 //! flowed is known only at its beginning and end: it is taken from the elastic law with forces in proportion
 //! to the one at which contact ends. The work of plastic flow is part of φ: the energy lost is released by
@@ -22,7 +22,7 @@
 
 use super::asperities::{Asperities, Forces, States};
 use super::half_space::HalfSpace;
-use super::solver::{Snapshot, Solver};
+use super::solver::{Solver, Step};
 use super::systems::{Accuracy, System};
 use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
@@ -56,15 +56,6 @@ pub fn least_energy(class: usize) -> f64 {
 /// The class of an energy, over the unit.
 pub fn energy_class(energy: f64) -> usize {
     (1..ENERGY_CLASSES).rfind(|class| energy >= least_energy(*class)).unwrap_or(0)
-}
-
-/// The last step of a surface from one stable state to another.
-#[derive(Debug)]
-pub struct Step {
-    /// The state before.
-    pub before: Snapshot,
-    /// Whether the surface fell, or may have: the branch on which it came may have ended.
-    pub has_left: bool,
 }
 
 /// A state close to a branch.
@@ -271,7 +262,7 @@ impl Asperities<'_> {
         states
     }
 
-    /// Takes an asperity at δ, m, along its path over ends of segments that have a way back, and, if they are jumps, if
+    /// Takes an asperity at δ, m, along its path over reversible ends of segments, and, if they are jumps, if
     /// it may jump.
     fn follow(&mut self, states: &mut States, i: usize, delta: f64, may_jump: bool) {
         loop {

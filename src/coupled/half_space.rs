@@ -1,116 +1,20 @@
 //! The half-space under a surface: displacements by loads.
 
 use super::contacts::Contacts;
+use super::sums::{Known, Square, Sums};
 use crate::substrate::{Coupling, DisplacementSums, Influence};
 use std::f64::consts::PI;
 
 /// Displacement of the foot of a force by its repetition in a square of 1, and the factor of the square of
 /// the distance by which it changes there, less than a third of a side away.
 const REPEATED: (f64, f64) = (-3.900_264_92, 1.74);
-/// Accuracy of the sums over changes of loads.
-const ROUGH: f64 = 1e-3;
-/// Error of sums over their tolerance, at most.
-const BOUND: f64 = 10.0;
-
-/// Sums over asperities, to full accuracy and to a few digits.
-pub struct Sums {
-    fine: DisplacementSums,
-    rough: DisplacementSums<f32>,
-    /// The unit of the sums.
-    scale: f64,
-    /// The influence at the mean distance of neighbours, in units of `scale`.
-    nearby: f64,
-}
-
-impl Sums {
-    /// The sums of an influence over asperities at `places`, in sides of the square, times `scale`.
-    pub fn new(
-        (coupling, influence): (Coupling, Influence),
-        places: &[[f64; 2]],
-        scale: f64,
-        tolerance: f64,
-    ) -> Self {
-        let count = places.len() as f64;
-        let nearby = match influence {
-            Influence::Displacement => count.sqrt(),
-            Influence::SlopeX | Influence::SlopeY => count,
-            Influence::Curvature => count * count.sqrt(),
-        };
-        Self {
-            fine: DisplacementSums::new(coupling, influence, places, tolerance),
-            rough: DisplacementSums::new(coupling, influence, places, ROUGH),
-            scale,
-            nearby,
-        }
-    }
-
-    /// Lets another thread of the pool take a part of the sums, or not.
-    pub fn share(&mut self, is_shared: bool) {
-        self.fine.share(is_shared);
-        self.rough.share(is_shared);
-    }
-
-    fn finely(&mut self, loads: &[f64], out: &mut [f64]) {
-        self.fine.apply(loads, out);
-        out.iter_mut().for_each(|u| *u *= self.scale);
-    }
-
-    fn roughly(&mut self, loads: &[f64], out: &mut [f64]) {
-        self.rough.apply(loads, out);
-        out.iter_mut().for_each(|u| *u *= self.scale);
-    }
-}
-
-/// Loads whose sums are known, and the change of others from them.
-pub struct Known {
-    loads: Vec<f64>,
-    sums: Vec<f64>,
-    change: Vec<f64>,
-}
-
-impl Known {
-    /// `count` loads of which nothing is known.
-    pub fn new(count: usize) -> Self {
-        let [loads, sums, change] = std::array::from_fn(|_| vec![0.0; count]);
-        Self { loads, sums, change }
-    }
-
-    /// Takes the sums over `loads` to full accuracy: later ones follow from them.
-    pub fn know(&mut self, sums: &mut Sums, loads: &[f64]) {
-        sums.finely(loads, &mut self.sums);
-        self.loads.copy_from_slice(loads);
-    }
-
-    /// Fills `out` with the sums over `loads`, and bounds their error: sums of the change from loads with
-    /// known sums are rough.
-    pub fn tell(&mut self, sums: &mut Sums, loads: &[f64], out: &mut [f64]) -> f64 {
-        let mut largest = 0.0_f64;
-        for (change, (load, known)) in self.change.iter_mut().zip(loads.iter().zip(&self.loads)) {
-            *change = load - known;
-            largest = largest.max(change.abs());
-        }
-        if largest > 0.0 {
-            sums.roughly(&self.change, out);
-            out.iter_mut().zip(&self.sums).for_each(|(u, known)| *u += known);
-        } else {
-            out.copy_from_slice(&self.sums);
-        }
-        BOUND * ROUGH * largest * sums.scale * sums.nearby
-    }
-}
-
 /// The displacements of the feet of asperities by the forces of all.
 pub struct HalfSpace {
+    square: Square,
     sums: Sums,
-    /// 1/(πE*L), m/N.
-    compliance: f64,
-    /// Places, in sides.
-    places: Vec<[f64; 2]>,
-    coupling: Coupling,
     /// A bound from below of the distance of each to the nearest other, in sides.
     nearest: Vec<f64>,
     known: Known,
-    tolerance: f64,
     /// The contacts, where they are not points.
     pub(super) contacts: Option<Contacts>,
 }
@@ -119,17 +23,16 @@ impl HalfSpace {
     /// The half-space under asperities at `places`, in sides of the square, whose contacts are points; `compliance` is
     /// 1/(πE*L), m/N.
     pub fn new(coupling: Coupling, places: Vec<[f64; 2]>, compliance: f64, tolerance: f64) -> Self {
-        let sums = Sums::new((coupling, Influence::Displacement), &places, compliance, tolerance);
-        let known = Known::new(places.len());
-        let nearest = nearest(coupling, &sums.rough, &places);
-        Self { sums, compliance, places, coupling, nearest, known, tolerance, contacts: None }
+        let square = Square { coupling, places, compliance, tolerance };
+        let sums = Sums::new(&square, Influence::Displacement, compliance, 1.0);
+        let known = Known::new(square.places.len());
+        let nearest = nearest(&square, sums.rough());
+        Self { square, sums, nearest, known, contacts: None }
     }
 
     /// The half-space under contacts of finite size, of asperities of `radii`, m, in a square of `side`, m.
     pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
-        let Self { coupling, places, nearest, compliance, tolerance, .. } = &self;
-        let contacts = Contacts::new((*coupling, places), (side, radii), nearest, *compliance, *tolerance);
-        self.contacts = Some(contacts);
+        self.contacts = Some(Contacts::new(&self.square, (side, radii), &self.nearest));
         self
     }
 
@@ -168,7 +71,7 @@ impl HalfSpace {
 
     /// The square of the distance of two asperities, in sides.
     pub fn square(&self, i: usize, j: usize) -> f64 {
-        self.coupling.square(self.places[i], self.places[j])
+        self.square.coupling.square(self.square.places[i], self.square.places[j])
     }
 
     /// The largest (a_i + a_j)/r_ij of circles of radii a, in sides: 1 where two touch.
@@ -176,7 +79,7 @@ impl HalfSpace {
         let widest = radii.iter().copied().fold(0.0, f64::max);
         let touching: Vec<usize> = (0..radii.len()).rev().filter(|i| radii[*i] > 0.0).collect();
         // A repeated square has copies of each a side away.
-        let mut largest = if self.coupling == Coupling::Periodic { 2.0 * widest } else { 0.0 };
+        let mut largest = if self.square.coupling == Coupling::Periodic { 2.0 * widest } else { 0.0 };
         for &i in &touching {
             let most = radii[i] + widest;
             if most <= largest * self.nearest[i] {
@@ -186,7 +89,7 @@ impl HalfSpace {
                 true => ((radii[i] + radii[j]) / self.square(i, j).sqrt()).max(largest),
                 false => largest,
             };
-            let (near, reach) = self.sums.rough.around(self.places[i]);
+            let (near, reach) = self.sums.rough().around(self.square.places[i]);
             largest = near.map(|j| j as usize).fold(largest, with);
             if most > largest * reach {
                 largest = touching.iter().copied().fold(largest, with);
@@ -200,11 +103,11 @@ impl HalfSpace {
     /// further ones have `mean`, the mean slope.
     pub fn yielding(&self, i: usize, slopes: &[f64], mean: f64) -> f64 {
         // Own influence, and the distance beyond which there is none.
-        let (own, furthest) = match self.coupling {
+        let (own, furthest) = match self.square.coupling {
             Coupling::Periodic => (REPEATED.0, 0.26),
             Coupling::Patch => (0.0, 1.0 / PI.sqrt()),
         };
-        let (near, reach) = self.sums.rough.around(self.places[i]);
+        let (near, reach) = self.sums.rough().around(self.square.places[i]);
         let mut sum = 0.0;
         for j in near.map(|j| j as usize) {
             if j != i && slopes[j] != 0.0 {
@@ -212,30 +115,30 @@ impl HalfSpace {
                 sum += slopes[j] * influence * influence;
             }
         }
-        let beyond = 2.0 * PI * self.places.len() as f64 * libm::log((furthest / reach).max(1.0));
-        self.compliance * own - (sum + self.compliance * self.compliance * mean * beyond)
+        let beyond = 2.0 * PI * self.square.places.len() as f64 * libm::log((furthest / reach).max(1.0));
+        self.square.compliance * own - (sum + self.square.compliance * self.square.compliance * mean * beyond)
     }
 
     /// The asperities near one, with it.
     pub fn near(&self, i: usize) -> impl Iterator<Item = usize> {
-        self.sums.rough.around(self.places[i]).0.map(|j| j as usize)
+        self.sums.rough().around(self.square.places[i]).0.map(|j| j as usize)
     }
 
     /// The distance by which the foot of one asperity is lowered, m/N, by a near other, or its repetitions,
     /// with 1 N.
     pub fn influence(&self, i: usize, j: usize) -> f64 {
         let square = self.square(i, j);
-        let by_others = match self.coupling {
+        let by_others = match self.square.coupling {
             Coupling::Periodic => REPEATED.0 + REPEATED.1 * square,
             Coupling::Patch => 0.0,
         };
         let by_one = if i == j { 0.0 } else { 1.0 / square.sqrt() };
-        self.compliance * (by_one + by_others)
+        self.square.compliance * (by_one + by_others)
     }
 }
 
 /// A bound from below of the distance of each of some places to the nearest other, in sides.
-fn nearest(coupling: Coupling, sums: &DisplacementSums<f32>, places: &[[f64; 2]]) -> Vec<f64> {
+fn nearest(Square { coupling, places, .. }: &Square, sums: &DisplacementSums<f32>) -> Vec<f64> {
     let of = |(i, place): (usize, &[f64; 2])| {
         let (near, reach) = sums.around(*place);
         let others = near.map(|j| j as usize).filter(|j| *j != i);

@@ -1,7 +1,7 @@
 //! Knots: asperities that drive each other to and fro over jumps of their laws.
 //!
 //! # Formula
-//! While all others give way as their slopes say, the members of a knot have δ_k = c_k − Σ_l Y_kl f_l. Each is in one of
+//! While all others are displaced as by their slopes, the members of a knot have δ_k = c_k − Σ_l Y_kl f_l. Each is in one of
 //! the segments of its law that the jumps part, where f_k = f(δ_k), or at rest at one of the jumps: then δ_k is known,
 //! and f_k is between the forces of the two sides. Each choice for all is a system of n equations; the state is a choice
 //! whose solution is where it is chosen to be: of several the one with the fewest at rest, first of all where
@@ -14,9 +14,9 @@ use crate::math::lu::Lu;
 
 /// Most choices that are tried: members that drive least are left out.
 const MOST: usize = 2500;
-/// Most neighbours of a knot that give way.
+/// Most neighbours of a knot that are displaced with it.
 const NEIGHBOURS: usize = 150;
-/// Knots of one asperity after which all others give way, and after which it is not worth more steps.
+/// Knots of one asperity after which all others are displaced with it, and after which no more steps are worth it.
 const AGAIN: (u8, u8) = (2, 5);
 /// Relative residual of systems of all.
 const SYSTEM: f64 = 1e-2;
@@ -58,7 +58,7 @@ pub struct Untied {
     pub places: Vec<f64>,
     /// f, N.
     pub forces: Vec<f64>,
-    /// The distance by which each is lowered, m/N, when it pushes and the other ones give way.
+    /// The distance by which each is lowered, m/N, when it pushes and the other ones are displaced.
     pub yielding: Vec<f64>,
 }
 
@@ -176,7 +176,7 @@ type Member = (u32, Vec<Rest>);
 
 impl Solver<'_> {
     /// Moves asperities that drive each other over jumps to places from which none of them would pass, if
-    /// there are any: forces, slopes and residuals belong to the present state. Near neighbours give way, and
+    /// there are any: forces, slopes and residuals belong to the present state. Near neighbours are displaced, and
     /// the others follow in the next step, unless that has not helped. Says whether more steps are worth it.
     pub(super) fn untie(&mut self) -> bool {
         let (driven, mut is_worth) = (self.driven(), false);
@@ -198,9 +198,7 @@ impl Solver<'_> {
         is_worth
     }
 
-    /// Unties one knot, with the asperities that give way.
-    // Responses, choices and places are of one state of the knot: apart they would have all of them as
-    // arguments.
+    /// Unties one knot, with the asperities that are displaced.
     fn untie_one(
         &mut self,
         first: usize,
@@ -238,6 +236,12 @@ impl Solver<'_> {
                 None => self.interference[*i] += step,
             }
         }
+        self.put(members, choices, &untied, &yielding);
+    }
+
+    /// Puts the members of a knot where they have been untied, by the displacements that their forces cause.
+    fn put(&mut self, members: &[Member], choices: &[Vec<Choice>], untied: &Untied, yielding: &[f64]) {
+        let count = members.len();
         for (k, (i, rests)) in members.iter().enumerate() {
             let segment = match choices[k][untied.choices[k]] {
                 Choice::In { segment, .. } => segment,
@@ -251,13 +255,13 @@ impl Solver<'_> {
                     rest.segments[usize::from(share >= 0.5)]
                 }
             };
-            self.states.segments[of[k]] = segment;
-            self.interference[of[k]] = untied.places[k];
-            self.passages.untied(of[k]);
+            self.states.segments[*i as usize] = segment;
+            self.interference[*i as usize] = untied.places[k];
+            self.passages.untied(*i as usize);
         }
     }
 
-    /// The members of a knot, and the asperities near them that give way most to their forces, or all others.
+    /// The members of a knot, and the asperities near them that are displaced most by their forces, or all others.
     pub(super) fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
         if !is_local {

@@ -1,4 +1,4 @@
-//! A stable state of coupled asperities at one separation.
+//! A surface of coupled asperities: its state at one separation, and the system of Newton's method there.
 //!
 //! # Formula
 //! Asperity i at the height z_i has δ_i = z_i − d − u_i with u = G f, f_j = f(δ_j; its state). Newton's method
@@ -6,20 +6,10 @@
 //! asperity at rest at a jump has 0 in the place of 1, and its force as the unknown. Sums of full accuracy
 //! are taken once or twice at a separation; sums of changes since, and of systems, have a few digits.
 //!
-//! With the states fixed, asperities beyond the ends of their segments have the force at the end. They then pass
-//! into the next segment, and the rest follows ([`super::passages`]).
-//!
 //! The part of contacts of finite size ([`super::contacts`]) is in the residual, and R_eff is from the step
 //! before: both are of the third order in a/r, and systems leave them out.
-//!
-//! A state is stable where I + G K has no eigenvalue ≤ 0 (the outermost follow from GMRES). Where Newton's
-//! method finds none, the surface as a whole has become unstable, and falls ([`fall`]).
 
-mod fall;
-
-use super::asperities::{Asperities, Forces, Rest, States};
-use super::avalanches::{Avalanches, avalanches};
-use super::energy::Step;
+use super::asperities::{Asperities, Forces, States};
 use super::half_space::HalfSpace;
 use super::passages::Passages;
 use super::systems::{self, Accuracy, Displace, System};
@@ -27,68 +17,21 @@ use crate::asperity::SolverStats;
 use crate::math::sums::Compensated;
 use std::f64::consts::PI;
 
-/// Smallest residual of the system of a Newton step, where asperities have just passed and elsewhere, and the largest.
-const RESIDUALS: [f64; 3] = [0.05, 2e-3, 0.1];
-/// The share of the tolerance of loads that the system aims at.
-const AIM: f64 = 0.03;
 /// Most products for a system.
 const MOST_PRODUCTS: usize = 40;
-/// Residual of systems that decide on stability.
-const DECISIVE: f64 = 1e-3;
-/// Shares of the tolerance of loads that residuals, and the error of rough sums, may have: neighbours add to both.
-const EXACT: f64 = 0.3;
-const UNSURE: f64 = 0.1;
-/// Share of the bound of the error by rough sums from which on accurate ones are taken: most errors are far smaller.
-const KNOWN: f64 = 0.1;
-/// Most Newton steps at a separation.
-const STEPS: usize = 60;
-/// Newton steps after which a surface without stable state is let fall.
-const HOPELESS: usize = 50;
-/// Newton steps from which on systems are solved with sums of full accuracy and to the end: close to a fold rough
-/// ones do not tell on which side.
-const STUBBORN: usize = 30;
-/// Error of loads, and Newton steps, from which on passages without way back are made and knots are untied.
-const CLOSE: (f64, usize) = (1e-3, 3);
-/// Newton steps that count as made after a knot has been untied, and most knots of which that is so: the rest
-/// of the work does not grow with their number.
-const UNTIED: (usize, usize) = (8, 100);
 /// Weight of an error of an interference, over the length of the law, against one of a load.
 const PLACES: f64 = 1e-3;
-/// Share of the longest Newton step that interferences are still uncertain by.
-const UNCERTAIN: f64 = 0.02;
 /// Share of the length of the law from which on two interferences tell a slope.
 const SECANT: f64 = 1e-8;
-/// Longest Newton step, in lengths over which laws vary: beyond it a state is another one.
-const NEAR: f64 = 4.0;
-/// Share of a jump beyond which an asperity at rest has left it before a step is taken.
-const FAR: f64 = 1.0;
-/// The outcome at a separation that was reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Settled {
-    /// Whether the state is stable, to the tolerance.
-    pub is_converged: bool,
-    /// Avalanches: passages that no other set off, with all that they set off.
-    pub avalanches: Avalanches,
-}
-
-/// What Newton's method found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Search {
-    Stable,
-    /// There is no stable state nearby.
-    Unstable,
-    /// Asperities still go to and fro.
-    Undecided,
-}
 
 /// A state of a surface.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     pub(super) states: States,
     pub(super) interference: Vec<f64>,
-    stretches: Vec<f64>,
+    pub(super) stretches: Vec<f64>,
     pub(super) separation: f64,
-    is_stable: bool,
+    pub(super) is_stable: bool,
 }
 
 impl Snapshot {
@@ -98,15 +41,24 @@ impl Snapshot {
     }
 }
 
+/// The last step of a surface from one stable state to another.
+#[derive(Debug)]
+pub struct Step {
+    /// The state before.
+    pub before: Snapshot,
+    /// Whether the surface fell, or may have: the branch on which it came may have ended.
+    pub has_left: bool,
+}
+
 /// Surfaces whose asperities are coupled.
 pub struct Solver<'a> {
     pub(super) asperities: Asperities<'a>,
     pub(super) half_space: HalfSpace,
     pub(super) heights: &'a [f64],
-    tolerance: f64,
+    pub(super) tolerance: f64,
     /// d, m, of the state, and whether it is a stable one.
-    separation: f64,
-    is_stable: bool,
+    pub(super) separation: f64,
+    pub(super) is_stable: bool,
     /// Memory of the asperities.
     pub states: States,
     /// δ of each, m.
@@ -121,12 +73,12 @@ pub struct Solver<'a> {
     /// The state at which slopes were taken.
     pub(super) taken: Taken,
     /// ∛(R_eff/R) of each by the last forces; none where contacts are points.
-    stretches: Vec<f64>,
+    pub(super) stretches: Vec<f64>,
     /// Error of a load, over the largest, by the rough sums in the residual.
-    unsure: f64,
+    pub(super) unsure: f64,
     pub(super) residual: Vec<f64>,
     /// The stable state before the present one.
-    path: Option<Snapshot>,
+    pub(super) path: Option<Snapshot>,
     pub(super) passages: Passages,
     /// The last step, if it was one between stable states.
     pub(super) step: Option<Step>,
@@ -195,20 +147,6 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Puts all asperities at the separation d, m, of their mean plane, as if independent; none has touched before.
-    pub fn begin(&mut self, d: f64) {
-        for (delta, z) in self.interference.iter_mut().zip(self.heights) {
-            *delta = z - d;
-        }
-        self.stretches.fill(1.0);
-        self.asperities.stretch(&self.stretches);
-        self.states = self.asperities.none_touched();
-        (self.separation, self.is_stable) = (d, false);
-        self.forget();
-        self.passages.begin(self.heights.len(), true);
-        self.pass_all(0.0);
-    }
-
     /// The present state.
     pub fn snapshot(&self) -> Snapshot {
         let Self { states, interference, stretches, separation, is_stable, .. } = self;
@@ -227,7 +165,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Forgets where slopes were taken, and the states before.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.step = None;
         self.taken.places.fill(f64::NAN);
         self.path = None;
@@ -266,73 +204,9 @@ impl<'a> Solver<'a> {
         self.half_space.crowding(&self.forces.area.iter().map(radius).collect::<Vec<f64>>())
     }
 
-    /// Goes to the separation d, m, from the present state.
-    pub fn settle(&mut self, d: f64) -> Settled {
-        self.settle_by(d, &[Search::Unstable, Search::Undecided])
-    }
-
-    /// Goes to the separation d, m, but falls only if there is no stable state nearby: where asperities go to and fro,
-    /// a fall takes far longer than shorter steps, which may help.
-    pub fn try_to_settle(&mut self, d: f64) -> Settled {
-        self.settle_by(d, &[Search::Unstable])
-    }
-
-    /// Goes to a separation, and falls after some outcomes of the search.
-    fn settle_by(&mut self, d: f64, falls_after: &[Search]) -> Settled {
-        let (before, from) = (self.snapshot(), self.separation);
-        self.passages.step();
-        self.extrapolate(d);
-        let found = self.search(d, HOPELESS);
-        let is_near = found == Search::Stable;
-        let is_converged = is_near || falls_after.contains(&found) && self.fall_from(&before, d);
-        if is_near {
-            self.path = Some(before.clone());
-        }
-        (self.separation, self.is_stable) = (d, is_converged);
-        self.asperities.remember(&mut self.states, &self.interference);
-        let changed = |i: u32| self.states.segments[i as usize] != before.states.segments[i as usize];
-        let distance = |a: u32, b: u32| self.half_space.square(a as usize, b as usize);
-        let avalanches = avalanches(&self.passages.events, changed, distance);
-        let has_left = !is_near || self.has_leapt(d - from);
-        self.step = (before.is_stable && is_converged).then_some(Step { before, has_left });
-        Settled { is_converged, avalanches }
-    }
-
-    /// Moves interferences to where they are expected at d, m, by those at the present separation and before.
-    fn extrapolate(&mut self, d: f64) {
-        let from = self.separation;
-        match &self.path {
-            Some(Snapshot { separation, interference: one, .. }) if *separation != from => {
-                let share = (d - from) / (from - separation);
-                self.interference
-                    .iter_mut()
-                    .zip(one)
-                    .for_each(|(delta, one)| *delta += share * (*delta - one));
-            }
-            _ => self.interference.iter_mut().for_each(|delta| *delta -= d - from),
-        }
-        // Jumps are short: few asperities stay at theirs, those that have been there for two separations.
-        let mut resting = std::mem::take(&mut self.states.resting);
-        resting.retain(|i, rest| {
-            let before =
-                self.path.as_ref().and_then(|path| Some((path.separation, path.states.resting.get(i)?)));
-            if let Some((first, one)) = before.filter(|(_, one)| one.segments == rest.segments) {
-                rest.share += (d - from) / (from - first) * (rest.share - one.share);
-                if (0.0..=1.0).contains(&rest.share) {
-                    return true;
-                }
-            }
-            self.states.segments[*i as usize] = rest.segments[usize::from(d < from)];
-            self.interference[*i as usize] = self.asperities.place(*i as usize, rest.place) - (d - from);
-            false
-        });
-        self.states.resting = resting;
-        self.place_rests();
-    }
-
     /// Forces, slopes and residuals at the present interferences; the largest error of a load over the largest
     /// load.
-    fn evaluate(&mut self, d: f64) -> f64 {
+    pub(super) fn evaluate(&mut self, d: f64) -> f64 {
         if !self.stretches.is_empty() {
             self.asperities.stretch(&self.stretches);
             self.place_rests();
@@ -412,7 +286,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Residuals of the present loads; the largest error of a load over the largest load.
-    fn displace(&mut self, d: f64) -> f64 {
+    pub(super) fn displace(&mut self, d: f64) -> f64 {
         let displacements = &mut self.memory.displacements;
         let mut unsure = self.half_space.displace(&self.external, displacements);
         let [of_contacts, uncertain, late] = self.bend();
@@ -430,9 +304,7 @@ impl<'a> Solver<'a> {
         let of_places = PLACES * largest_magnitude(&self.residual) / self.asperities.first_length();
         if error == 0.0 { of_places } else { (error / largest).max(of_places) }
     }
-}
 
-impl Solver<'_> {
     /// Solves the system of the present state, shifted, to a relative residual, with rough sums; the smallest eigenvalue
     /// of 1 + G K as far as it shows.
     pub(super) fn system(&mut self, shift: f64, residual: f64) -> f64 {
@@ -440,143 +312,16 @@ impl Solver<'_> {
     }
 
     /// Solves the system with other sums.
-    fn system_by(&mut self, displace: Displace, shift: f64, residual: f64) -> f64 {
+    pub(super) fn system_by(&mut self, displace: Displace, shift: f64, residual: f64) -> f64 {
         let Self { half_space, states, slopes, memory, .. } = self;
         let system = System { slopes, resting: &states.resting, shift };
         let accuracy = Accuracy { residual, products: MOST_PRODUCTS };
         system.solve((half_space, displace), &self.residual, accuracy, &mut memory.systems, &mut memory.step)
     }
-
-    /// The smallest eigenvalue of 1 + G K where asperities at rest keep their force: asperities that hold
-    /// each other at jumps may have others.
-    fn stability_without_rests(&mut self) -> f64 {
-        let resting = std::mem::take(&mut self.states.resting);
-        resting.keys().for_each(|&i| self.slopes[i as usize] = 0.0);
-        self.residual.copy_from_slice(&self.external);
-        let smallest = self.system(0.0, DECISIVE);
-        resting.iter().for_each(|(&i, rest)| self.slopes[i as usize] = rest.stiffness);
-        self.states.resting = resting;
-        smallest
-    }
-
-    /// Takes a share of the step.
-    fn advance(&mut self, share: f64) {
-        let Self { asperities, states, interference, memory, .. } = self;
-        interference.iter_mut().zip(&memory.step).for_each(|(delta, step)| *delta += share * step);
-        for (&i, rest) in &mut states.resting {
-            interference[i as usize] = asperities.place(i as usize, rest.place);
-            rest.share += share * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
-        }
-        self.leave_rests(0.0, 0.0);
-    }
-
-    /// Moves asperities off their rests whose share, with the change of a step, is beyond 0 and 1 by more
-    /// than `room`; whether there are any.
-    fn leave_rests(&mut self, of_step: f64, room: f64) -> bool {
-        let Self { asperities, states, interference, passages, memory, .. } = self;
-        let mut resting = std::mem::take(&mut states.resting);
-        let count = resting.len();
-        let share_of = |i: u32, rest: &Rest| {
-            let of_step = of_step * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
-            rest.share + of_step
-        };
-        resting.retain(|&number, rest| {
-            let (i, share) = (number as usize, share_of(number, rest));
-            if share >= -room && share <= 1.0 + room {
-                return true;
-            }
-            // A force that drives the asperity on over its jump has it on the side away from that force.
-            let upper = (share > 0.5) == ((rest.ends[1] - rest.ends[0]) * rest.stiffness > 0.0);
-            states.segments[i] = rest.segments[usize::from(upper)];
-            let place = asperities.place(i, rest.place);
-            interference[i] = if upper { place } else { place.next_down() };
-            passages.left(number, *rest);
-            if asperities.is_hysteretic(states, i, rest.segments) {
-                passages.losing.push(number);
-            }
-            false
-        });
-        states.resting = resting;
-        states.resting.len() < count
-    }
-
-    /// Newton's method with at most `most` steps.
-    // Each way out of a step stands where the method has it: the order of them is the method.
-    fn search(&mut self, d: f64, most: usize) -> Search {
-        self.passages.begin(self.heights.len(), false);
-        self.pass_all(0.0);
-        self.passages.is_moved = false;
-        let mut smallest = f64::INFINITY;
-        let near = (NEAR * self.asperities.first_length()).max(2.0 * (d - self.separation).abs());
-        let (mut step, mut knots, mut has_passed) = (0, 0, true);
-        while step < most {
-            step += 1;
-            let mut error = self.evaluate(d);
-            let known = (KNOWN * self.unsure).max(EXACT * self.tolerance);
-            if self.unsure > UNSURE * self.tolerance && error <= known {
-                self.half_space.know(&self.external);
-                error = self.displace(d);
-            }
-            if error <= EXACT * self.tolerance {
-                self.passages.is_close = true;
-                if self.pass(0.0) + self.undo() > 0 {
-                    continue;
-                }
-                if smallest <= 0.0 && !self.states.resting.is_empty() {
-                    smallest = self.stability_without_rests();
-                }
-                return match (smallest <= 0.0, self.passages.frozen) {
-                    (true, _) => Search::Unstable,
-                    (false, 0) => Search::Stable,
-                    _ => Search::Undecided,
-                };
-            }
-            if std::mem::take(&mut self.passages.is_knot) {
-                let is_worth = self.untie();
-                knots += 1;
-                if is_worth && knots <= UNTIED.1 {
-                    step = step.min(UNTIED.0);
-                }
-                continue;
-            }
-            // Passages before were not yet the surface's own.
-            if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
-                self.passages.come_close();
-            }
-            let [passing, low, high] = RESIDUALS;
-            let low = if has_passed || !self.passages.is_close { passing } else { low };
-            smallest = if step <= STUBBORN {
-                self.system(0.0, (AIM * self.tolerance / error).clamp(low, high))
-            } else {
-                self.system_by(HalfSpace::displace_finely, 0.0, DECISIVE)
-            };
-            // The step was one of other states.
-            if self.leave_rests(1.0, FAR) {
-                continue;
-            }
-            let is_free = |i: &usize| !self.states.resting.contains_key(&(*i as u32));
-            let longest = largest((0..self.heights.len()).filter(is_free).map(|i| self.memory.step[i]));
-            if !(longest < near) {
-                return Search::Unstable;
-            }
-            self.passages.longest = self.passages.longest.max(longest);
-            self.advance(1.0);
-            has_passed = self.pass_all(UNCERTAIN * longest);
-        }
-        Search::Undecided
-    }
-
-    /// Lets asperities pass until none does; whether there were any.
-    fn pass_all(&mut self, room: f64) -> bool {
-        let mut has_passed = false;
-        while self.pass(room) > 0 {
-            has_passed = true;
-        }
-        has_passed
-    }
 }
 
-fn largest_magnitude(values: &[f64]) -> f64 {
+/// The largest magnitude of values; NaN if one is.
+pub(super) fn largest_magnitude(values: &[f64]) -> f64 {
     largest(values.iter().copied())
 }
 
@@ -585,6 +330,6 @@ fn largest_of_products(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The largest magnitude; NaN if one is.
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most: f64, value| if value.abs() <= most { most } else { value.abs() })
 }

@@ -4,7 +4,7 @@
 //! Unknown are the changes of loads, y = K Δδ, so that residuals are errors of loads: (1 + s + K G) y = −K r, s a shift, by GMRES.
 //! Then Δδ = −(r + G y)/(1 + s). An asperity at rest at a jump has 0 in the place of 1 + s: its δ is known, and y its unknown.
 //! Next to nothing is then on its diagonal: the others yield to it by their response alone. It is eliminated before each
-//! product, in a block with the near asperities that give way most to it, as if this block were alone.
+//! product, in a block with the near asperities that it displaces most, as if this block were alone.
 
 use super::asperities::Rest;
 use super::half_space::HalfSpace;
@@ -13,7 +13,7 @@ use crate::math::linalg::smallest_real_part;
 use crate::math::lu::Lu;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most neighbours of an asperity at rest that give way to its force to all orders.
+/// Most neighbours of an asperity at rest that are displaced by its force to all orders.
 pub const CLOSEST: usize = 24;
 
 /// A system.
@@ -118,7 +118,7 @@ impl System<'_> {
         blocks
     }
 
-    /// The asperities near some that give way most to their forces, to the first order in their slopes, at most `most`:
+    /// The asperities near some that are displaced most by their forces, to the first order in their slopes, at most `most`:
     /// others at rest first.
     pub fn giving_way(&self, half_space: &HalfSpace, of: &[usize], most: usize) -> Vec<usize> {
         let mut others: Vec<(f64, usize)> = Vec::new();

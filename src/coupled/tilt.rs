@@ -7,8 +7,8 @@
 //! what two contacts do to each other is reciprocal. They are of the fourth order in a/r, next to 1 of δ: moment and
 //! curvature ([`super::contacts`]) are of the third. Next are terms of s/r and of (a/r)⁵.
 
-use super::half_space::{Known, Sums};
-use crate::substrate::{Coupling, Influence};
+use super::sums::{Known, Square, Sums};
+use crate::substrate::Influence;
 
 /// Longest way of a contact, over the distance of the nearest asperity: beyond it circles overlap.
 const FURTHEST: f64 = 0.125;
@@ -39,18 +39,11 @@ struct Along {
 }
 
 impl Tilt {
-    /// The tilt of contacts of asperities of `radii`, m, at `places`, in sides of the square, `nearest` from each other; a side
-    /// is `side`, m, and `compliance` 1/(πE*L), m/N.
-    pub fn new(
-        (coupling, places): (Coupling, &[[f64; 2]]),
-        (side, radii): (f64, &[f64]),
-        nearest: &[f64],
-        compliance: f64,
-        tolerance: f64,
-    ) -> Self {
-        let count = places.len();
+    /// The tilt of contacts of asperities of `radii`, m, in a square of `side`, m, `nearest` from each other in sides.
+    pub fn new(square: &Square, (side, radii): (f64, &[f64]), nearest: &[f64]) -> Self {
+        let count = radii.len();
         let along = |influence| Along {
-            sums: Sums::new((coupling, influence), places, compliance / side, COARSER * tolerance),
+            sums: Sums::new(square, influence, square.compliance / side, COARSER),
             forces: Known::new(count),
             moments: Known::new(count),
             slopes: vec![0.0; count],

@@ -3,8 +3,9 @@
 use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
-use super::replica::{Replica, Workspace};
-use super::{Ends, Job};
+use super::job::{Ends, Job};
+use super::replica::Replica;
+use super::workspace::Workspace;
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
 use crate::math::quantile::quantile;
@@ -40,6 +41,14 @@ pub fn batches_of(replicas: u64) -> u64 {
 pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
     let first = |batch: u64| batch.saturating_mul(BATCH).min(replicas);
     first(batches.start)..first(batches.end)
+}
+
+impl Job<'_> {
+    /// Number of batches.
+    #[doc(hidden)]
+    pub fn batches(&self) -> u64 {
+        batches_of(self.replicas)
+    }
 }
 
 /// The moments of an ensemble and what is kept of every replica.
@@ -126,14 +135,18 @@ impl Ensemble {
         }
     }
 
+    /// The moments of curves and of regimes.
+    fn moments(&self) -> impl Iterator<Item = &Moments> {
+        let regimes = [&self.regime_count, &self.regime_adhesion_force, &self.regime_external_force];
+        self.curves.iter().chain(regimes)
+    }
+
     /// Adds the sums over the replicas of another that come behind.
     pub(super) fn merge_sums(&mut self, other: &Self) {
-        for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
-            mine.merge(theirs);
-        }
-        self.regime_count.merge(&other.regime_count);
-        self.regime_adhesion_force.merge(&other.regime_adhesion_force);
-        self.regime_external_force.merge(&other.regime_external_force);
+        let regimes =
+            [&mut self.regime_count, &mut self.regime_adhesion_force, &mut self.regime_external_force];
+        let mine = self.curves.iter_mut().chain(regimes);
+        mine.zip(other.moments()).for_each(|(mine, theirs)| mine.merge(theirs));
         self.groups.merge(&other.groups);
         if let (Some(mine), Some(theirs)) = (&mut self.coupled, &other.coupled) {
             mine.merge(theirs);
@@ -143,10 +156,7 @@ impl Ensemble {
 
     /// Whether the sums of both are of the same numbers of states, regimes and scalars.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        self.curves.iter().zip(&other.curves).all(|(own, other)| own.is_like(other))
-            && self.regime_count.is_like(&other.regime_count)
-            && self.regime_adhesion_force.is_like(&other.regime_adhesion_force)
-            && self.regime_external_force.is_like(&other.regime_external_force)
+        self.moments().zip(other.moments()).all(|(own, other)| own.is_like(other))
             && self.groups.is_like(&other.groups)
             && match (&self.coupled, &other.coupled) {
                 (None, None) => true,

@@ -1,55 +1,31 @@
 //! Replicas whose asperities are coupled through the half-space under them.
 
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
-use super::curves::{CoupledCurves, Curves};
+use super::curves::{CoupledCurves, Curves, RegimeSums};
+use super::job::{Ends, Job, Substrate, Ways};
 use super::replica::{CoupledReplica, Replica};
-use super::scalars::Ways;
+use super::search::Sought;
+use super::state::{Branch, Reversal};
 use super::stream::{Purpose, stream};
-use super::summed::Summed;
-use super::sums::RegimeSums;
-use super::{Ends, Job};
+use super::summed::{Contacts, Summed};
 use crate::asperity::memory::{Held, Memory};
-use crate::asperity::{Loop, Quantity, SolverStats, SurfaceLoops};
+use crate::asperity::{Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
-use crate::substrate::{Coupling, Kernel};
-use crate::surface::Places;
+use crate::substrate::Kernel;
 use std::f64::consts::PI;
 
-/// Parts between the neighbours of the smallest sample of a curve, in which it is looked for again; how often at most, and how
-/// often where the curve jumps to its smallest force.
+/// The smallest force of a curve is sought again between the neighbours of the smallest sample, at this many parts. This is
+/// repeated at most `ROUNDS` times, and `ROUNDS_AT_JUMP` times where the curve jumps there.
 const PARTS: usize = 8;
 const ROUNDS: usize = 6;
 const ROUNDS_AT_JUMP: usize = 3;
-/// Halvings of the ways to a pull-off that the samples miss.
+/// Halvings of the distances from the samples next to a pull-off that they miss.
 const HALVINGS: i32 = 6;
 /// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
 const SMOOTH: f64 = 1e-4;
 /// Share of a pull-off up to which samples may miss it.
 const MISSED: f64 = 0.01;
-
-/// The half-space under the asperities of the surfaces of a job.
-#[derive(Clone, Copy)]
-pub struct Substrate<'a> {
-    /// Surroundings of a surface.
-    pub coupling: Coupling,
-    /// Action of contacts on each other.
-    pub kernel: Kernel,
-    /// The places of asperities.
-    pub places: &'a Places,
-    /// Largest error of a load, relative to the largest.
-    pub tolerance: f64,
-    /// Indices of the separations at which the asperities of the first replica are recorded one by one.
-    pub loads_at: &'a [usize],
-    /// E*, Pa.
-    pub reduced_modulus: f64,
-    /// Memory of asperities.
-    pub memory: Option<&'a SurfaceLoops>,
-    /// The length over which the law of the typical asperity varies, m.
-    pub length: f64,
-    /// The unit of its energy, J; none where it is not known: bridges of liquid take energy from the vapour.
-    pub energy: Option<f64>,
-}
 
 /// Halvings of a step to a separation at which no stable state is found.
 const SHORTER: u32 = 3;
@@ -69,18 +45,18 @@ struct CoupledSurface<'a> {
     energy: Option<f64>,
     regimes: Vec<RegimeSums>,
     highest: f64,
-    /// Where the first contact is there on approach, and the last on retraction, h in m.
-    contacts: (f64, f64),
-    /// Where the pull-off is looked for on approach and on retraction, and, if surfaces turn back at preloads, the states at
-    /// each separation of the approach.
+    /// The first contact on approach, and the last on retraction.
+    contacts: Contacts,
+    /// Where the pull-off is sought on approach and on retraction.
     starts: [Starts; 2],
+    /// The states at each separation of the approach, if surfaces turn back at preloads.
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
     recorded: Option<Recorded<'a>>,
 }
 
-/// Samples of a way between the neighbours of which the pull-off is looked for.
+/// The states from which the pull-off is sought on a branch.
 struct Starts {
     /// The separation h, m, of the pull-off of independent asperities, if the separations miss it; NaN if not.
     missed: f64,
@@ -126,6 +102,13 @@ pub(super) struct Independent {
     pub curves: Curves,
 }
 
+/// A replica with coupling, its curves and the cost of that.
+pub(super) struct Coupled {
+    pub kept: Replica,
+    pub curves: Curves,
+    pub stats: SolverStats,
+}
+
 impl Independent {
     /// Its record, with the stiffness from lines between the separations, as with coupling: else they could
     /// not be compared.
@@ -169,14 +152,8 @@ pub(super) struct CoupledJob<'a> {
 }
 
 impl CoupledJob<'_> {
-    /// The record of a replica with its curves, its asperities coupled. `keep` makes a record of a surface
-    /// that has been summed.
-    pub fn couple(
-        self,
-        independent: Independent,
-        stats: &mut SolverStats,
-        keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
-    ) -> (Replica, Curves) {
+    /// The record of a replica with its asperities coupled; nothing when that was ended.
+    pub fn couple(self, independent: Independent) -> Option<Coupled> {
         let Self { job, substrate, ends } = self;
         let (replica, missed) = (independent.by_lines(job), independent.missed(job));
         let Independent { index, curves: of_independent, .. } = independent;
@@ -203,7 +180,7 @@ impl CoupledJob<'_> {
             energy: substrate.energy,
             regimes: vec![RegimeSums::default(); r],
             highest: heights.last().copied().unwrap_or(f64::NAN),
-            contacts: (f64::NAN, f64::NAN),
+            contacts: Contacts { touchdown: f64::NAN, detachment: f64::NAN },
             starts: missed.map(Starts::new),
             approach: Vec::new(),
             turn: None,
@@ -215,13 +192,13 @@ impl CoupledJob<'_> {
         if job.ways().is_loop() {
             surface.contacts = contacts(job, &curves);
         }
-        let mut kept = keep(&mut surface, &mut curves);
-        stats.merge(&surface.solver.take_stats());
+        let mut kept = Replica::new(job, &mut surface, heights.len(), &mut curves);
+        let stats = surface.solver.take_stats();
         let asperities = surface.recorded.map(|recorded| recorded.states);
         kept.coupled =
             Some(Box::new(CoupledReplica { asperities, ..CoupledReplica::new(replica, &coupled) }));
         curves.coupled = Some(Box::new(coupled));
-        (kept, curves)
+        (!ends()).then_some(Coupled { kept, curves, stats })
     }
 
     /// The asperities of the replica of an index, on a surface of a side, m.
@@ -299,19 +276,17 @@ struct Placed {
 
 /// The separations h, m, of the samples of a loop at which the first contact is there on approach, and the last
 /// one on retraction; NaN without one.
-fn contacts(job: &Job<'_>, curves: &Curves) -> (f64, f64) {
+fn contacts(job: &Job<'_>, curves: &Curves) -> Contacts {
     let (s, states) = (job.separations.len(), job.states());
     let touches = |state: usize| {
-        let regimes = job.laws.regimes().iter().enumerate();
-        regimes
-            .filter(|(_, regime)| regime.is_contact())
-            .any(|(r, _)| curves.regime_count[r * states + state] > 0.0)
+        let mut counts = job.laws.regimes().iter().zip(curves.regime_count.chunks_exact(states));
+        counts.any(|(regime, count)| regime.is_contact() && count[state] > 0.0)
     };
     let furthest = |first: usize| {
         let found = (0..s).rev().find(|k| touches(first + k));
         found.map_or(f64::NAN, |k| job.separations[k])
     };
-    (furthest(0), furthest(s))
+    Contacts { touchdown: furthest(0), detachment: furthest(s) }
 }
 
 impl CoupledSurface<'_> {
@@ -397,7 +372,7 @@ impl CoupledSurface<'_> {
             sum.contact.add(forces.contact[i]);
             sum.area.add(forces.area[i]);
         }
-        RegimeSums::record(&self.regimes, state, curves);
+        curves.record(state, &self.regimes);
         if let Some(Recorded { at, order, states }) = &mut self.recorded
             && at.contains(&(state % self.job.separations.len()))
         {
@@ -418,7 +393,7 @@ impl CoupledSurface<'_> {
         coupled.crowding[state] = self.solver.crowding(self.side);
     }
 
-    /// The smallest force on approach or on retraction over the separations of the job, of which samples are given in its order.
+    /// The smallest force on a branch, by its number, from samples over the separations of the job in their order on it.
     fn zoom_on(&mut self, way: usize, samples: &[(f64, f64)]) -> Extremum {
         let seen = Starts::new(self.starts[way].missed);
         let starts = std::mem::replace(&mut self.starts[way], seen);
@@ -490,31 +465,8 @@ impl CoupledSurface<'_> {
         }
         Extremum { place: best.0, value: best.1, at_edge: false }
     }
-}
 
-impl Summed for CoupledSurface<'_> {
-    fn highest(&self) -> f64 {
-        self.highest
-    }
-
-    fn contacts(&mut self, _: &Loop) -> (f64, f64) {
-        self.contacts
-    }
-
-    fn pull_off(&mut self, external_force: &[f64]) -> Extremum {
-        let inward: Vec<(f64, f64)> = self.job.samples(external_force).into_iter().rev().collect();
-        self.zoom_on(0, &inward)
-    }
-
-    fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
-        // The approach was taken from far away.
-        let passed = self.job.separations.iter().filter(|h| **h >= from).count();
-        self.solver.restore(&self.approach[passed.max(1) - 1]);
-        self.go(from);
-        self.turn = Some(self.solver.snapshot());
-        separations.iter().map(|h| self.go(*h).0).collect()
-    }
-
+    /// The smallest force on retraction from the separation `from`, m, from samples of it.
     fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
         if from == self.job.separations[0] && self.turn.is_none() {
             return self.zoom_on(1, samples);
@@ -534,9 +486,37 @@ impl Summed for CoupledSurface<'_> {
         }
         self.zoom(samples, &starts)
     }
+}
 
-    fn stiffest(&mut self, _from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
-        let (places, forces): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
-        largest_secant(&places, &forces, span)
+impl Summed for CoupledSurface<'_> {
+    fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    fn contacts(&mut self, _: Reversal<'_>) -> Contacts {
+        self.contacts
+    }
+
+    fn retraction(&mut self, Reversal { from, .. }: Reversal<'_>, separations: &[f64]) -> Vec<f64> {
+        // The approach was taken from far away.
+        let passed = self.job.separations.iter().filter(|h| **h >= from).count();
+        self.solver.restore(&self.approach[passed.max(1) - 1]);
+        self.go(from);
+        self.turn = Some(self.solver.snapshot());
+        separations.iter().map(|h| self.go(*h).0).collect()
+    }
+
+    fn find(&mut self, sought: Sought, branch: Branch<'_>, samples: &[(f64, f64)]) -> Extremum {
+        match (sought, branch.reversal()) {
+            (Sought::Stiffness(span), _) => {
+                let (places, forces): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
+                largest_secant(&places, &forces, span)
+            }
+            (Sought::PullOff, None) => {
+                let inward: Vec<(f64, f64)> = samples.iter().rev().copied().collect();
+                self.zoom_on(0, &inward)
+            }
+            (Sought::PullOff, Some(Reversal { from, .. })) => self.retraction_pull_off(from, samples),
+        }
     }
 }

@@ -1,9 +1,9 @@
 //! Moments of the effects of coupling on an ensemble: its curves against the curves of the same asperities
 //! without.
 
-use super::Job;
 use super::curves::{CoupledCurves, Curves};
 use super::groups::OpenGroup;
+use super::job::Job;
 use super::replica::Replica;
 use super::scalars::scalars;
 use crate::math::moments::Moments;

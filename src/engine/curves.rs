@@ -1,7 +1,63 @@
 //! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the
 //! retraction behind these.
 
+use crate::asperity::{Quantity, Responses};
 use crate::coupled::{CLASSES, ENERGY_CLASSES};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::sums::{Compensated, lane_sum};
+
+/// Sums over the asperities of a surface in one regime.
+#[derive(Clone, Copy, Default)]
+pub(super) struct RegimeSums {
+    pub count: f64,
+    pub adhesion: Compensated,
+    pub contact: Compensated,
+    pub area: Compensated,
+}
+
+impl RegimeSums {
+    /// The quantities of all regimes together, by [`Quantity::index`].
+    pub fn total(regimes: &[Self]) -> [f64; 4] {
+        let total = |part: fn(&Self) -> f64| {
+            let mut sum = Compensated::default();
+            regimes.iter().for_each(|regime| sum.add(part(regime)));
+            sum.value()
+        };
+        Quantity::of_response(
+            total(|r| r.adhesion.value()),
+            total(|r| r.contact.value()),
+            total(|r| r.area.value()),
+        )
+    }
+
+    /// The external force of the asperities of all regimes together, N.
+    pub fn external_force(regimes: &[Self]) -> f64 {
+        Self::total(regimes)[Quantity::ExternalForce.index()]
+    }
+
+    /// Adds the sums of other asperities.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.adhesion.merge(&other.adhesion);
+        self.contact.merge(&other.contact);
+        self.area.merge(&other.area);
+    }
+
+    /// Adds what lanes respond with.
+    pub fn add_lanes(&mut self, responses: &Responses, n: usize, touches: bool) {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                self.adhesion.add(lane_sum(&responses.adhesion[..n]));
+                // Where nothing touches there is neither load nor area.
+                if touches {
+                    self.contact.add(lane_sum(&responses.contact[..n]));
+                    self.area.add(lane_sum(&responses.area[..n]));
+                }
+            },
+        );
+    }
+}
 
 /// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +132,20 @@ impl Curves {
             regime_external_force: vec![0.0; r * s],
             snaps: Vec::new(),
             coupled: None,
+        }
+    }
+
+    /// Takes the sums of all regimes as those in a state.
+    pub(super) fn record(&mut self, state: usize, regimes: &[RegimeSums]) {
+        let states = self.total[0].len();
+        for (regime, sum) in regimes.iter().enumerate() {
+            let place = regime * states + state;
+            self.regime_count[place] = sum.count;
+            self.regime_adhesion_force[place] = sum.adhesion.value();
+            self.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
+        }
+        for (curve, value) in self.total.iter_mut().zip(RegimeSums::total(regimes)) {
+            curve[state] = value;
         }
     }
 }

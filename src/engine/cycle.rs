@@ -1,10 +1,8 @@
-//! The retraction of one surface, and the record of a surface that is brought close and pulled back.
+//! The record of a surface that is brought close and pulled back.
 
 use super::curves::Curves;
-use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
-use super::scalars::Ways;
-use super::summed::Summed;
-use super::{Job, Protocol};
+use super::job::{Job, Ways};
+use super::summed::Contacts;
 use crate::asperity::Quantity;
 use crate::math::extrema::Extremum;
 use crate::math::sums::SUM_ROUNDING;
@@ -47,12 +45,12 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// The record of a surface: its highest asperity, m, NaN of none, where its first and last contacts are, h in m, its
-    /// curves over the states of the job, and the pull-off on approach.
+    /// The record of a surface: its highest asperity, m, NaN of none, its first and last contact, its curves over the states
+    /// of the job, and the pull-off on approach.
     pub(super) fn new(
         job: &Job<'_>,
         highest: f64,
-        (touchdown_separation, detachment_separation): (f64, f64),
+        contacts: Contacts,
         curves: &Curves,
         pull_off: &Extremum,
     ) -> Self {
@@ -66,8 +64,8 @@ impl Cycle {
             approach_pull_off_separation: pull_off.place,
             dissipated_energy: lost(0),
             repeated_dissipated_energy: (job.ways() == Ways::Repeated).then(|| lost(2)),
-            touchdown_separation,
-            detachment_separation,
+            touchdown_separation: contacts.touchdown,
+            detachment_separation: contacts.detachment,
         }
     }
 }
@@ -95,70 +93,9 @@ pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highe
     if energy.abs() <= rounding { 0.0 } else { energy }
 }
 
-/// The snaps of a surface, in the order of [`Loading::length`], from its curve over the separations of the
-/// job on approach, N, and the one on which it is pulled off, with its pull-off.
-pub(super) fn snaps(
-    job: &Job<'_>,
-    surface: &mut dyn Summed,
-    approach: &[f64],
-    (last, pull_off): (&[f64], Extremum),
-) -> Vec<f64> {
-    let Protocol { cycle, loading, .. } = job.protocol;
-    let mut numbers = Vec::with_capacity(loading.length());
-    if loading.ways.0 {
-        let inward: Vec<(f64, f64)> = job.samples(approach).into_iter().rev().collect();
-        numbers.extend(of_stiffnesses(&loading, &inward, largest_snap_of_all));
-    }
-    if cycle.is_some() && !loading.preload.is_empty() {
-        for &preload in loading.preload {
-            numbers.extend(after_preload(job, surface, approach, preload));
-        }
-    } else if loading.ways.1 {
-        numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        numbers.extend(of_stiffnesses(&loading, &job.samples(last), largest_snap_of_all));
-    }
-    numbers
-}
-
-/// The largest snap on a path for each stiffness, by `largest` of the samples, the stiffness and the smallest
-/// snap.
-fn of_stiffnesses(
-    loading: &Loading<'_>,
-    samples: &[(f64, f64)],
-    largest: fn(&[(f64, f64)], f64, f64) -> Snap,
-) -> Vec<f64> {
-    let snap = |&stiffness: &f64| largest(samples, stiffness, loading.smallest_snap).numbers();
-    loading.stiffness.iter().flat_map(snap).collect()
-}
-
-fn turn(separation: f64, pull_off: &Extremum) -> Turn {
-    Turn { separation, pull_off_force: -pull_off.value, pull_off_separation: pull_off.place }
-}
-
-/// The turn of a surface at a preload, N, its snaps on retraction from there, and the forces that are kept.
-fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, approach: &[f64], preload: f64) -> Vec<f64> {
-    let loading = &job.protocol.loading;
-    let Some((nearer, from)) = reached(job.separations, approach, preload) else {
-        let snaps = loading.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
-        let forces = std::iter::repeat_n(f64::NAN, loading.kept);
-        return Turn::UNKNOWN.numbers().into_iter().chain(snaps).chain(forces).collect();
-    };
-    let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
-    let places: Vec<f64> = [from].into_iter().chain(further).collect();
-    let forces = surface.retraction(from, &places);
-    let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
-    let turn = turn(from, &surface.retraction_pull_off(from, &outward));
-    let snaps = of_stiffnesses(loading, &outward, largest_snap);
-    let nearer = std::iter::repeat_n(f64::NAN, (loading.kept + 1).saturating_sub(outward.len()));
-    let forces = nearer.chain(outward[1..].iter().map(|(_, force)| *force)).take(loading.kept);
-    turn.numbers().into_iter().chain(snaps).chain(forces).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asperity::{LawParameters, Loop, Path, model};
-    use crate::surface::Surface;
 
     /// F_s = 1 N and P = 3 N over 2 nm on either way: 16e-9 J in all, of which SUM_ROUNDING is 7e-23 J. The
     /// places are off by up to 2e-23 m, which takes nothing where no force changes.
@@ -191,63 +128,5 @@ mod tests {
         for (from, to, energy) in [(0, 2, 4e-9), (1, 3, 2e-9), (2, 4, -2e-9), (0, 4, 4e-9)] {
             assert!((lost(from, to) / energy - 1.0).abs() < 1e-14, "{from} {to}: {:e}", lost(from, to));
         }
-    }
-
-    /// A surface whose force on the way back is the separation less ten, from wherever it turns.
-    struct Line {
-        /// The separations that were asked for, from each turn.
-        asked: Vec<Vec<f64>>,
-    }
-
-    impl Summed for Line {
-        fn highest(&self) -> f64 {
-            f64::NAN
-        }
-
-        fn contacts(&mut self, _: &Loop) -> (f64, f64) {
-            (f64::NAN, f64::NAN)
-        }
-
-        fn pull_off(&mut self, _: &[f64]) -> Extremum {
-            unreachable!("it is that of the retraction")
-        }
-
-        fn retraction(&mut self, _: f64, separations: &[f64]) -> Vec<f64> {
-            self.asked.push(separations.to_vec());
-            separations.iter().map(|h| h - 10.0).collect()
-        }
-
-        fn retraction_pull_off(&mut self, _: f64, samples: &[(f64, f64)]) -> Extremum {
-            Extremum { value: samples[0].1, place: samples[0].0, at_edge: true }
-        }
-
-        fn stiffest(&mut self, _: Option<f64>, _: &[(f64, f64)], _: f64) -> Extremum {
-            unreachable!("nobody asks for it")
-        }
-    }
-
-    /// F falls from 5 N at h = 0 to −1 at 3: 2 N are reached at h = 3/2, on the way back from which come 2, 3 and 4; 3 N
-    /// are reached at 1 itself, which does not come again; 5 N at 0. Of separations before the turn no force is known.
-    #[test]
-    fn a_retraction_after_a_preload_goes_through_every_separation() {
-        let parameters = LawParameters::scaled(1.0, Path::Approach).unwrap();
-        let law = model("hertz").unwrap().law(&parameters).unwrap();
-        let (surface, separations) = (Surface::uniform(1.0, 1.0, 1, 1.0), [0.0, 1.0, 2.0, 3.0, 4.0]);
-        let loading = Loading { ways: (true, true), kept: 5, ..Loading::default() };
-        let protocol = Protocol { loading, ..Protocol::default() };
-        let job = Job { protocol, ..Job::new(law.as_ref(), &surface, &separations, 8, 1) };
-        let mut line = Line { asked: Vec::new() };
-        let mut numbers = |preload| after_preload(&job, &mut line, &[5.0, 3.0, 1.0, -1.0, 0.0], preload);
-        let between = numbers(2.0);
-        assert_eq!(between[..3], [1.5, 8.5, 1.5]);
-        assert!(between[3].is_nan() && between[4].is_nan());
-        assert_eq!(between[5..], [-8.0, -7.0, -6.0]);
-        let at = numbers(3.0);
-        assert_eq!((at[0], &at[5..]), (1.0, &[-8.0, -7.0, -6.0][..]));
-        let innermost = numbers(5.0);
-        assert_eq!((innermost[0], &innermost[4..]), (0.0, &[-9.0, -8.0, -7.0, -6.0][..]));
-        assert!(numbers(6.0).len() == 8 && numbers(6.0).iter().all(|number| number.is_nan()));
-        let expected: [&[f64]; 3] = [&[1.5, 2.0, 3.0, 4.0], &[1.0, 2.0, 3.0, 4.0], &separations];
-        assert_eq!(line.asked, expected);
     }
 }

@@ -1,8 +1,8 @@
 //! Moments of the means of groups of replicas. Replicas of a group depend on each other, groups do not: what
 //! a mean over all replicas is worth follows from the scatter of the groups.
 
-use super::Job;
 use super::curves::Curves;
+use super::job::Job;
 use super::replica::Replica;
 use super::scalars::scalars;
 use crate::asperity::Quantity;

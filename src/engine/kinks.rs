@@ -1,14 +1,14 @@
 //! The kinks of a law: the interferences at which the force of one asperity is not smooth.
 
-use super::Job;
+use super::job::Job;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
 use crate::asperity::{Facing, Law, Loop, Scratch, SolverStats};
 use std::cell::RefCell;
 
-/// Tops of which the kinks are looked at, and the highest asperity of these, in standard deviations of heights,
-/// that is at least so far beyond the onset.
-const TOPS: usize = 8;
+/// Asperities that have yielded whose kinks are found. The highest is this many standard deviations above the mean
+/// height, and at least so many beyond the onset of yielding.
+const SAMPLED: usize = 8;
 const HIGHEST: f64 = 5.0;
 const LEAST_REACH: f64 = 0.1;
 /// More kinks than asperities of one history have.
@@ -16,11 +16,11 @@ pub const KINKS: usize = 64;
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
 const WINDOWS: usize = 8;
 const PLACES: usize = 8;
-/// Places of a kink in each space or interval, and between which a kink of it matters: in spaces from the one
-/// that is interpolated, and in the widths of an interval.
+/// Places of a kink that are tried in each space or interval.
 const POSITIONS: f64 = 4.0;
-const SPACES: (f64, f64) = (-2.5, 3.5);
-const INTERVAL: (f64, f64) = (-0.25, 1.25);
+/// Interpolation between samples, which a kink upsets some spaces away, and of an interval through its own points.
+const OF_SAMPLES: Rule = Rule { interpolated: interpolated_from_samples, range: (-2.5, 3.5), widths: 1.0 };
+const OF_POINTS: Rule = Rule { interpolated, range: (-0.25, 1.25), widths: 1.5 };
 /// Kinks that are closer to each other than this share of the space between samples are one to what is
 /// interpolated between them.
 const CLOSE: f64 = 0.25;
@@ -38,7 +38,7 @@ const NO_JUMP: f64 = 1e-11;
 pub(super) struct Kink {
     /// δ, m.
     pub interference: f64,
-    /// Force above less force below, N; of tops the largest.
+    /// Force above less force below, N; the largest of several asperities.
     pub jump: f64,
     /// Fall of the force below the line between the ends of an interval with the kink in it, N, about.
     pub fall: f64,
@@ -78,8 +78,9 @@ impl Kink {
         kinks
     }
 
-    /// The kinks of a top that has flowed to ω_max, m, by the interference from its lowered apex; NaN where it has none.
-    fn of_top(cycle: &Loop, largest: f64, width: f64) -> Vec<Self> {
+    /// The kinks of an asperity that has yielded to ω_max, m, by the interference from its lowered apex; NaN where it has
+    /// none.
+    fn of_yielded(cycle: &Loop, largest: f64, width: f64) -> Vec<Self> {
         let solved = |own: &[f64]| cycle.forces_after(largest, own);
         let places = cycle.flattened_kinks(largest);
         let jump = |place: &f64| {
@@ -168,8 +169,7 @@ impl Kinks {
         };
         let known: Vec<Kink> = approach.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
         let [untouched, elastic] = cycle.kinks().map(|kinks| {
-            // What begins or ends on retraction alone does so with about as much as what does so before
-            // contact.
+            // A kink that is on retraction alone is taken for the largest of the kinks before contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
                 known.iter().filter(|kink| kink.interference <= 0.0).map(of).fold(0.0, f64::max)
             };
@@ -189,28 +189,29 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        let flowed = if cycle.flows() { Self::of_tops(job, cycle, width) } else { Vec::new() };
-        Self { approach, strays, retraction: [untouched, elastic, flowed] }
+        let yielded = if cycle.flows() { Self::of_all_yielded(job, cycle, width) } else { Vec::new() };
+        Self { approach, strays, retraction: [untouched, elastic, yielded] }
     }
 
-    /// The largest falls and strays of the kinks of tops that have flowed, of asperities up to the highest of a surface.
-    fn of_tops(job: &Job<'_>, cycle: &Loop, width: f64) -> Vec<Kink> {
+    /// The largest falls and strays of the kinks of asperities that have yielded, up to the highest of a surface.
+    fn of_all_yielded(job: &Job<'_>, cycle: &Loop, width: f64) -> Vec<Kink> {
         let heights = &job.surface.heights;
         let closest = job.surface.asperity_separation(job.separations[0]);
         let from = cycle.onset();
         let reach = (heights.mean + HIGHEST * heights.std - closest - from).max(LEAST_REACH * heights.std);
-        let share = |top: usize| (top as f64 + 0.5) / TOPS as f64;
-        let tops = (0..TOPS).map(|top| Kink::of_top(cycle, from + reach * share(top) * share(top), width));
+        let share = |i: usize| (i as f64 + 0.5) / SAMPLED as f64;
+        let sampled =
+            (0..SAMPLED).map(|i| Kink::of_yielded(cycle, from + reach * share(i) * share(i), width));
         let most = |a: Vec<Kink>, b: Vec<Kink>| a.iter().zip(&b).map(|(a, b)| a.most(b)).collect();
-        let mut kinks: Vec<Kink> = tops.reduce(most).unwrap_or_default();
+        let mut kinks: Vec<Kink> = sampled.reduce(most).unwrap_or_default();
         let largest = kinks.iter().fold(0.0, |most: f64, kink| most.max(kink.jump.abs()));
         kinks.iter_mut().filter(|kink| kink.jump.abs() <= NO_JUMP * largest).for_each(|kink| kink.jump = 0.0);
         kinks
     }
 }
 
-/// The errors of asperities in what is interpolated between samples `width`, m, apart, and at each kink of
-/// their law what that leaves out.
+/// The table of errors of the interpolation of a force between samples `width`, m, apart. It gives each kink the errors
+/// that the table leaves out.
 fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
     let interferences: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
     let force = continuous(law, kinks);
@@ -252,35 +253,36 @@ fn fall(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> f64 {
 
 /// The error of interpolating a force, with the kink anywhere nearby.
 fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
-    Stray {
-        samples: stray_of(force, kink, width, interpolated_from_samples, SPACES, 1.0),
-        points: stray_of(force, kink, width, interpolated, INTERVAL, INTERVAL.1 - INTERVAL.0),
-        ..Stray::default()
-    }
+    let [samples, points] = [OF_SAMPLES, OF_POINTS].map(|rule| rule.error(force, kink, width));
+    Stray { samples, points, ..Stray::default() }
 }
 
-/// The error of interpolating a force by one rule with the kink between two places, in widths: at most, and
-/// the root of the mean square over `widths` widths.
-fn stray_of(
-    force: &dyn Fn(&[f64]) -> Vec<f64>,
-    kink: f64,
-    width: f64,
+/// A rule of interpolation near a kink.
+struct Rule {
     interpolated: Interpolation,
-    (from, to): (f64, f64),
+    /// Places of the kink at which it matters, in widths from where the interpolation begins.
+    range: (f64, f64),
+    /// The widths over which the mean square is taken.
     widths: f64,
-) -> (f64, f64) {
-    let mut most: f64 = 0.0;
-    let mut squares = [0.0; PLACES - 1];
-    for position in 0..((to - from) * POSITIONS) as usize {
-        let low = kink - width * (from + (position as f64 + 0.5) / POSITIONS);
-        let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
-        let values = interpolated(force, low, width, &places);
-        for ((value, truth), square) in values.iter().zip(force(&places)).zip(&mut squares) {
-            most = most.max((value - truth).abs());
-            *square += (value - truth).powi(2);
+}
+
+impl Rule {
+    /// The error of interpolating a force with the kink anywhere in the range: at most, and the root of the mean square.
+    fn error(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> (f64, f64) {
+        let Self { interpolated, range: (from, to), widths } = *self;
+        let mut most: f64 = 0.0;
+        let mut squares = [0.0; PLACES - 1];
+        for position in 0..((to - from) * POSITIONS) as usize {
+            let low = kink - width * (from + (position as f64 + 0.5) / POSITIONS);
+            let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
+            let values = interpolated(force, low, width, &places);
+            for ((value, truth), square) in values.iter().zip(force(&places)).zip(&mut squares) {
+                most = most.max((value - truth).abs());
+                *square += (value - truth).powi(2);
+            }
         }
+        (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
     }
-    (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
 }
 
 /// External forces, N, of an asperity at interferences δ, m, rising, however often.

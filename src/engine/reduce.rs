@@ -1,12 +1,13 @@
 //! Batches computed in parallel, merged in order.
 
-use super::batch::Batch;
+use super::batch::{Batch, Ensemble};
+use super::job::{Ends, Job};
 use super::reduction_tree::ReductionTree;
-use super::replica::Workspace;
 use super::stopping::Rule;
-use super::{Ends, Job};
+use super::workspace::Workspace;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -25,6 +26,22 @@ impl Outcome {
     pub fn reduction_tree(&self) -> &ReductionTree {
         match self {
             Self::Complete(reduction_tree) | Self::Interrupted(reduction_tree) => reduction_tree,
+        }
+    }
+}
+
+impl Job<'_> {
+    /// Computes all replicas, on all cores.
+    ///
+    /// # Panics
+    /// When no threads can be started, or the replicas do not come in whole groups of the scheme.
+    pub fn ensemble(&self) -> Ensemble {
+        let pool = rayon::ThreadPoolBuilder::new().build().expect("threads can be started");
+        let outcome = run::<Infallible>(self, &pool, &AtomicBool::new(false), |_, _| Ok(()));
+        match outcome {
+            Ok(Outcome::Complete(tree)) => tree.into_ensemble(self),
+            Ok(Outcome::Interrupted(_)) => unreachable!("nothing interrupts it"),
+            Err(never) => match never {},
         }
     }
 }
@@ -71,7 +88,7 @@ pub fn run_from<E: Send>(
     Bounds { mut merged, rule }: Bounds<'_>,
     mut observe: impl FnMut(&Batch, &mut ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
-    job.require_whole_groups();
+    require_whole_groups(job);
     let is_enough = |merged: &ReductionTree| rule.is_some_and(|rule| rule.is_met(job, merged));
     // A run may have been interrupted after the batch that was the last.
     if is_enough(&merged) {
@@ -107,6 +124,17 @@ pub fn run_from<E: Send>(
         let merged = Box::new(merged);
         Ok(if complete { Outcome::Complete(merged) } else { Outcome::Interrupted(merged) })
     })
+}
+
+/// Requires that the replicas of a job come in whole groups: the last replicas would otherwise be in the means,
+/// but in no standard error and no test.
+///
+/// # Panics
+/// When they do not; scenes are refused before ([`SamplingScheme::check`](crate::surface::SamplingScheme::check)).
+fn require_whole_groups(job: &Job<'_>) {
+    if let Err(problem) = job.scheme.check(job.replicas) {
+        panic!("{problem}");
+    }
 }
 
 /// Computes batches by their indices in parallel until `ends` is true.

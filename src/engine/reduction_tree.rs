@@ -8,8 +8,8 @@
 //! batches.
 
 use super::batch::{Ensemble, curves_of, replicas_of};
+use super::job::{Job, Protocol};
 use super::replica::Replica;
-use super::{Job, Protocol};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

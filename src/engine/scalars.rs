@@ -1,56 +1,8 @@
 //! The numbers of a replica whose means over replicas have no closed form.
 
 use super::cycle::Cycle;
+use super::job::Ways;
 use super::replica::Replica;
-
-/// The ways that a surface takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ways {
-    /// One path of the law.
-    #[default]
-    One,
-    /// The retraction of a loop alone.
-    Back,
-    /// A loop: approach and retraction.
-    Loop,
-    /// A loop, and the second approach, which further cycles repeat.
-    Repeated,
-}
-
-impl Ways {
-    /// Beginnings of the names of datasets of each way, and what is said of values on it.
-    pub const NAMES: [(&str, &str); 3] =
-        [("", ""), ("retraction_", " on retraction"), ("reapproach_", " on the second approach")];
-
-    /// The number of times that the separations are passed.
-    pub fn count(self) -> usize {
-        match self {
-            Self::One | Self::Back => 1,
-            Self::Loop => 2,
-            Self::Repeated => 3,
-        }
-    }
-
-    /// The number of its first among approach, retraction and second approach.
-    pub fn first(self) -> usize {
-        usize::from(self == Self::Back)
-    }
-
-    /// Whether the approach and the retraction of a loop are both recorded.
-    pub fn is_loop(self) -> bool {
-        matches!(self, Self::Loop | Self::Repeated)
-    }
-
-    /// The number of the way on which the surfaces are pulled off: of a loop the second.
-    pub fn pulled(self) -> usize {
-        usize::from(self.is_loop())
-    }
-
-    /// The beginnings of the names of datasets of each way.
-    pub fn prefixes(self) -> impl ExactSizeIterator<Item = &'static str> + Clone + use<> {
-        Self::NAMES[..self.count()].iter().map(|(prefix, _)| *prefix)
-    }
-}
 
 /// A number that is read off a replica's own curve.
 ///

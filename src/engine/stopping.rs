@@ -8,8 +8,8 @@
 //! that small is that the first look comes late, and that from one look to the next there is more than a
 //! little: docs/errors.md has the coverage of the intervals.
 
-use super::Job;
 use super::batch::{BATCH, Ensemble};
+use super::job::Job;
 use super::reduction_tree::ReductionTree;
 use super::scalars::SCALARS;
 use crate::math::control_variates::controlled_means;

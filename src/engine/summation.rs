@@ -1,9 +1,10 @@
 //! The choice between direct sums and sums by moments, and the error that the latter turn out to have.
 
-use super::Job;
 use super::curves::Curves;
+use super::job::Job;
 use super::moments::{MANY, MomentMatrix, SMALL, Unfit, largest_error};
-use super::replica::{Replica, Workspace};
+use super::replica::Replica;
+use super::workspace::Workspace;
 use crate::asperity::Quantity;
 use crate::math::extrema::maximum;
 use crate::surface::Surface;

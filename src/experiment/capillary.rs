@@ -22,7 +22,5 @@ pub(crate) fn regime(covered: f64) -> &'static str {
 pub(crate) fn at_pull_off(results: &Results) -> Wet {
     let at = &results.at_pull_off;
     let area = at.expected[Quantity::ContactArea.index()][0];
-    Wet::new(&results.regimes, area, |regime| {
-        (at.regime_count[regime][0], at.regime_adhesion_force[regime][0])
-    })
+    Wet::new(area, &at.regime_count, &at.regime_adhesion_force, 0)
 }

@@ -120,23 +120,23 @@ impl PathIntegral {
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.
-    fn readings(&self, scene: &Scene, law: Laws<'_>) -> Vec<Reading> {
+    fn readings(&self, scene: &Scene) -> Vec<Reading> {
         let force = &self.expectations.expected[Quantity::ExternalForce.index()];
         let deepest = force.iter().copied().fold(f64::INFINITY, f64::min);
         let slopes = force.windows(2).zip(scene.separations.windows(2));
         let stiffest = slopes.map(|(f, h)| (f[1] - f[0]) / (h[1] - h[0])).fold(f64::NEG_INFINITY, f64::max);
         let Features { minimum, steepest } = &self.features;
         if !(minimum.value < 0.0) {
-            return vec![reading(scene, law, (WhatIsRead::Nearest, scene.separations[0]), &self.at_pull_off)];
+            return vec![reading(scene, (WhatIsRead::Nearest, scene.separations[0]), &self.at_pull_off)];
         }
         let missed = |extremum: &Extremum, sampled| match extremum.at_edge || !is_smooth(scene) {
             true => 0.0,
             false => 1.0 - sampled / extremum.value,
         };
-        let pull_off = reading(scene, law, (WhatIsRead::PullOff, minimum.place), &self.at_pull_off);
+        let pull_off = reading(scene, (WhatIsRead::PullOff, minimum.place), &self.at_pull_off);
         let mut readings = vec![Reading { missed: missed(minimum, deepest), ..pull_off }];
         if steepest.value > 0.0 {
-            let point = reading(scene, law, (WhatIsRead::StiffestPoint, steepest.place), &self.at_stiffest);
+            let point = reading(scene, (WhatIsRead::StiffestPoint, steepest.place), &self.at_stiffest);
             readings.push(Reading { missed: missed(steepest, stiffest), ..point });
         }
         readings
@@ -180,18 +180,13 @@ fn largest_slope(scene: &Scene, features: &Features, force: &[f64], at: impl Fn(
     }
 }
 
-/// A reading at a separation h, m, at which the integral of a law is given.
-fn reading(
-    scene: &Scene,
-    law: Laws<'_>,
-    (what, separation): (WhatIsRead, f64),
-    at: &Expectations,
-) -> Reading {
+/// A reading at a separation h, m, at which the integral is given.
+fn reading(scene: &Scene, (what, separation): (WhatIsRead, f64), at: &Expectations) -> Reading {
     let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
     let adhesion = at.expected[Quantity::AdhesionForce.index()][0];
     let share = |is_of: &dyn Fn(Regime) -> bool| {
-        let regimes = law.regimes().iter().zip(&at.regime_adhesion_force);
-        let of: f64 = regimes.filter(|(regime, _)| is_of(**regime)).map(|(_, force)| force[0]).sum();
+        let rows = at.regime_adhesion_force.rows();
+        let of: f64 = rows.filter(|(regime, _)| is_of(*regime)).map(|(_, force)| force[0]).sum();
         if adhesion > 0.0 { of / adhesion } else { 0.0 }
     };
     Reading {
@@ -232,11 +227,11 @@ impl Integral {
 
     /// The readings off the integral with their places, and how good it is.
     pub(crate) fn expected(&self, scene: &Scene, law: Laws<'_>) -> Expected {
-        let mut readings = self.pulled().readings(scene, law);
+        let mut readings = self.pulled().readings(scene);
         if scene.turns() {
             let place = self.main.turn(scene);
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
-            readings.push(reading(scene, law, (WhatIsRead::Turn, place), &at));
+            readings.push(reading(scene, (WhatIsRead::Turn, place), &at));
         }
         let error = self.paths().map(|way| way.expectations.quadrature_error).fold(0.0, maximum);
         Expected {

@@ -186,7 +186,7 @@ impl PreparedRun {
         };
         let PathResults { expectations, of_mean, of_integral } = main;
         let mut results = Results {
-            regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+            regimes: law.regimes().to_vec(),
             fit: law.view().fit().cloned(),
             scene,
             warnings: self.warnings.clone(),

@@ -2,12 +2,13 @@
 
 use super::curves::Curves;
 use super::integral::{PathIntegral, resolving};
-use crate::asperity::{FitReport, Laws, Loop, PlasticContact, Quantity};
+use crate::asperity::{ByRegime, FitReport, Laws, Loop, PlasticContact, Quantity, Regime};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation, scalars};
 use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
+use crate::math::moments::Moments;
 use crate::scene::{Scene, Warning};
 use crate::validation::{Basis, JointTest};
 use std::cell::LazyCell;
@@ -32,7 +33,7 @@ use std::time::Duration;
 pub struct Results {
     pub(crate) scene: Scene,
     pub(crate) warnings: Vec<Warning>,
-    pub(crate) regimes: Vec<&'static str>,
+    pub(crate) regimes: Vec<Regime>,
     /// How good the fits are of a law that is one.
     pub(crate) fit: Option<FitReport>,
     pub(crate) expectations: Expectations,
@@ -141,6 +142,12 @@ impl PathResults {
 }
 
 impl Results {
+    /// The means of a table of the ensemble, over the states by regime.
+    pub(crate) fn by_regime(&self, table: &Moments) -> ByRegime {
+        let rows = table.mean().chunks_exact(self.scene.states());
+        ByRegime::new(&self.regimes, rows.map(<[f64]>::to_vec).collect())
+    }
+
     /// Adds the seconds that the ensemble took before.
     pub(crate) fn add_seconds(&mut self, before: f64) {
         let ensemble = self.seconds.iter_mut().filter(|(name, _)| *name == "ensemble");

@@ -1,6 +1,6 @@
 //! The answer of the integral model.
 
-use crate::asperity::SolverStats;
+use crate::asperity::{ByRegime, SolverStats};
 
 /// The model's answer over S separations and R regimes.
 ///
@@ -26,11 +26,11 @@ pub struct Expectations {
     /// Mean square of the external force of one asperity over S, N².
     pub mean_square_force: Vec<f64>,
     /// Expected number of asperities in each regime: R × S.
-    pub regime_count: Vec<Vec<f64>>,
+    pub regime_count: ByRegime,
     /// Expected adhesion force of each regime, N: R × S.
-    pub regime_adhesion_force: Vec<Vec<f64>>,
+    pub regime_adhesion_force: ByRegime,
     /// Expected external force of each regime, N: R × S.
-    pub regime_external_force: Vec<Vec<f64>>,
+    pub regime_external_force: ByRegime,
     /// Largest bound of the relative error over separations of adhesion force, contact force and area of any
     /// regime; NaN where one of them is not a number.
     pub quadrature_error: f64,

@@ -8,7 +8,6 @@
 //! range of separations.
 
 use super::height_integral::AtSeparation;
-use super::node_table::Normal;
 use crate::asperity::{Lanes, Law, Quantity, Responses, SolverStats};
 use crate::math::extrema::maximum;
 use crate::math::gauss::normal;
@@ -18,6 +17,13 @@ use std::sync::LazyLock;
 const DISTANCE: f64 = 20.0;
 /// Nodes of the rule, and of the one that it is compared with.
 const NODES: [usize; 2] = [10, 8];
+
+/// Gaussian heights of a mean and a standard deviation, m.
+#[derive(Clone, Copy)]
+pub(super) struct Normal {
+    pub mean: f64,
+    pub std: f64,
+}
 
 /// Deviates, rising, and their weights.
 type Rule = Vec<(f64, f64)>;

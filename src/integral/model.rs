@@ -3,7 +3,7 @@
 use super::expectations::Expectations;
 use super::height_integral::{AtSeparation, typical};
 use super::node_table::NodeTable;
-use crate::asperity::{Law, Laws, Quantity, SolverStats};
+use crate::asperity::{ByRegime, Law, Laws, Quantity, Regime, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::{CountLaw, Heights, RadiusClass, Surface};
 use rayon::prelude::*;
@@ -85,7 +85,8 @@ impl<'a> Model<'a> {
 
     /// The answer for the asperities alone, without the attraction of the mean planes.
     pub(super) fn of_asperities(&self, separations: &[f64], tolerance: f64) -> Expectations {
-        let mut answer = Mixture::expectations(&self.at(separations, tolerance), self.surface);
+        let at = self.at(separations, tolerance);
+        let mut answer = Mixture::expectations(&at, self.surface, self.laws.regimes());
         let tables = self.parts.iter().filter_map(|part| part.nodes.as_ref());
         tables.for_each(|nodes| answer.stats.merge(&nodes.stats));
         answer
@@ -181,8 +182,8 @@ impl Mixture {
         Self { fine, coarse }
     }
 
-    /// Expectations of a surface at some separations.
-    pub fn expectations(at: &[Self], surface: &Surface) -> Expectations {
+    /// Expectations of a surface at some separations, in the regimes of its law.
+    pub fn expectations(at: &[Self], surface: &Surface, regimes: &[Regime]) -> Expectations {
         let count = surface.asperity_count as f64;
         let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
             let rows: Vec<[f64; 4]> = at.iter().map(|at| f(&at.fine)).collect();
@@ -199,9 +200,9 @@ impl Mixture {
         };
         let q = Quantity::ExternalForce.index();
         let mean_square = |at: &AtSeparation| at.variances()[q] + at.means()[q].powi(2);
-        let regimes = at.first().map_or(0, |at| at.fine.regimes.len());
-        let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
-            (0..regimes).map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect()).collect()
+        let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| {
+            let row = |r: usize| at.iter().map(|at| count * f(&at.fine, r)).collect();
+            ByRegime::new(regimes, (0..regimes.len()).map(row).collect())
         };
         let mut stats = SolverStats::default();
         at.iter().for_each(|at| stats.merge(&at.fine.stats));

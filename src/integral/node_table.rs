@@ -7,7 +7,7 @@
 //! quantities alone are integrated as accurately as they are asked for. Where heights end, the panel ends, with nodes of its
 //! own. Separations at which all Gaussian heights are [far](super::far_rule) from contact need no panels.
 
-use super::far_rule;
+use super::far_rule::{self, Normal};
 use super::height_integral::{AtSeparation, Variable};
 use crate::asperity::{Lanes, Law, Quantity, Responses, SolverStats};
 use crate::math::exponential::exp;
@@ -54,13 +54,6 @@ struct Panel {
     external: [f64; NODES],
 }
 
-/// Gaussian heights of a mean and a standard deviation, m.
-#[derive(Clone, Copy)]
-pub(super) struct Normal {
-    pub mean: f64,
-    pub std: f64,
-}
-
 impl NodeTable {
     /// The forces of a law at separations d, m, between two: to a relative accuracy on every panel. None where heights have no
     /// density that is smooth between their ends. Heights count up to `reach`, in standard deviations of a normal law.
@@ -99,20 +92,7 @@ impl NodeTable {
                 let mut of = |a: f64, b: f64| {
                     Panel::new(law, piece.regime, (variable, limits), (a, b), (&mut out, &mut table.stats))
                 };
-                let (a, b) = (a.min(b), a.max(b));
-                let mut open = vec![(of(a, b), (a, b), 0)];
-                while let Some((whole, (a, b), halvings)) = open.pop() {
-                    let middle = 0.5 * (a + b);
-                    let halves = [of(a, middle), of(middle, b)];
-                    let error = whole.differs(&halves);
-                    if error > tolerance && halvings < HALVINGS {
-                        let [first, second] = halves;
-                        open.push((second, (middle, b), halvings + 1));
-                        open.push((first, (a, middle), halvings + 1));
-                    } else {
-                        table.panels.push(Panel { error, ..whole });
-                    }
-                }
+                table.panels.extend(halved((a.min(b), a.max(b)), &mut of, tolerance));
             }
         }
         Some(table)
@@ -231,6 +211,24 @@ impl NodeTable {
         }
         at
     }
+}
+
+/// The panels between two ends, halved until each is accurate to a tolerance.
+fn halved(ends: (f64, f64), of: &mut dyn FnMut(f64, f64) -> Panel, tolerance: f64) -> Vec<Panel> {
+    let (mut panels, mut open) = (Vec::new(), vec![(of(ends.0, ends.1), ends, 0)]);
+    while let Some((whole, (a, b), halvings)) = open.pop() {
+        let middle = 0.5 * (a + b);
+        let halves = [of(a, middle), of(middle, b)];
+        let error = whole.differs(&halves);
+        if error > tolerance && halvings < HALVINGS {
+            let [first, second] = halves;
+            open.push((second, (middle, b), halvings + 1));
+            open.push((first, (a, middle), halvings + 1));
+        } else {
+            panels.push(Panel { error, ..whole });
+        }
+    }
+    panels
 }
 
 impl Panel {

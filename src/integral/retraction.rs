@@ -4,7 +4,7 @@
 use super::expectations::Expectations;
 use super::height_integral::AtSeparation;
 use super::model::{Mixture, TOLERANCE, accuracy};
-use crate::asperity::{Loop, Quantity};
+use crate::asperity::{ByRegime, Law, Loop, Quantity};
 use crate::math::piecewise::Cell;
 use crate::surface::{RadiusClass, RadiusPanels, Surface};
 use rayon::prelude::*;
@@ -191,14 +191,14 @@ impl<'a> RetractionModel<'a> {
     /// The answer for the asperities alone, without the attraction of the mean planes.
     pub(crate) fn of_asperities(&self, separations: &[f64]) -> Expectations {
         let at: Vec<Mixture> = separations.par_iter().map(|h| self.at(*h)).collect();
-        let expectations = Mixture::expectations(&at, self.surface);
-        let law = self.cycle.at(0.0);
-        let counted = |table: &[Vec<f64>]| {
-            let mut sums = vec![vec![0.0; separations.len()]; self.cycle.approach().regimes().len()];
+        let (law, regimes) = (self.cycle.at(0.0), self.cycle.approach().regimes());
+        let expectations = Mixture::expectations(&at, self.surface, law.regimes());
+        let counted = |table: &ByRegime| {
+            let mut sums = vec![vec![0.0; separations.len()]; regimes.len()];
             for (row, &base) in table.iter().zip(law.base()) {
                 sums[base].iter_mut().zip(row).for_each(|(sum, value)| *sum += value);
             }
-            sums
+            ByRegime::new(regimes, sums)
         };
         Expectations {
             regime_count: counted(&expectations.regime_count),

@@ -13,7 +13,7 @@
 //! surface with these asperities, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
 
 use super::{Expectations, Interface};
-use crate::asperity::{LawError, LawParameters, Path, Quantity, Regime};
+use crate::asperity::{ByRegime, LawError, LawParameters, Path, Quantity, Regime};
 use crate::liquid::{Bridges, Filling, Meniscus, Spread, Spreads, Volume, weight};
 use crate::surface::{Radii, Spectrum, Surface};
 use std::f64::consts::PI;
@@ -39,18 +39,16 @@ pub struct Wet {
 }
 
 impl Wet {
-    /// Sums the regimes of a surface, by their names, of which `of` says number and F_s, N.
-    pub fn new(regimes: &[&str], area: f64, of: impl Fn(usize) -> (f64, f64)) -> Self {
-        let mut wet = Self { area, ..Self::default() };
-        for (i, name) in regimes.iter().enumerate() {
-            let (count, pull) = of(i);
-            match Regime::named(name) {
-                Some(Regime::Bridge) => (wet.bridges, wet.pull) = (count, pull),
-                Some(regime) if regime.is_contact() => wet.contacts += count,
-                _ => {}
-            }
+    /// The asperities in a state by their number and their F_s, N, in each regime.
+    pub fn new(area: f64, count: &ByRegime, pull: &ByRegime, state: usize) -> Self {
+        let in_contact = count.rows().filter(|(regime, _)| regime.is_contact());
+        let bridges = |table: &ByRegime| table.of(Regime::Bridge).map_or(0.0, |row| row[state]);
+        Self {
+            contacts: in_contact.fold(0.0, |sum, (_, row)| sum + row[state]),
+            bridges: bridges(count),
+            pull: bridges(pull),
+            area,
         }
-        wet
     }
 
     /// Asperities with liquid around them.
@@ -112,12 +110,11 @@ impl Interface {
         let alone = Self { surface: flat, ..self.clone() };
         let wet = alone.expectations(self.model, &separations)?;
         let immersed = alone.expectations(self.model.immersed(), &separations)?;
-        let law = self.law(Path::Approach, &self.model)?;
-        let regimes: Vec<&str> = law.view().regimes().iter().map(|regime| regime.name()).collect();
         let (area, force) = (Quantity::ContactArea.index(), Quantity::ExternalForce.index());
         let covered = |wet: &Expectations, k: usize| {
-            let of = |regime: usize| (wet.regime_count[regime][k], wet.regime_adhesion_force[regime][k]);
-            Wet::new(&regimes, wet.expected[area][k], of).covered(meniscus, &alone.surface)
+            let Expectations { expected, regime_count, regime_adhesion_force, .. } = wet;
+            let wet = Wet::new(expected[area][k], regime_count, regime_adhesion_force, k);
+            wet.covered(meniscus, &alone.surface)
         };
         // On retraction there is liquid where a body was near enough, or bridges form without contact.
         let is_wet = |k: &usize| weight(covered(&wet[0], *k)) > 0.0;

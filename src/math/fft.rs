@@ -295,19 +295,36 @@ impl<T: Real> Convolution<T> {
 
     /// Convolves a grid of `inner` rows and columns, `inner` even, in its place. Other threads of the pool may take parts.
     pub fn apply(&self, grid: &mut [T], memory: &mut ConvolutionScratch<T>, is_shared: bool) {
+        let ConvolutionScratch { pairs, rows, scratch } = memory;
+        pairs.resize(self.of_pairs().count());
+        rows.resize(self.of_rows().count());
+        self.pair(grid, pairs, is_shared);
+        self.transform.forward(WIDTH, pairs, scratch, is_shared);
+        self.separate(pairs, rows, is_shared);
+        self.transform.forward(WIDTH, rows, scratch, is_shared);
+        self.multiply(rows, is_shared);
+        self.transform.backward(WIDTH, rows, scratch, is_shared);
+        self.join(rows, pairs, is_shared);
+        self.transform.backward(WIDTH, pairs, scratch, is_shared);
+        self.unpair(pairs, grid);
+    }
+
+    /// The layout of pairs of columns.
+    fn of_pairs(&self) -> Blocks {
+        Blocks { rows: self.side, columns: self.inner / 2 }
+    }
+
+    /// The layout of rows, the half that is not the mirror of another.
+    fn of_rows(&self) -> Blocks {
+        Blocks { rows: self.side, columns: self.side / 2 + 1 }
+    }
+
+    /// Takes the columns of a grid in pairs: two real ones come as one complex one.
+    fn pair(&self, grid: &[T], z: &mut Complex<T>, is_shared: bool) {
         let Self { inner, side, .. } = *self;
-        let (half, pairs) = (side / 2 + 1, inner / 2);
-        let (of_pairs, of_rows) =
-            (Blocks { rows: side, columns: pairs }, Blocks { rows: side, columns: half });
-        let ConvolutionScratch { pairs: z, rows, scratch } = memory;
-        z.resize(of_pairs.count());
-        rows.resize(of_rows.count());
-        let size = (WIDTH * side, is_shared);
-        let width = |part: &[T]| part.len() / side;
-        // Two real columns come as one complex one.
-        in_chunks(size, [&mut z.re, &mut z.im], &|block, [re, im]| {
-            let width = width(re);
-            for (part, first) in [(re, block * WIDTH), (im, pairs + block * WIDTH)] {
+        in_chunks((WIDTH * side, is_shared), [&mut z.re, &mut z.im], &|block, [re, im]| {
+            let width = re.len() / side;
+            for (part, first) in [(re, block * WIDTH), (im, inner / 2 + block * WIDTH)] {
                 let (given, rest) = part.split_at_mut(inner * width);
                 for (row, given) in grid.chunks_exact(inner).zip(given.chunks_exact_mut(width)) {
                     given.copy_from_slice(&row[first..first + width]);
@@ -315,10 +332,14 @@ impl<T: Real> Convolution<T> {
                 rest.fill(T::zero());
             }
         });
-        self.transform.forward(WIDTH, z, scratch, is_shared);
-        let of_two = T::of(0.5);
-        in_chunks(size, [&mut rows.re, &mut rows.im], &|block, [re, im]| {
-            let width = width(re);
+    }
+
+    /// Fills rows with the transforms of both columns of each pair.
+    fn separate(&self, z: &Complex<T>, rows: &mut Complex<T>, is_shared: bool) {
+        let Self { inner, side, .. } = *self;
+        let (pairs, of_pairs, of_two) = (inner / 2, self.of_pairs(), T::of(0.5));
+        in_chunks((WIDTH * side, is_shared), [&mut rows.re, &mut rows.im], &|block, [re, im]| {
+            let width = re.len() / side;
             for columns in of_pairs.of_blocks() {
                 for (k, y) in (block * WIDTH..).take(width).enumerate() {
                     let [a, b] = [y, (side - y) % side].map(|y| of_pairs.at(y, columns.start));
@@ -334,9 +355,12 @@ impl<T: Real> Convolution<T> {
             re[inner * width..].fill(T::zero());
             im[inner * width..].fill(T::zero());
         });
-        self.transform.forward(WIDTH, rows, scratch, is_shared);
-        in_chunks(size, [&mut rows.re, &mut rows.im], &|block, parts| {
-            let factors = &self.spectrum[block * WIDTH * side..];
+    }
+
+    /// Multiplies rows by the transform of the kernel.
+    fn multiply(&self, rows: &mut Complex<T>, is_shared: bool) {
+        in_chunks((WIDTH * self.side, is_shared), [&mut rows.re, &mut rows.im], &|block, parts| {
+            let factors = &self.spectrum[block * WIDTH * self.side..];
             if self.is_odd {
                 let [re, im] = parts;
                 for ((re, im), factor) in re.iter_mut().zip(im).zip(factors) {
@@ -348,9 +372,14 @@ impl<T: Real> Convolution<T> {
                 part.iter_mut().zip(factors).for_each(|(value, factor)| *value *= *factor);
             }
         });
-        self.transform.backward(WIDTH, rows, scratch, is_shared);
-        in_chunks(size, [&mut z.re, &mut z.im], &|block, [re, im]| {
-            let width = width(re);
+    }
+
+    /// Fills pairs of columns from rows.
+    fn join(&self, rows: &Complex<T>, z: &mut Complex<T>, is_shared: bool) {
+        let Self { inner, side, .. } = *self;
+        let (pairs, of_rows) = (inner / 2, self.of_rows());
+        in_chunks((WIDTH * side, is_shared), [&mut z.re, &mut z.im], &|block, [re, im]| {
+            let width = re.len() / side;
             for columns in of_rows.of_blocks() {
                 for (j, c) in (block * WIDTH..).take(width).enumerate() {
                     let [left, right] = [c, c + pairs].map(|c| of_rows.at(c, columns.start));
@@ -366,8 +395,12 @@ impl<T: Real> Convolution<T> {
                 }
             }
         });
-        self.transform.backward(WIDTH, z, scratch, is_shared);
-        for (y, row) in grid.chunks_exact_mut(inner).enumerate() {
+    }
+
+    /// Puts pairs of columns into a grid.
+    fn unpair(&self, z: &Complex<T>, grid: &mut [T]) {
+        let (pairs, of_pairs) = (self.inner / 2, self.of_pairs());
+        for (y, row) in grid.chunks_exact_mut(self.inner).enumerate() {
             for columns in of_pairs.of_blocks() {
                 let (begin, width) = (of_pairs.at(y, columns.start), columns.len());
                 row[columns.clone()].copy_from_slice(&z.re[begin..begin + width]);

@@ -78,7 +78,7 @@ fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputEr
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())?;
-    writer.named_scale(Dimension::Regime, regimes);
+    writer.named_scale(Dimension::Regime, &regimes.iter().map(|regime| regime.name()).collect::<Vec<_>>());
     match &results.metadata.partial {
         None => writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>()),
         Some(partial) => {

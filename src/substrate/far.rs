@@ -327,13 +327,18 @@ fn alone<T: Real>(
     }
     zeros.fill(0.0);
     in_both_ways(large, &mut kernel, Transform::backward);
+    cut_out(influence, kernel.re, large, inner)
+}
+
+/// The convolution of a grid of `inner` points a side with a kernel that is known on a square of `large`.
+fn cut_out<T: Real>(influence: Influence, kernel: Vec<f64>, large: usize, inner: usize) -> Convolution<T> {
     let side = good_length(2 * inner);
     let mut own: Complex = Complex::zeros(side * side);
     for y in 0..side {
         for x in 0..side {
             let distance = |i: usize| i.min(side - i);
             let sign = influence.along([x, y].map(|i| signed(i, side).signum()));
-            own.re[y * side + x] = sign * kernel.re[distance(y) * large + distance(x)];
+            own.re[y * side + x] = sign * kernel[distance(y) * large + distance(x)];
         }
     }
     drop(kernel);

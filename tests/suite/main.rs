@@ -9,6 +9,7 @@ mod answers;
 mod background;
 mod bad_scenes;
 mod capillary;
+mod circles;
 mod cli;
 mod compare;
 mod compressed;

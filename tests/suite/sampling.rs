@@ -7,7 +7,7 @@ use crate::common::unlocked;
 use crate::common::{case, job, law};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
+use stiction::asperity::{ByRegime, Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
 use stiction::engine::{Draw, Ensemble, Job, Protocol, SCALARS, Workspace};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
@@ -426,9 +426,9 @@ fn controls_are_where_they_are_said_to_be() {
         expected: of(&force),
         std: of(&std),
         mean_square_force: Vec::new(),
-        regime_count: Vec::new(),
-        regime_adhesion_force: Vec::new(),
-        regime_external_force: Vec::new(),
+        regime_count: ByRegime::default(),
+        regime_adhesion_force: ByRegime::default(),
+        regime_external_force: ByRegime::default(),
         quadrature_error: 0.0,
         stats: SolverStats::default(),
     };

@@ -5,7 +5,7 @@ use super::geometry::Geometry;
 use super::lanes::{LANES, Lanes, TERMS};
 use super::matrix::MomentMatrix;
 use super::queue::Queue;
-use super::weighted::Weighted;
+use super::weighted::{InLane, Weighted};
 use crate::asperity::{Law, SolverStats};
 use crate::engine::curves::Curves;
 use crate::math::instruction_set::InstructionSet;
@@ -163,7 +163,8 @@ impl MomentSums {
         let (smooth, solved) = {
             let Self { surfaces, weights, occupied, weighted, .. } = self;
             let count = |period: usize| surfaces[lane].bins(bins(period)).len() as u64;
-            weighted.smooth(matrix, law, (weights, lane), (occupied.clone(), count), d, stats)
+            let surface = InLane { weights, lane, occupied: occupied.clone(), count };
+            weighted.smooth(matrix, law, surface, d, stats)
         };
         self.weighted.heights.clear();
         for period in solved {

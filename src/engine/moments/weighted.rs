@@ -23,16 +23,26 @@ pub(super) struct Weighted {
     scratch: Box<Scratch>,
 }
 
+/// A surface in a lane.
+pub struct InLane<'a, C> {
+    /// The weights of the nodes of each period, of all lanes.
+    pub weights: &'a [[Lanes; TERMS]],
+    /// The number of the lane.
+    pub lane: usize,
+    /// The periods with asperities.
+    pub occupied: Range<usize>,
+    /// The number of asperities in a period.
+    pub count: C,
+}
+
 impl Weighted {
     /// The external force, N, at the separation d, m, of the periods of a surface on which the law is smooth
-    /// there, from the weights of their nodes in a lane and the number of asperities in each; and the periods
-    /// that have to be solved asperity by asperity.
-    pub fn smooth(
+    /// there; and the periods that have to be solved asperity by asperity.
+    pub fn smooth<C: Fn(usize) -> u64>(
         &mut self,
         matrix: &MomentMatrix,
         law: &dyn Law,
-        (weights, lane): (&[[Lanes; TERMS]], usize),
-        (occupied, count): (Range<usize>, impl Fn(usize) -> u64),
+        InLane { weights, lane, occupied, count }: InLane<'_, C>,
         d: f64,
         stats: &mut SolverStats,
     ) -> (f64, Vec<usize>) {

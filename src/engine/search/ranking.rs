@@ -125,21 +125,21 @@ impl<C: Curve> Search<'_, C> {
             slack + f64::min(fall, DEVIATION * square.sqrt())
         };
         let spaces = edges.len() - 1;
-        let groups: Vec<(usize, usize, f64)> = (0..spaces)
+        let groups: Vec<(Range<usize>, f64)> = (0..spaces)
             .step_by(TOGETHER)
             .map(|first| {
                 let end = spaces.min(first + TOGETHER);
-                (first, end, slack(first, end))
+                (first..end, slack(first, end))
             })
             .collect();
         let least = |from: usize, to: usize| rough[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
         let known = |slack: f64| if shifts.len() > 1 { slack } else { 0.0 };
-        let bounds = groups.iter().map(|(first, end, slack)| least(*first, *end) + known(*slack));
+        let bounds = groups.iter().map(|(group, slack)| least(group.start, group.end) + known(*slack));
         let mut attained = bounds.fold(f64::INFINITY, f64::min);
         let mut slacks = vec![f64::NEG_INFINITY; spaces];
-        for (first, end, of_group) in groups {
-            if least(first, end) - of_group <= attained {
-                for (k, own) in (first..end).zip(&mut slacks[first..end]) {
+        for (group, of_group) in groups {
+            if least(group.start, group.end) - of_group <= attained {
+                for (k, own) in group.clone().zip(&mut slacks[group]) {
                     *own = slack(k, k + 1);
                     attained = attained.min(least(k, k + 1) + known(*own));
                 }

@@ -1,7 +1,7 @@
 //! Means over the replicas of a run.
 
 use super::{Dataset, History, Results, Values, path};
-use crate::asperity::{Quantity, Regime};
+use crate::asperity::{ByRegime, Quantity};
 use crate::engine::{Attained, QUANTILES, SCALARS, scalars};
 use crate::error::OutputError;
 use crate::math::control_variates::ControlledMean;
@@ -12,6 +12,7 @@ use crate::math::quantile::Quantile;
 use crate::output::schema::Dimension::{self, Control, PullOffQuantile, RangeEnd, Scalar, Step, Target};
 use crate::output::schema::{OF_ENSEMBLE, Statistic, quantile, quantities, regimes, scale};
 use crate::output::writer::Writer;
+use std::ops::Range;
 
 const GROUP: &str = "/ensemble";
 /// Of its own, so that the means over replicas remain a small table.
@@ -40,8 +41,8 @@ pub(super) fn datasets() -> Vec<Dataset> {
     all.extend(of_targets());
     all.extend(jumps(GROUP, OF_ENSEMBLE[0], |results, way| {
         let (_, states) = results.paths().swap_remove(way);
-        let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
-        Some(counts.map(|row| row[states.clone()].to_vec()).collect())
+        let counts = results.by_regime(&results.ensemble.regime_count);
+        Some(changes(&counts, states))
     }));
     all.extend([
         Dataset::new(
@@ -204,17 +205,17 @@ fn of_targets() -> [Dataset; 7] {
     ]
 }
 
-/// Asperities in each regime on one way of a loop.
-type Counts = fn(&Results, usize) -> Option<Vec<Vec<f64>>>;
+/// The increase of asperities out of contact on one way of a loop.
+type Changes = fn(&Results, usize) -> Option<Vec<f64>>;
 
 /// Numbers of asperities of a loop that come into contact, and lose it, between neighbouring separations.
-pub(super) fn jumps(group: &str, statistic: Statistic<'_>, counts: Counts) -> [Dataset; 2] {
+pub(super) fn jumps(group: &str, statistic: Statistic<'_>, changes: Changes) -> [Dataset; 2] {
     let (suffix, meaning) = statistic;
     let one = |name: &str, way: usize, words: &str| {
         let dataset = path(group, &format!("{name}_count{suffix}"));
         Dataset::new(dataset, &[Step], "1", meaning.replace("{}", words), move |results| {
             results.retraction.as_ref()?;
-            Some(changes(results, &counts(results, way)?))
+            changes(results, way)
         })
     };
     [
@@ -223,14 +224,13 @@ pub(super) fn jumps(group: &str, statistic: Statistic<'_>, counts: Counts) -> [D
     ]
 }
 
-/// The increase of asperities out of contact between neighbouring separations: on one way an asperity
+/// The increase of asperities out of contact between neighbouring ones of some states: on one way an asperity
 /// changes once.
-fn changes(results: &Results, counts: &[Vec<f64>]) -> Vec<f64> {
-    let is_contact = |name: &str| Regime::named(name).is_some_and(Regime::is_contact);
-    let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));
-    let mut changes = vec![0.0; counts[0].len() - 1];
-    for (_, row) in rows {
-        changes.iter_mut().zip(row.windows(2)).for_each(|(change, pair)| *change += pair[1] - pair[0]);
+pub(super) fn changes(counts: &ByRegime, states: Range<usize>) -> Vec<f64> {
+    let mut changes = vec![0.0; states.len() - 1];
+    for (_, row) in counts.rows().filter(|(regime, _)| !regime.is_contact()) {
+        let pairs = row[states.clone()].windows(2);
+        changes.iter_mut().zip(pairs).for_each(|(change, pair)| *change += pair[1] - pair[0]);
     }
     changes
 }

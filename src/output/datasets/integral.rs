@@ -1,8 +1,8 @@
 //! Expectations by the integral.
 
-use super::ensemble::{features, jumps};
+use super::ensemble::{changes, features, jumps};
 use super::{Dataset, History, Results, path};
-use crate::asperity::Quantity;
+use crate::asperity::{ByRegime, Quantity};
 use crate::error::OutputError;
 use crate::integral::Expectations;
 use crate::math::extrema::maximum;
@@ -13,7 +13,7 @@ use crate::output::writer::Writer;
 const GROUP: &str = "/integral";
 
 /// A table of curves of each regime.
-type Table = fn(&Expectations) -> &Vec<Vec<f64>>;
+type Table = fn(&Expectations) -> &ByRegime;
 
 pub(super) fn datasets() -> Vec<Dataset> {
     let mut all: Vec<Dataset> = History::all().flat_map(of_history).collect();
@@ -29,7 +29,8 @@ pub(super) fn datasets() -> Vec<Dataset> {
         }),
     ]);
     all.extend(jumps(GROUP, OF_INTEGRAL[0], |results, way| {
-        Some(results.integrals().nth(way)?.regime_count.clone())
+        let counts = &results.integrals().nth(way)?.regime_count;
+        Some(changes(counts, 0..results.scene.separations.len()))
     }));
     all
 }

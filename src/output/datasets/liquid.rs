@@ -116,13 +116,11 @@ impl<'a> Bridges<'a> {
         if results.scene.replicas == 0 {
             return None;
         }
-        let wet = |state: usize| {
-            let (ensemble, states) = (&results.ensemble, results.scene.states());
-            let (count, pull) = (ensemble.regime_count.mean(), ensemble.regime_adhesion_force.mean());
-            let area = ensemble.curves[Quantity::ContactArea.index()].mean()[state];
-            let of_regime = |regime: usize| (count[regime * states + state], pull[regime * states + state]);
-            Wet::new(&results.regimes, area, of_regime)
-        };
+        let ensemble = &results.ensemble;
+        let area = ensemble.curves[Quantity::ContactArea.index()].mean();
+        let [count, pull] =
+            [&ensemble.regime_count, &ensemble.regime_adhesion_force].map(|table| results.by_regime(table));
+        let wet = |state: usize| Wet::new(area[state], &count, &pull, state);
         let meniscus = results.scene.model.meniscus()?;
         Some(Self { meniscus, wet: history.states(results)?.map(wet).collect() })
     }

@@ -1,6 +1,6 @@
 //! External forces of asperities that differ in their radii, each at separations of its own, in blocks of one regime.
 
-use super::Asperities;
+use super::asperities::Asperities;
 use crate::asperity::Lanes;
 use crate::asperity::{BLOCK, Responses, SolverStats};
 

@@ -1,11 +1,11 @@
 //! The curve of a surface of asperities that differ in their radii, each with a law, and so with kinks, of
 //! its own.
 
-use super::Job;
-use super::kinks::{KINKS, Kink, Kinks, beside, rounding};
-use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
-use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Loop, SolverStats};
+use super::asperities::{Asperities, LaneSums, OnBranch};
+use super::pairs::{Pair, Pairs};
+use crate::engine::job::Job;
+use crate::engine::kinks::{KINKS, Kink, Kinks, beside, rounding};
+use crate::engine::search::{Curve, Passing, Stray};
 use crate::surface::Surface;
 
 /// Largest ratio of the stray and the fall of a kink of another asperity to the typical asperity's.
@@ -13,30 +13,19 @@ const UNLIKE: f64 = 2.0;
 /// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
 
-/// The way of the asperities: that of the job, or retraction along a loop.
-#[derive(Clone, Copy)]
-pub(super) enum Way<'a> {
-    Approach,
-    Retraction(&'a Loop, &'a PulledBack),
-}
-
 /// Separations h, m, of the kinks of asperities, asperity after asperity, and the end of each asperity's.
 #[derive(Debug)]
-pub(super) struct Places {
+pub struct Places {
     places: Vec<f64>,
     ends: Vec<u32>,
 }
 
 impl Places {
-    /// The places of asperities of a job on their way.
-    pub fn new(job: &Job<'_>, asperities: &Asperities, way: Way<'_>) -> Self {
-        let count = asperities.heights.len();
+    /// The places of `count` asperities of a job.
+    pub fn new(job: &Job<'_>, count: usize, branch: OnBranch<'_>) -> Self {
         let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(count));
         for asperity in 0..count {
-            match way {
-                Way::Approach => places.extend(asperities.kinks(asperity)),
-                Way::Retraction(cycle, pulled) => places.extend(pulled.kinks(cycle, asperity)),
-            }
+            places.extend(branch.kinks(asperity));
             ends.push(places.len() as u32);
         }
         places.iter_mut().for_each(|place| *place += job.surface.mean_plane_offset);
@@ -51,29 +40,27 @@ impl Places {
     }
 }
 
-/// A surface of which all asperities are held.
-pub(super) struct PolydisperseCurve<'a> {
+/// The external force of a surface over the separation on a branch.
+pub struct ForceCurve<'a> {
     job: &'a Job<'a>,
-    /// The kinks of the typical asperity, by what has become of it.
+    /// The kinks of the typical asperity, by its history.
     typical: Vec<Vec<Kink>>,
     asperities: &'a Asperities,
-    way: Way<'a>,
+    branch: OnBranch<'a>,
     places: &'a Places,
     /// The places of each kink, rising, when they have been asked for.
     sorted: Vec<Vec<f64>>,
     sums: &'a mut LaneSums,
     pairs: Pairs,
-    stats: &'a mut SolverStats,
 }
 
-impl<'a> PolydisperseCurve<'a> {
-    /// The asperities of a job on their way, with their kinks and these of the typical one.
+impl<'a> ForceCurve<'a> {
+    /// The asperities of a job on a branch, with their kinks and these of the typical one.
     pub fn new(
         job: &'a Job<'a>,
         (typical, places): (&Kinks, &'a Places),
-        (asperities, way): (&'a Asperities, Way<'a>),
+        (asperities, branch): (&'a Asperities, OnBranch<'a>),
         sums: &'a mut LaneSums,
-        stats: &'a mut SolverStats,
     ) -> Self {
         let unlike = |kinks: &Vec<Kink>| {
             let mut last = Stray::default();
@@ -85,33 +72,23 @@ impl<'a> PolydisperseCurve<'a> {
             };
             kinks.iter().map(unlike).collect()
         };
-        let typical = match way {
-            Way::Approach => vec![unlike(&typical.approach)],
-            Way::Retraction(..) => typical.retraction.iter().map(unlike).collect(),
+        let typical = match branch {
+            OnBranch::Approach(_) => vec![unlike(&typical.approach)],
+            OnBranch::Reversed(..) => typical.retraction.iter().map(unlike).collect(),
         };
-        Self {
-            job,
-            typical,
-            asperities,
-            way,
-            places,
-            sorted: Vec::new(),
-            sums,
-            pairs: Pairs::default(),
-            stats,
-        }
+        Self { job, typical, asperities, branch, places, sorted: Vec::new(), sums, pairs: Pairs::default() }
     }
 
     /// The history of an asperity, as an index of typical kinks.
     fn history(&self, asperity: u32) -> usize {
-        match self.way {
-            Way::Approach => 0,
-            Way::Retraction(_, pulled) => pulled.history(asperity as usize) as usize,
+        match self.branch {
+            OnBranch::Approach(_) => 0,
+            OnBranch::Reversed(_, reversed) => reversed.history(asperity as usize) as usize,
         }
     }
 
-    /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
-    /// each. The last are alike, and what not all have comes first.
+    /// The kinks of an asperity: separations h, m, falling, each with the number of the corresponding kink of the typical
+    /// asperity. They correspond from the last on: an asperity may have more or fewer at first.
     fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
         let (places, history) = (self.places.of(asperity), self.history(asperity));
         let typical = self.typical[history].len();
@@ -126,10 +103,7 @@ impl<'a> PolydisperseCurve<'a> {
 
     fn external_force(&mut self, which: Option<&[u32]>, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        match self.way {
-            Way::Approach => self.asperities.external_force(which, d, self.sums, self.stats),
-            Way::Retraction(cycle, pulled) => pulled.external_force(cycle, which, d, self.sums, self.stats),
-        }
+        self.branch.external_force(which, d, self.sums)
     }
 
     /// The steps of the curve, as the separation grows, at the places of passings of some asperities on approach.
@@ -146,7 +120,7 @@ impl<'a> PolydisperseCurve<'a> {
             beside(height + offset - passing.place).into_iter().enumerate().map(pair)
         });
         let mut forces = vec![0.0; 2 * passings.len()];
-        self.pairs.add(self.asperities, sides, self.stats, &mut forces);
+        self.pairs.add(self.asperities, sides, &mut self.sums.stats, &mut forces);
         for (passing, sides) in passings.iter_mut().zip(forces.chunks(2)) {
             passing.step = sides[0] - sides[1];
         }
@@ -164,7 +138,7 @@ impl<'a> PolydisperseCurve<'a> {
     }
 }
 
-impl Curve for PolydisperseCurve<'_> {
+impl Curve for ForceCurve<'_> {
     type Asperity = u32;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
@@ -172,9 +146,9 @@ impl Curve for PolydisperseCurve<'_> {
         let all = |force: fn(&Surface, f64, f64) -> f64, curve: &mut Self| {
             separations.iter().map(|h| force(surface, *h, curve.external_force(None, *h))).collect()
         };
-        match self.way {
-            Way::Approach => all(Surface::external_force, self),
-            Way::Retraction(..) => all(Surface::external_force_back, self),
+        match self.branch {
+            OnBranch::Approach(_) => all(Surface::external_force, self),
+            OnBranch::Reversed(..) => all(Surface::external_force_back, self),
         }
     }
 
@@ -190,9 +164,9 @@ impl Curve for PolydisperseCurve<'_> {
             let passing = |(place, kink)| Passing { place, step: 0.0, kink: kink as u32, asperity: i as u32 };
             passings.extend(near.map(passing));
         }
-        match self.way {
-            Way::Approach => self.steps(asperities, &mut passings[first..]),
-            Way::Retraction(..) => self.steps_back(asperities, &mut passings[first..]),
+        match self.branch {
+            OnBranch::Approach(_) => self.steps(asperities, &mut passings[first..]),
+            OnBranch::Reversed(..) => self.steps_back(asperities, &mut passings[first..]),
         }
     }
 
@@ -202,16 +176,16 @@ impl Curve for PolydisperseCurve<'_> {
 
     fn rounding(&self) -> f64 {
         let highest = self.asperities.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-        let roundings = match self.way {
-            Way::Approach => 1.0,
+        let roundings = match self.branch {
+            OnBranch::Approach(_) => 1.0,
             // A recovery is found by powers.
-            Way::Retraction(..) => ROUNDINGS,
+            OnBranch::Reversed(..) => ROUNDINGS,
         };
         roundings * rounding(self.job, highest)
     }
 
     fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
-        if let Way::Retraction(..) = self.way {
+        if let OnBranch::Reversed(..) = self.branch {
             for (separation, sum) in separations.iter().zip(sums) {
                 *sum += self.external_force(Some(asperities), *separation);
             }
@@ -222,7 +196,7 @@ impl Curve for PolydisperseCurve<'_> {
             let separation = surface.asperity_separation(*separation);
             asperities.iter().map(move |asperity| Pair { asperity: *asperity, separation, sum: sum as u32 })
         });
-        self.pairs.add(self.asperities, pairs, self.stats, sums);
+        self.pairs.add(self.asperities, pairs, &mut self.sums.stats, sums);
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {

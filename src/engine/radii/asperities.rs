@@ -1,34 +1,29 @@
 //! Sums over asperities that differ in their radii, and so in λ: state by state, in blocks of asperities that are in one
 //! regime, each lane with the radius of its asperity.
 
-mod pairs;
-
-pub(super) use pairs::{Pair, Pairs};
-
-use super::Job;
-use super::curves::Curves;
-use super::sums::RegimeSums;
 use crate::asperity::unloading::TOP_KINKS;
 use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};
 use crate::asperity::{Lane, Lanes};
+use crate::engine::curves::{Curves, RegimeSums};
+use crate::engine::job::Job;
+use crate::engine::state::Reversal;
 use crate::math::instruction_set::InstructionSet;
-use crate::math::sums::lane_sum;
 use std::sync::Arc;
 
 /// Asperities that differ in their radii.
-pub(super) struct Asperities {
-    family: Family,
+pub struct Asperities {
+    pub family: Family,
     /// u, m.
     pub heights: Vec<f64>,
-    lanes: Arc<[Lane]>,
+    pub lanes: Arc<[Lane]>,
     /// By the end of a regime, then asperity: the separation d, m, up to which the asperity is beyond the end.
-    ends: Vec<Vec<f64>>,
+    pub ends: Vec<Vec<f64>>,
     /// The numbers of all.
     all: Vec<u32>,
 }
 
-/// Asperities since they turned.
-pub(super) struct PulledBack {
+/// Asperities of a loop since they turned.
+pub struct Reversed {
     /// The separation h there, and d, m.
     pub from: f64,
     closest: f64,
@@ -38,9 +33,11 @@ pub(super) struct PulledBack {
 }
 
 /// Memory for the sums of some asperities after the other.
-pub(super) struct LaneSums {
+pub struct LaneSums {
     /// By regime.
     pub regimes: Vec<RegimeSums>,
+    /// The cost of solving.
+    pub stats: SolverStats,
     lists: Vec<Vec<u32>>,
     /// The regime of each asperity.
     own: Vec<u64>,
@@ -48,28 +45,12 @@ pub(super) struct LaneSums {
     responses: Responses,
 }
 
-impl RegimeSums {
-    /// Adds what lanes respond with.
-    fn add_lanes(&mut self, responses: &Responses, n: usize, touches: bool) {
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                self.adhesion.add(lane_sum(&responses.adhesion[..n]));
-                // Where nothing touches there is neither load nor area.
-                if touches {
-                    self.contact.add(lane_sum(&responses.contact[..n]));
-                    self.area.add(lane_sum(&responses.area[..n]));
-                }
-            },
-        );
-    }
-}
-
 impl LaneSums {
     /// Memory for a law of `regimes` regimes.
     pub fn new(regimes: usize) -> Self {
         Self {
             regimes: vec![RegimeSums::default(); regimes],
+            stats: SolverStats::default(),
             lists: vec![Vec::new(); regimes + 1],
             own: Vec::new(),
             interference: [0.0; BLOCK],
@@ -93,29 +74,9 @@ impl Asperities {
         Self { family: family.clone(), heights: heights.to_vec(), lanes, ends, all }
     }
 
-    /// Sums all at the separations of a job into its curves.
-    pub fn record(&self, job: &Job<'_>, sums: &mut LaneSums, stats: &mut SolverStats, curves: &mut Curves) {
-        for (k, h) in job.separations.iter().enumerate() {
-            self.sum(None, job.surface.asperity_separation(*h), sums, stats);
-            RegimeSums::record(&sums.regimes, k, curves);
-        }
-    }
-
-    /// The external force of some, or all, N, at a separation d, m.
-    pub fn external_force(
-        &self,
-        which: Option<&[u32]>,
-        d: f64,
-        sums: &mut LaneSums,
-        stats: &mut SolverStats,
-    ) -> f64 {
-        self.sum(which, d, sums, stats);
-        RegimeSums::external_force(&sums.regimes)
-    }
-
     /// Sums some, or all, at a separation d, m.
-    pub fn sum(&self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums, stats: &mut SolverStats) {
-        let LaneSums { regimes, lists, own, interference, responses } = sums;
+    fn sum(&self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums) {
+        let LaneSums { regimes, stats, lists, own, interference, responses } = sums;
         lists.iter_mut().for_each(Vec::clear);
         match which {
             Some(which) => {
@@ -156,9 +117,9 @@ impl Asperities {
         }
     }
 
-    /// The asperities when they are pulled back along a loop from a separation h, m.
-    pub fn turn(&self, job: &Job<'_>, cycle: &Loop, from: f64, stats: &mut SolverStats) -> PulledBack {
-        PulledBack::new((job, cycle), (&self.lanes, &self.heights), from, stats)
+    /// The asperities when they turn.
+    pub fn turn(&self, job: &Job<'_>, reversal: Reversal<'_>, stats: &mut SolverStats) -> Reversed {
+        Reversed::new(job, reversal, (&self.lanes, &self.heights), stats)
     }
 
     /// The separation d, m, at which the first of them touches on approach; −∞ of none.
@@ -170,31 +131,26 @@ impl Asperities {
     }
 
     /// The separations d, m, at which the force of an asperity is not smooth, falling.
-    pub fn kinks(&self, asperity: usize) -> impl Iterator<Item = f64> + use<> {
+    fn kinks(&self, asperity: usize) -> Vec<f64> {
         let pieces = self.family.shared().pieces(Some(&self.lanes[asperity]));
         let last = pieces.last().map(|piece| piece.upper);
         let ends: Vec<f64> = pieces.iter().map(|piece| piece.lower).chain(last).collect();
         let height = self.heights[asperity];
-        ends.into_iter().filter(|end| end.is_finite()).map(move |end| height - end)
+        ends.into_iter().filter(|end| end.is_finite()).map(|end| height - end).collect()
     }
 }
 
-impl PulledBack {
-    /// Asperities of a loop's own radius, of heights, m, that are pulled back from a separation h, m.
-    pub fn alike(
-        (job, cycle): (&Job<'_>, &Loop),
-        heights: &[f64],
-        from: f64,
-        stats: &mut SolverStats,
-    ) -> Self {
-        let lanes: Arc<[Lane]> = vec![cycle.lane(1.0); heights.len()].into();
-        Self::new((job, cycle), (&lanes, heights), from, stats)
+impl Reversed {
+    /// Asperities of a loop's own radius, of heights, m, when they turn.
+    pub fn alike(job: &Job<'_>, reversal: Reversal<'_>, heights: &[f64], stats: &mut SolverStats) -> Self {
+        let lanes: Arc<[Lane]> = vec![reversal.cycle.lane(1.0); heights.len()].into();
+        Self::new(job, reversal, (&lanes, heights), stats)
     }
 
     fn new(
-        (job, cycle): (&Job<'_>, &Loop),
+        job: &Job<'_>,
+        Reversal { cycle, from }: Reversal<'_>,
         (lanes, heights): (&Arc<[Lane]>, &[f64]),
-        from: f64,
         stats: &mut SolverStats,
     ) -> Self {
         let closest = job.surface.asperity_separation(from);
@@ -203,37 +159,15 @@ impl PulledBack {
         Self { from, closest, is_repeated: cycle.again().is_some(), turned }
     }
 
-    /// Whether it is of a loop, turned at a separation h, m.
-    pub fn is_of(&self, cycle: &Loop, from: f64) -> bool {
+    /// Whether they turned there.
+    pub fn is_of(&self, Reversal { cycle, from }: Reversal<'_>) -> bool {
         self.from == from && self.is_repeated == cycle.again().is_some()
     }
 
-    /// Sums all at the separations of a job as states of its curves from `first` on.
-    pub fn record(
-        &self,
-        (job, cycle): (&Job<'_>, &Loop),
-        first: usize,
-        sums: &mut LaneSums,
-        stats: &mut SolverStats,
-        curves: &mut Curves,
-    ) {
-        for (k, h) in job.separations.iter().enumerate() {
-            self.sum(cycle, None, job.surface.asperity_separation(*h), sums, stats);
-            RegimeSums::record(&sums.regimes, first + k, curves);
-        }
-    }
-
     /// Sums some, or all, at a separation d, m.
-    pub fn sum(
-        &self,
-        cycle: &Loop,
-        which: Option<&[u32]>,
-        d: f64,
-        sums: &mut LaneSums,
-        stats: &mut SolverStats,
-    ) {
+    fn sum(&self, cycle: &Loop, which: Option<&[u32]>, d: f64, sums: &mut LaneSums) {
         let (distance, turned) = (d - self.closest, &self.turned);
-        let LaneSums { regimes, lists, responses, .. } = sums;
+        let LaneSums { regimes, stats, lists, responses, .. } = sums;
         lists.resize_with(lists.len().max(turned.conditions()), Vec::new);
         lists.iter_mut().for_each(Vec::clear);
         match which {
@@ -256,27 +190,14 @@ impl PulledBack {
         }
     }
 
-    /// The external force of some, or all, N, at a separation d, m.
-    pub fn external_force(
-        &self,
-        cycle: &Loop,
-        which: Option<&[u32]>,
-        d: f64,
-        sums: &mut LaneSums,
-        stats: &mut SolverStats,
-    ) -> f64 {
-        self.sum(cycle, which, d, sums, stats);
-        RegimeSums::external_force(&sums.regimes)
-    }
-
     /// The separations d, m, falling, at which the force of an asperity is not smooth.
-    pub fn kinks(&self, cycle: &Loop, asperity: usize) -> impl Iterator<Item = f64> + use<> {
-        let closest = self.closest;
-        self.turned.kinks(cycle, asperity).into_iter().map(move |distance| closest + distance)
+    fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
+        let distances = self.turned.kinks(cycle, asperity).into_iter();
+        distances.map(|distance| self.closest + distance).collect()
     }
 
-    /// The separations d, m, of the kinks of asperities, all of which have flowed; NaN of kinks that they do not have.
-    pub fn top_kinks(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
+    /// The separations d, m, of the kinks of asperities, all of which have yielded; NaN where an asperity lacks one.
+    pub fn kinks_of_yielded(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
         (0..self.turned.count()).map(|i| self.turned.kinks_of_top(i).map(|distance| self.closest + distance))
     }
 
@@ -288,5 +209,46 @@ impl PulledBack {
     /// The separation h, m, at which the last of them loses contact; NaN where none has any.
     pub fn detachment(&self, cycle: &Loop) -> f64 {
         self.turned.detachment(cycle).map_or(f64::NAN, |distance| self.from + distance)
+    }
+}
+
+/// Asperities on a branch of their path.
+#[derive(Clone, Copy)]
+pub enum OnBranch<'a> {
+    /// The approach.
+    Approach(&'a Asperities),
+    /// A branch of a loop after a turn.
+    Reversed(&'a Loop, &'a Reversed),
+}
+
+impl OnBranch<'_> {
+    /// Sums some, or all, at a separation d, m.
+    pub fn sum(self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums) {
+        match self {
+            Self::Approach(asperities) => asperities.sum(which, d, sums),
+            Self::Reversed(cycle, reversed) => reversed.sum(cycle, which, d, sums),
+        }
+    }
+
+    /// The external force of some, or all, N, at a separation d, m.
+    pub fn external_force(self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums) -> f64 {
+        self.sum(which, d, sums);
+        RegimeSums::external_force(&sums.regimes)
+    }
+
+    /// Sums all at the separations of a job as states of its curves from `first` on.
+    pub fn record(self, job: &Job<'_>, first: usize, sums: &mut LaneSums, curves: &mut Curves) {
+        for (k, h) in job.separations.iter().enumerate() {
+            self.sum(None, job.surface.asperity_separation(*h), sums);
+            curves.record(first + k, &sums.regimes);
+        }
+    }
+
+    /// The separations d, m, falling, at which the force of an asperity is not smooth.
+    pub fn kinks(self, asperity: usize) -> Vec<f64> {
+        match self {
+            Self::Approach(asperities) => asperities.kinks(asperity),
+            Self::Reversed(cycle, reversed) => reversed.kinks(cycle, asperity),
+        }
     }
 }

@@ -4,8 +4,11 @@
 //! u' = G f − u, from the last stable state to the next, by linearly implicit steps (pseudo-transient continuation;
 //! Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
-use super::{DECISIVE, STEPS, Search, Snapshot, Solver, largest_magnitude};
+use super::search::{DECISIVE, Search};
+use super::solver::{Snapshot, Solver, largest_magnitude};
 
+/// Most Newton steps after a fall.
+const STEPS: usize = 60;
 /// Longest step, in lengths over which laws vary.
 const LONGEST: f64 = 0.3;
 /// Most steps.

@@ -1,9 +1,10 @@
 //! The external force of one asperity in a table, for many sums over a few asperities.
 
-use super::Job;
-use super::kinks::{Kink, Kinks, solver, spacing};
-use super::sums::{RegimeSums, Sums};
+use super::sums::Sums;
 use crate::asperity::{Law, Piece, Smoothness};
+use crate::engine::curves::RegimeSums;
+use crate::engine::job::Job;
+use crate::engine::kinks::{Kink, solver, spacing};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::sums::lane_sum;
@@ -15,12 +16,12 @@ const TOLERANCE: f64 = 1e-8;
 
 /// The external force of a law from one interference to another.
 #[derive(Debug)]
-pub(super) struct ForceTable {
+pub struct ForceTable {
     /// δ, m, where it begins and ends.
     low: f64,
     high: f64,
     pieces: Vec<Tabulated>,
-    /// Memory for what tables are asked for, and for what they say.
+    /// Memory for the arguments of tables, and for their values.
     places: Vec<f64>,
     values: Vec<f64>,
 }
@@ -42,9 +43,8 @@ struct Tabulated {
 
 impl ForceTable {
     /// The table of a job's law at all interferences that asperities have where a search takes their terms
-    /// out of samples; empty where radii differ, because their asperities have no force in common.
-    pub fn of(job: &Job<'_>, kinks: &Kinks) -> Self {
-        let kinks = if job.laws.family.is_some() { &[][..] } else { &kinks.approach };
+    /// out of samples.
+    pub fn of(job: &Job<'_>, kinks: &[Kink]) -> Self {
         Self::new(job.laws.typical, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
     }
 

@@ -1,45 +1,43 @@
-//! The curve of a surface on retraction of a loop.
+//! The external force of a surface over the separation on retraction.
 
-use super::Job;
-use super::kinks::{KINKS, Kink, rounding};
-use super::search::{Curve, Passing, Stray};
-use super::sums::{State, Sums};
+use super::sums::Sums;
+use crate::asperity::ContactHistory;
 use crate::asperity::unloading::TOP_KINKS;
-use crate::asperity::{ContactHistory, Loop};
+use crate::engine::job::Job;
+use crate::engine::kinks::{KINKS, Kink, rounding};
+use crate::engine::search::{Curve, Passing, Stray};
+use crate::engine::state::{Branch, Reversal};
 use std::ops::Range;
 
-/// The index of asperities that have flowed.
-const FLOWED: usize = ContactHistory::Flowed as usize;
+/// The index of asperities that have yielded.
+const YIELDED: usize = ContactHistory::Flowed as usize;
 /// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
-/// Largest ratio of the strays of tops that have flowed to these of the tops that were looked at.
+/// Largest ratio of the strays of asperities that have yielded to these of the typical ones.
 const UNLIKE: f64 = 1.5;
-/// Kinks of a top that has flowed, the last two the ends of its film or bridge and of contact.
-const OF_TOP: usize = TOP_KINKS;
 
-/// A surface on retraction from one separation, all heights held.
-pub(super) struct Retracted<'a> {
+/// The external force of a surface on retraction from one separation.
+pub struct Retraction<'a> {
     job: &'a Job<'a>,
-    cycle: &'a Loop,
-    /// Kinks in δ, by what has become of an asperity.
+    reversal: Reversal<'a>,
+    /// Kinks in δ, by the history of an asperity.
     kinks: [Vec<Kink>; 3],
-    /// Separations h, m, of the kinks of the tops that have flowed.
-    tops: Vec<[f64; OF_TOP]>,
+    /// Separations h, m, of the kinks of each asperity that has yielded.
+    yielded: Vec<[f64; TOP_KINKS]>,
     /// m, rising.
     heights: &'a [f64],
-    /// By what has become of them, which rises with the height, where their heights end.
+    /// The number of heights up to each history: the higher an asperity, the later its history.
     ends: [usize; 3],
-    /// h, m, and the separation d of the asperity mean plane there, m.
-    from: f64,
+    /// The separation d of the asperity mean plane where the surface turned, m.
     closest: f64,
     sums: &'a mut Sums,
-    /// Memory for a few asperities: heights, and the numbers of tops.
+    /// Memory for a few asperities: heights, and the numbers of these that have yielded.
     few: (Vec<f64>, Vec<u32>),
 }
 
 /// An asperity that is pulled back.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Released {
+pub struct Released {
     /// Among the heights.
     number: usize,
     /// m.
@@ -48,42 +46,36 @@ pub(super) struct Released {
     history: usize,
 }
 
-/// Heights of a job that are pulled back.
-#[derive(Clone, Copy)]
-pub(super) struct Pulled<'a> {
-    pub job: &'a Job<'a>,
-    pub cycle: &'a Loop,
-    /// m, rising.
-    pub heights: &'a [f64],
-    /// The separation h from which they are, m.
-    pub from: f64,
-}
-
-impl<'a> Retracted<'a> {
-    /// A surface whose asperities have kinks, and tops if any have flowed.
+impl<'a> Retraction<'a> {
+    /// A surface of heights, m, rising, whose asperities have kinks by their history.
     pub fn new(
-        Pulled { job, cycle, heights, from }: Pulled<'a>,
+        job: &'a Job<'a>,
+        reversal: Reversal<'a>,
+        heights: &'a [f64],
         kinks: &[Vec<Kink>; 3],
         sums: &'a mut Sums,
     ) -> Self {
+        let Reversal { cycle, from } = reversal;
         let closest = job.surface.asperity_separation(from);
         let ends =
             ContactHistory::ALL.map(|last| heights.partition_point(|u| cycle.history(u - closest) <= last));
         let mut kinks = kinks.clone();
-        kinks[FLOWED].iter_mut().for_each(|kink| kink.stray = kink.stray.times(UNLIKE));
+        kinks[YIELDED].iter_mut().for_each(|kink| kink.stray = kink.stray.times(UNLIKE));
         let offset = from - closest;
-        let place = |top: [f64; OF_TOP]| top.map(|separation| separation + offset);
-        let pulled = sums.turn((job, cycle), &heights[ends[FLOWED - 1]..], from);
-        let tops = pulled.map_or_else(Vec::new, |pulled| pulled.top_kinks().map(place).collect());
-        Self { job, cycle, kinks, tops, heights, ends, from, closest, sums, few: Default::default() }
+        let place = |kinks: [f64; TOP_KINKS]| kinks.map(|separation| separation + offset);
+        let reversed = sums.turn(job, reversal, &heights[ends[YIELDED - 1]..]);
+        let yielded =
+            reversed.map_or_else(Vec::new, |reversed| reversed.kinks_of_yielded().map(place).collect());
+        Self { job, reversal, kinks, yielded, heights, ends, closest, sums, few: Default::default() }
     }
 
     /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
     fn place(&self, asperity: &Released, number: usize) -> f64 {
-        if asperity.history == FLOWED {
-            return self.tops[asperity.number - self.ends[FLOWED - 1]][number];
+        if asperity.history == YIELDED {
+            return self.yielded[asperity.number - self.ends[YIELDED - 1]][number];
         }
-        self.from + (asperity.height - self.closest) - self.kinks[asperity.history][number].interference
+        self.reversal.from + (asperity.height - self.closest)
+            - self.kinks[asperity.history][number].interference
     }
 
     /// An asperity by its number among the heights.
@@ -91,7 +83,7 @@ impl<'a> Retracted<'a> {
         Released { number, height: self.heights[number], history }
     }
 
-    /// The heights of a history that has not flowed with ω_max in `low..high`, m.
+    /// The heights of an elastic history with ω_max in `low..high`, m.
     fn between(&self, history: usize, low: f64, high: f64) -> Range<usize> {
         let first = if history == 0 { 0 } else { self.ends[history - 1] };
         let heights = &self.heights[first..self.ends[history]];
@@ -102,45 +94,49 @@ impl<'a> Retracted<'a> {
     /// External force, N, of a few asperities, rising, at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        let (heights, tops) = &mut self.few;
+        let (heights, yielded) = &mut self.few;
         heights.clear();
-        tops.clear();
+        yielded.clear();
         for asperity in asperities {
-            match asperity.number.checked_sub(self.ends[FLOWED - 1]) {
-                Some(top) if asperity.history == FLOWED => tops.push(top as u32),
+            match asperity.number.checked_sub(self.ends[YIELDED - 1]) {
+                Some(number) if asperity.history == YIELDED => yielded.push(number as u32),
                 _ => heights.push(asperity.height),
             }
         }
-        self.sums.few(self.cycle, (heights, tops), (self.closest, d))
+        self.sums.few(self.reversal.cycle, (heights, yielded), (self.closest, d))
     }
 }
 
-/// Whether a kink of a top is in `low..=high`, h in m.
-fn passes(top: &[f64; OF_TOP], number: usize, low: f64, high: f64) -> bool {
-    top[number] >= low && top[number] <= high
+/// Whether a kink of an asperity that has yielded is in `low..=high`, h in m.
+fn passes(kinks: &[f64; TOP_KINKS], number: usize, low: f64, high: f64) -> bool {
+    kinks[number] >= low && kinks[number] <= high
 }
 
-impl Curve for Retracted<'_> {
+impl Curve for Retraction<'_> {
     type Asperity = Released;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        let state = |&to: &f64| State::Retraction { from: self.from, to };
-        separations.iter().map(|to| self.sums.external_force(self.job, self.heights, state(to))).collect()
+        let branch = Branch::Retraction(self.reversal);
+        separations.iter().map(|h| self.sums.external_force(self.job, self.heights, branch, *h)).collect()
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<Released> {
         let mut found = Vec::new();
         for (history, kinks) in self.kinks.iter().enumerate() {
-            if history == FLOWED {
-                let is_near = |top: &[f64; OF_TOP]| (0..OF_TOP).any(|number| passes(top, number, low, high));
-                let near = self.tops.iter().enumerate().filter(|(_, top)| is_near(top));
-                found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, history)));
+            if history == YIELDED {
+                let is_near =
+                    |kinks: &[f64; TOP_KINKS]| (0..TOP_KINKS).any(|number| passes(kinks, number, low, high));
+                let near = self.yielded.iter().enumerate().filter(|(_, kinks)| is_near(kinks));
+                found.extend(near.map(|(i, _)| self.released(self.ends[YIELDED - 1] + i, history)));
                 continue;
             }
             let mut reached = 0;
             for Kink { interference, .. } in kinks {
-                let range =
-                    self.between(history, low - self.from + interference, high - self.from + interference);
+                let range = self.between(
+                    history,
+                    low - self.reversal.from + interference,
+                    high - self.reversal.from + interference,
+                );
                 let range = range.start.max(reached)..range.end;
                 reached = reached.max(range.end);
                 found.extend(range.map(|number| self.released(number, history)));
@@ -161,8 +157,8 @@ impl Curve for Retracted<'_> {
                         continue;
                     }
                     let mut step = -self.kinks[history][number].jump;
-                    // Of tops it is the largest that any has.
-                    if history == FLOWED && step != 0.0 {
+                    // That is the largest that any asperity has which has yielded.
+                    if history == YIELDED && step != 0.0 {
                         let beside = self.rounding();
                         let [below, above] = [place - beside, place + beside]
                             .map(|h| self.sum(std::slice::from_ref(asperity), h));
@@ -191,15 +187,15 @@ impl Curve for Retracted<'_> {
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
         for (history, kinks) in self.kinks.iter().enumerate() {
-            if history == FLOWED {
+            if history == YIELDED {
                 for (number, kink) in kinks.iter().enumerate() {
-                    let passing = |top: &&[f64; OF_TOP]| passes(top, number, low, high);
-                    visit(kink.fall, self.tops.iter().filter(passing).count());
+                    let passing = |kinks: &&[f64; TOP_KINKS]| passes(kinks, number, low, high);
+                    visit(kink.fall, self.yielded.iter().filter(passing).count());
                 }
                 continue;
             }
             for kink in kinks.iter().filter(|kink| kink.fall > 0.0) {
-                let [low, high] = [low, high].map(|h| h - self.from + kink.interference);
+                let [low, high] = [low, high].map(|h| h - self.reversal.from + kink.interference);
                 visit(kink.fall, self.between(history, low, high).len());
             }
         }

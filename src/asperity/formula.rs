@@ -3,12 +3,10 @@
 
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes, Numbered};
-use super::law::Method;
-use super::law::{End, Smoothness};
+use super::law::{End, Law, Method, Piece, RadiusDependence, Smoothness};
 use super::parameters::LawParameters;
 use super::radius::Similarity;
 use super::stats::SolverStats;
-use super::table::Interaction;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use std::ops::Range;
@@ -181,7 +179,7 @@ struct Root {
     order: i32,
 }
 
-/// An interaction by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
+/// A law of one regime by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
 /// area, m².
 ///
 /// # Examples
@@ -253,21 +251,18 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     }
 }
 
-impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
-    fn follows_radius(&self) -> bool {
+impl<F: Formula, P: Formula, A: Formula> Law for ClosedForm<F, P, A> {
+    fn radius_dependence(&self) -> RadiusDependence {
         let known = [self.adhesion.similarity(), self.contact.similarity(), self.area.similarity()];
-        known.iter().all(Option::is_some)
+        let is_known = known.iter().all(Option::is_some);
+        if is_known { RadiusDependence::Formulas } else { RadiusDependence::Unknown }
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let similarity = self.adhesion.similarity().unwrap_or(Similarity::new(0.0, 0.0));
         let place = |own: f64| lane.map_or(own, |lane| similarity.interference(own, lane));
         let of = |root: &Root| Root { from: place(root.from), place: place(root.place), order: root.order };
-        smoothness(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
-    }
-
-    fn method(&self) -> Method {
-        Method::ClosedForm
+        pieces(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
@@ -278,7 +273,14 @@ impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
         self.unstable_work
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        _: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
         let count = interference.len();
         let Responses { adhesion, contact, area } = out;
         let (adhesion, contact, area) = (&mut adhesion[..count], &mut contact[..count], &mut area[..count]);
@@ -300,9 +302,8 @@ impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
     }
 }
 
-/// The ends within an interval, m, from which roots act, and how what they act on varies on each of the intervals that
-/// they leave.
-fn smoothness(roots: &[Root], within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+/// The pieces of an interval, m, within which roots begin to act.
+fn pieces(roots: &[Root], within: Range<f64>) -> Vec<Piece> {
     let Range { start: lower, end: upper } = within;
     let mut ends: Vec<f64> = roots.iter().map(|root| root.from).collect();
     ends.retain(|end| lower < *end && *end < upper);
@@ -314,8 +315,8 @@ fn smoothness(roots: &[Root], within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>)
                 Smoothness::Root { end: End::Lower, place: root.place, order: root.order }
             })
         };
-    let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
-    (ends, smoothness)
+    let smoothness: Vec<Smoothness> = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
+    Piece::cut(within, ends, smoothness)
 }
 
 /// Fills `out` with the values of a formula for asperities at interferences δ, m.
@@ -360,12 +361,23 @@ impl Constant {
     }
 }
 
-impl Interaction for Constant {
-    fn method(&self) -> Method {
+impl Law for Constant {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Formulas
+    }
+
+    fn method(&self, _: usize) -> Method {
         Method::Constant(self.adhesion)
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        _: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
         let count = interference.len();
         out.adhesion[..count].fill(self.adhesion);
         out.contact[..count].fill(0.0);

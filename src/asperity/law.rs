@@ -124,6 +124,23 @@ pub struct Piece {
 }
 
 impl Piece {
+    /// The pieces of an interval, m, of a law of one regime, by the rising ends within it, m, and the smoothness below each of these
+    /// and above the last.
+    pub(super) fn cut(
+        within: Range<f64>,
+        ends: impl IntoIterator<Item = f64>,
+        smoothness: impl IntoIterator<Item = Smoothness>,
+    ) -> Vec<Self> {
+        let mut lower = within.start;
+        let piece = |(upper, smoothness)| Self {
+            regime: 0,
+            lower: std::mem::replace(&mut lower, upper),
+            upper,
+            smoothness,
+        };
+        ends.into_iter().chain([within.end]).zip(smoothness).map(piece).collect()
+    }
+
     /// δ of an end, m, and the direction from there into the piece, 1 or −1.
     pub fn inwards(&self, end: End) -> (f64, f64) {
         match end {
@@ -177,30 +194,91 @@ impl Method {
     }
 }
 
+/// The dependence of a law on the radius of its asperity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RadiusDependence {
+    /// It is not known, and no lane may be given to what takes one.
+    Unknown,
+    /// Formulas of the radius.
+    Formulas,
+    /// Elastic branches that are solved for each radius, with λ of the law's own radius, and formulas.
+    Elastic(f64),
+}
+
+impl RadiusDependence {
+    /// That of a law which solves elastic branches if it has a λ.
+    pub fn of_lambda(lambda: Option<f64>) -> Self {
+        lambda.map_or(Self::Formulas, Self::Elastic)
+    }
+
+    /// λ of the law's own radius, if it solves elastic branches.
+    pub fn lambda(self) -> Option<f64> {
+        match self {
+            Self::Elastic(lambda) => Some(lambda),
+            Self::Unknown | Self::Formulas => None,
+        }
+    }
+
+    /// That of two laws together.
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Unknown, _) | (_, Self::Unknown) => Self::Unknown,
+            (Self::Formulas, other) => other,
+            (elastic, _) => elastic,
+        }
+    }
+}
+
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
 /// by block, so that choosing the law costs one call per block and nothing in the inner loop.
 ///
-/// A law of one's own is a [`Table`](super::Table). What else a law tells the sums is not on this page, and
-/// may change.
+/// A law of one regime is a [`ClosedForm`](super::ClosedForm) or a [`Constant`](super::Constant) force; a
+/// [`Table`](super::Table) makes a law of such laws, each on its interval of interference. What else a law
+/// provides to the sums is not on this page, and may change.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Constant, Law, Regime, Row, Table};
+///
+/// fn beyond(end: f64, law: impl Law + 'static) -> Table {
+///     let nothing = Row::below(Regime::Noncontact, end, Constant::NOTHING);
+///     Table::new([nothing, Row::last(Regime::Lubricant, law)])
+/// }
+///
+/// let law = beyond(-1.0, ClosedForm::attraction(|delta: f64| delta.exp()));
+/// assert_eq!(law.regimes(), [Regime::Noncontact, Regime::Lubricant]);
+/// ```
 pub trait Law: Send + Sync {
-    /// The regimes from far to deep.
-    fn regimes(&self) -> &[Regime];
+    /// The regimes from far to deep. That of a law of one regime has no meaning in a row of a table, which has
+    /// its own.
+    fn regimes(&self) -> &[Regime] {
+        &[Regime::Elastic]
+    }
 
     /// The boundaries between the regimes, rising; one more than between them when the law ends above the
     /// last regime. Asperities beyond the end bear no force and are counted nowhere.
     #[doc(hidden)]
-    fn boundaries(&self) -> &[Boundary];
-
-    /// Whether it is known how the law follows the radius: only then a lane may be given to what takes one.
-    #[doc(hidden)]
-    fn follows_radius(&self) -> bool {
-        false
+    fn boundaries(&self) -> &[Boundary] {
+        &[]
     }
 
-    /// λ of its own radius, if it solves elastic branches.
+    /// The dependence on the radius.
     #[doc(hidden)]
-    fn lambda(&self) -> Option<f64> {
-        None
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Unknown
+    }
+
+    /// The first regime of contact; the number of regimes if there is none.
+    #[doc(hidden)]
+    fn first_contact(&self) -> usize {
+        let regimes = self.regimes();
+        regimes.iter().position(|regime| regime.is_contact()).unwrap_or(regimes.len())
+    }
+
+    /// Interference, m, at which a regime begins.
+    #[doc(hidden)]
+    fn begin(&self, regime: usize) -> f64 {
+        if regime == 0 { f64::NEG_INFINITY } else { self.boundaries()[regime - 1].interference }
     }
 
     /// The end of a regime of an asperity, m, if it has one.
@@ -216,10 +294,19 @@ pub trait Law: Send + Sync {
         out.extend((0..self.boundaries().len()).filter_map(|regime| self.end(regime, lane)));
     }
 
-    /// The smooth pieces, rising, that cover a regime: split at every kink and jump. They are of an asperity of the law's
-    /// own radius, or of one in a lane.
+    /// The smooth pieces, rising, of a regime within an interval, m: split at every kink and jump. They are of an asperity of
+    /// the law's own radius, or of one in a lane.
     #[doc(hidden)]
-    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece>;
+    fn pieces_within(&self, regime: usize, _lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        let Range { start: lower, end: upper } = within;
+        vec![Piece { regime, lower, upper, smoothness: Smoothness::Smooth }]
+    }
+
+    /// The smooth pieces, rising, that cover a regime.
+    #[doc(hidden)]
+    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
+        self.pieces_within(regime, lane, f64::NEG_INFINITY..f64::INFINITY)
+    }
 
     /// The smooth pieces, rising, of all regimes.
     #[doc(hidden)]

@@ -10,6 +10,7 @@ mod block;
 #[doc(hidden)]
 pub mod branch;
 mod bridge;
+mod condition;
 #[doc(hidden)]
 pub mod contact;
 #[doc(hidden)]
@@ -72,7 +73,8 @@ pub use lane::{Lane, Lanes};
 pub use law::{Boundary, End, Facing, FitReport, Method, Piece, Scratch, Smoothness};
 pub use law::{Law, Regime};
 pub use laws::md_plastic::PlasticContact;
-pub use models::{MODELS, Model, Validity, model};
+pub use laws::{MODELS, model};
+pub use models::{Model, Validity};
 #[doc(hidden)]
 pub use parameters::InnerState;
 pub use parameters::LawParameters;
@@ -82,7 +84,7 @@ pub use retraction::Retraction;
 pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
-pub use table::{Interaction, Row, Table};
+pub use table::{Row, Table};
 #[doc(hidden)]
 pub use turned::Turned;
 pub use unloading::Loop;

@@ -1,15 +1,14 @@
-//! The registry of laws: their names, descriptions, limits and constructors. A new law is its file and a
-//! line here.
+//! A law by name: its description, limits and constructor. The list of all is [`super::laws::MODELS`].
 
 use super::block::Responses;
 use super::error::LawError;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::Law;
-pub use super::laws::MODELS;
 use super::laws::capillary;
 use super::laws::capillary::Parts;
 use super::laws::md_plastic::{Flow, PlasticContact, dry_flow};
+pub use super::laws::{MODELS, model};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
@@ -306,9 +305,4 @@ pub(super) const fn flowing(
     build: Flowing,
 ) -> Model {
     model_of(name, about, validity, Build::Flowing(build))
-}
-
-/// The law of a name.
-pub fn model(name: &str) -> Option<Model> {
-    MODELS.iter().find(|model| model.name == name).copied()
 }

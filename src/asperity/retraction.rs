@@ -1,13 +1,15 @@
 //! The law of the asperities of a loop at one distance from the closest approach.
 
 use super::block::{BLOCK, Responses};
+use super::condition::{AtDistance, Condition};
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::response_table::ResponseTable;
 use super::stats::SolverStats;
-use super::top::Tops;
-use super::unloading::{Loop, TOP_KINKS, begin_of};
+use super::top::{TOP_KINKS, Tops};
+use super::unloading::Loop;
 use crate::math::roots::false_position;
+use std::ops::Range;
 use std::sync::{Arc, PoisonError};
 
 /// Share of a place by which the side of a jump is away from it.
@@ -114,80 +116,11 @@ impl Loop {
     }
 }
 
-/// The contact history of an asperity, and the regime of the law that it is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// An asperity that has never touched.
-    Untouched(usize),
-    /// An elastic asperity that has touched.
-    Elastic(usize),
-    /// An asperity that has flowed and is out of contact.
-    Lowered(usize),
-    /// An asperity that has flowed and is in contact; the regime is that of ω_max.
-    Unloading(usize),
-}
-
-impl Condition {
-    pub fn regime(self) -> usize {
-        let (Self::Untouched(regime)
-        | Self::Elastic(regime)
-        | Self::Lowered(regime)
-        | Self::Unloading(regime)) = self;
-        regime
-    }
-}
-
 /// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. It has the
 /// regimes of the law, some more than once: [`Retraction::base`].
 pub struct Retraction<'a> {
     cycle: &'a Loop,
     at: Arc<AtDistance>,
-}
-
-/// What is known of the law at one distance.
-#[derive(Default)]
-pub(super) struct AtDistance {
-    /// m.
-    distance: f64,
-    conditions: Vec<Condition>,
-    regimes: Vec<Regime>,
-    base: Vec<usize>,
-    boundaries: Vec<Boundary>,
-    /// The responses of tops, by condition, of a law that is tabulated.
-    tables: Vec<ResponseTable>,
-}
-
-impl AtDistance {
-    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
-    /// regime to the next, tops can let go sooner above the jump than below it.
-    fn push_flowed(&mut self, cycle: &Loop, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
-        let boundaries = cycle.approach.boundaries();
-        let mut begin = onset;
-        for regime in cycle.first_plastic..cycle.approach.regimes().len() {
-            let top = boundaries.get(regime).map(|top| higher(*top, begin));
-            let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
-            let mut end = begin;
-            for before in 0..cycle.first_contact {
-                let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
-                end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
-                end = top.map_or(end, |top| lower(end, top));
-                self.push(cycle, Condition::Lowered(before), Some(end));
-            }
-            self.push(
-                cycle,
-                Condition::Unloading(regime),
-                boundaries.get(regime).map(|upper| higher(*upper, end)),
-            );
-            begin = top.unwrap_or(end);
-        }
-    }
-
-    fn push(&mut self, cycle: &Loop, condition: Condition, end: Option<Boundary>) {
-        self.conditions.push(condition);
-        self.base.push(condition.regime());
-        self.regimes.push(cycle.approach.regimes()[condition.regime()]);
-        self.boundaries.extend(end);
-    }
 }
 
 impl<'a> Retraction<'a> {
@@ -196,12 +129,13 @@ impl<'a> Retraction<'a> {
     fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize, (f64, f64)) -> f64) -> Self {
         let mut law = AtDistance { distance, ..AtDistance::default() };
         let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
+        let regimes = approach.regimes();
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
             let end = lower(shifted(approach.boundaries()[regime]), captured);
-            law.push(cycle, Condition::Untouched(regime), Some(end));
+            law.push(Condition::Untouched(regime), regimes, Some(end));
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on retraction it is known again.
@@ -214,10 +148,10 @@ impl<'a> Retraction<'a> {
                 (Some(end), Some(top)) => Some(lower(end, top)),
                 (end, top) => end.or(top),
             };
-            law.push(cycle, Condition::Elastic(regime), end);
+            law.push(Condition::Elastic(regime), regimes, end);
         }
         if let Some(top) = top.filter(|_| flows) {
-            law.push_flowed(cycle, top, let_go);
+            push_flowed(&mut law, cycle, top, let_go);
         }
         Self { cycle, at: Arc::new(law) }
     }
@@ -347,6 +281,32 @@ impl<'a> Retraction<'a> {
     }
 }
 
+/// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
+/// regime to the next, tops can let go sooner above the jump than below it.
+fn push_flowed(
+    law: &mut AtDistance,
+    cycle: &Loop,
+    onset: Boundary,
+    let_go: impl Fn(usize, (f64, f64)) -> f64,
+) {
+    let (boundaries, regimes) = (cycle.approach.boundaries(), cycle.approach.regimes());
+    let mut begin = onset;
+    for regime in cycle.first_plastic..regimes.len() {
+        let top = boundaries.get(regime).map(|top| higher(*top, begin));
+        let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
+        let mut end = begin;
+        for before in 0..cycle.first_contact {
+            let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
+            end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
+            end = top.map_or(end, |top| lower(end, top));
+            law.push(Condition::Lowered(before), regimes, Some(end));
+        }
+        let upper = boundaries.get(regime).map(|upper| higher(*upper, end));
+        law.push(Condition::Unloading(regime), regimes, upper);
+        begin = top.unwrap_or(end);
+    }
+}
+
 /// The lower of two boundaries, the second where they are at the same place.
 fn lower(a: Boundary, b: Boundary) -> Boundary {
     if a.interference < b.interference { a } else { b }
@@ -366,9 +326,9 @@ impl Law for Retraction<'_> {
         &self.at.boundaries
     }
 
-    fn pieces_of(&self, index: usize, _: Option<&Lane>) -> Vec<Piece> {
+    fn pieces_within(&self, index: usize, _: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let upper = self.at.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
-        let limits = (begin_of(self, index), upper);
+        let limits = (self.begin(index).max(within.start), upper.min(within.end));
         match self.at.conditions[index] {
             Condition::Untouched(_) | Condition::Elastic(_) => {
                 self.moved(index, limits, |place| place + self.at.distance).collect()
@@ -420,7 +380,7 @@ impl Law for Retraction<'_> {
         own.iter_mut().for_each(|delta| *delta -= self.at.distance);
         // Rounding must not lead out of the regime.
         let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
-        let lower = begin_of(law, base).min(upper);
+        let lower = law.begin(base).min(upper);
         own.iter_mut().for_each(|delta| *delta = delta.clamp(lower, upper));
         law.evaluate(base, lanes, own, out, stats);
     }

@@ -8,10 +8,13 @@
 use super::block::{BLOCK, Responses};
 use super::flattened::State;
 use super::lane::{EACH, Lane, Lanes};
-use super::law::{Law, Regime};
+use super::law::Law;
 use super::outline::{OutlinedTop, Pressed};
 use super::stats::SolverStats;
-use super::unloading::TOP_KINKS;
+
+/// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
+/// and, the last two, where the film or bridge breaks, and where contact ends.
+pub const TOP_KINKS: usize = 10;
 
 /// The top of an asperity that has flowed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -134,9 +137,4 @@ impl Tops {
     ) {
         self.respond(law, (&EACH[..self.count()], distance), out, stats);
     }
-}
-
-/// The regime in which contact begins.
-pub(super) fn first_contact(law: &dyn Law) -> usize {
-    law.regimes().iter().position(|regime: &Regime| regime.is_contact()).unwrap_or(law.regimes().len())
 }

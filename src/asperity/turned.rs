@@ -5,12 +5,12 @@
 //! passes from one condition to the next; asperities in one condition are then evaluated together, each as a lane.
 
 use super::block::{BLOCK, Responses};
+use super::condition::Condition;
 use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Lanes, Numbered};
-use super::retraction::Condition;
 use super::stats::SolverStats;
-use super::top::{Top, Tops};
-use super::unloading::{Loop, TOP_KINKS};
+use super::top::{TOP_KINKS, Top, Tops};
+use super::unloading::Loop;
 use std::sync::Arc;
 
 /// The number of the top of an asperity that has not flowed.

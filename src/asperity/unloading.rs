@@ -27,6 +27,7 @@
 //! (1965) 47, under the adhesion of Maugis and Dugdale.
 
 use super::block::Responses;
+use super::condition::AtDistance;
 use super::error::LawError;
 use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Numbered};
@@ -35,18 +36,14 @@ use super::laws::md_plastic::Flow;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
-use super::retraction::AtDistance;
 use super::scale::Scale;
 use super::solved::SolvedAsperity;
 use super::stats::SolverStats;
-use super::top::{Top, Tops, first_contact};
+pub use super::top::TOP_KINKS;
+use super::top::{Top, Tops};
 use super::top_table::TopTable;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
-
-/// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
-/// and, the last two, where the film or bridge breaks, and where contact ends.
-pub const TOP_KINKS: usize = 10;
 
 /// A stretch of ω_max between two joints of the law on approach, and the distances at which tops pass their kinks at some places of it.
 pub(super) struct Stretch {
@@ -135,9 +132,9 @@ impl Loop {
         let [approach, retraction] = [(Path::Approach, parameters.inner_state), (path, back)]
             .map(|(path, inner_state)| model.law(&LawParameters { path, inner_state, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
-        let first_contact = first_contact(approach.as_ref());
+        let first_contact = approach.first_contact();
         let regimes = approach.regimes();
-        let lambda = retraction.lambda().filter(|_| retraction.follows_radius());
+        let lambda = retraction.radius_dependence().lambda();
         let flows = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.unloads_flow());
         Ok(Self {
             capture: capture_of(approach.as_ref(), first_contact),
@@ -349,12 +346,12 @@ impl Loop {
 
     /// Interference of first touch on approach, m.
     pub fn touch(&self) -> f64 {
-        begin_of(self.approach.as_ref(), self.first_contact)
+        self.approach.begin(self.first_contact)
     }
 
     /// Interference at which an elastic contact ends on retraction, m.
     pub fn release(&self) -> f64 {
-        begin_of(self.retraction.as_ref(), self.first_contact)
+        self.retraction.begin(self.first_contact)
     }
 
     /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it
@@ -467,11 +464,6 @@ impl Loop {
 
 /// Interference, m, from which retraction does not retrace an approach whose contact begins in a regime.
 fn capture_of(approach: &dyn Law, first_contact: usize) -> f64 {
-    let touch = begin_of(approach, first_contact);
+    let touch = approach.begin(first_contact);
     approach.capture(None).map_or(touch, |capture| capture.min(touch))
-}
-
-/// Interference at which a regime begins, m.
-pub(super) fn begin_of(law: &dyn Law, regime: usize) -> f64 {
-    if regime == 0 { f64::NEG_INFINITY } else { law.boundaries()[regime - 1].interference }
 }

@@ -58,13 +58,13 @@ use crate::asperity::flattened::Around;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes, Numbered};
-use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
 use crate::asperity::outline::{self, OutlinedTop};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::liquid::{Bridges, Meniscus, Volume};
 use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
@@ -338,24 +338,27 @@ impl Spanned {
     }
 }
 
-impl Interaction for Spanned {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
+impl Law for Spanned {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::of_lambda(self.parts.lambda())
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![self.parts.spanned(lane.map_or(1.0, |lane| lane.ratio))])
-    }
-
-    fn method(&self) -> Method {
-        Method::ClosedForm
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        Piece::cut(within, [], [self.parts.spanned(lane.map_or(1.0, |lane| lane.ratio))])
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
         self.parts.capture(lane.unwrap_or(&self.typical))
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        _: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
         let count = interference.len();
         let forces = out.adhesion.iter_mut().zip(interference);
         match lanes {
@@ -405,14 +408,14 @@ impl WetContact {
 
     /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
     /// after that of the solids.
-    fn smoothness_in(end: f64, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_in(end: f64, within: Range<f64>) -> Vec<Piece> {
         let Range { start: lower, end: upper } = within;
         let root = |place| Smoothness::Root { end: End::Lower, place, order: 2 };
         // Where both begin at once the two places are one but for rounding.
         if lower < end - 1e-14 * end.abs() && end < upper {
-            (vec![end], vec![root(lower), root(end)])
+            Piece::cut(within, [end], [root(lower), root(end)])
         } else {
-            (Vec::new(), vec![root(end)])
+            Piece::cut(within, [], [root(end)])
         }
     }
 
@@ -473,17 +476,17 @@ impl WetContact {
     }
 }
 
-impl Interaction for WetContact {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
+impl Law for WetContact {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::of_lambda(self.parts.lambda())
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let own = |lane: &Lane| self.parts.bridge.of_ratio(lane.ratio).last_contact();
-        Self::smoothness_in(lane.map_or(self.last, own).interference, within)
+        Self::pieces_in(lane.map_or(self.last, own).interference, within)
     }
 
-    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_top(&self, _: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
         let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
@@ -491,11 +494,18 @@ impl Interaction for WetContact {
         vec![of_bridge, edge.map_or(f64::NAN, |edge| bridge.around(edge, 0.0).interference)]
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        _: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         let count = interference.len();
         let mut inner = match lanes {
             Lanes::Own => {
@@ -525,7 +535,7 @@ impl Interaction for WetContact {
         };
         let mut solid = Responses::default();
         match lanes {
-            Lanes::Own => contact.evaluate(lanes, &inner[..count], &mut solid, stats),
+            Lanes::Own => contact.evaluate(0, lanes, &inner[..count], &mut solid, stats),
             Lanes::Each(each) => {
                 for (i, inner) in inner[..count].iter_mut().enumerate() {
                     *inner /= scale.length * each.at(i).cube_root;

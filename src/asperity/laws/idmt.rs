@@ -14,7 +14,7 @@ use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Similarity;
 use crate::asperity::scale::Scale;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 
 /// The law `idmt`.
 ///
@@ -28,7 +28,7 @@ pub fn idmt(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// The attraction of an undeformed sphere across the gap, Z₀ − δ less the `thickness` of a lubricant, m.
-pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interaction + use<> {
+pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Law + use<> {
     let of_gap = across(&parameters.scale);
     let force = move |delta: f64| of_gap(-(delta + thickness));
     ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))

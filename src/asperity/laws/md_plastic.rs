@@ -39,14 +39,14 @@ use crate::asperity::block::Responses;
 use crate::asperity::error::LawError;
 use crate::asperity::flattened::{Around, State};
 use crate::asperity::lane::{Lane, Lanes, Numbered};
-use crate::asperity::law::{End, Law, Method, Piece, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
 use crate::asperity::outline::Pressed;
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::response_table::ResponseTable;
 use crate::asperity::scale::{Asperity, poisson_ratio};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::asperity::top::Top;
 use std::cell::RefCell;
 use std::f64::consts::PI;
@@ -190,7 +190,7 @@ pub(super) fn contact_rows(
     (parameters, contact): (&LawParameters, PlasticContact),
     around: Around,
     begin: Place,
-    elastic: impl Interaction + 'static,
+    elastic: impl Law + 'static,
 ) -> Result<Vec<Row>, LawError> {
     // Tables are made of what has none.
     let exact = flow((&LawParameters { table_range: None, ..*parameters }, contact), around, &begin)?;
@@ -627,12 +627,12 @@ impl Flowing {
     }
 }
 
-impl Interaction for Flowing {
-    fn lambda(&self) -> Option<f64> {
-        self.exact.lambda()
+impl Law for Flowing {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::of_lambda(self.exact.lambda())
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let (flow, regime, own) = (&self.exact, self.regime, self.exact.lane());
         let place = |[place, joint]: &[f64; 2]| match lane {
             None => *joint,
@@ -643,15 +643,21 @@ impl Interaction for Flowing {
         joints.retain(|joint| within.start < *joint && *joint < within.end);
         joints.sort_by(f64::total_cmp);
         let first = flow.first_smoothness(regime, lane.unwrap_or(&own), within.start);
-        let smoothness = std::iter::once(first).chain(joints.iter().map(|_| Smoothness::Smooth)).collect();
-        (joints, smoothness)
+        Piece::cut(within, joints, std::iter::once(first).chain(std::iter::repeat(Smoothness::Smooth)))
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(
+        &self,
+        _: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         if let Lanes::Each(lanes) = lanes {
             return self.fast.solve(self.regime, lanes, interference, out, stats);
         }

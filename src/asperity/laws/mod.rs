@@ -66,3 +66,8 @@ pub const MODELS: &[Model] = &[
     law("gw", "Greenwood-Williamson: Hertz contacts without adhesion, elastic and dry",
         validity(Adhesion::Without, Without, true), hertz::hertz),
 ];
+
+/// The law of a name.
+pub fn model(name: &str) -> Option<Model> {
+    MODELS.iter().find(|model| model.name == name).copied()
+}

@@ -14,8 +14,8 @@ use crate::math::piecewise::{Piecewise, leading};
 use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};
 use std::cell::RefCell;
 
-/// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that
-/// ended.
+/// Largest number of evaluations of a solve: one from a table, then the bracketed search, and one at its
+/// end.
 pub const MOST_EVALUATIONS: u64 = MAX_EVALUATIONS as u64 + 2;
 /// Distance from a fold up to which tables are over its root.
 const NEAR: f64 = 0.5;
@@ -104,7 +104,7 @@ impl<C: Curve> Branch<C> {
         });
     }
 
-    /// Starting points of all lanes that the tables have, which it counts.
+    /// Sets the starting points of all lanes that are in the tables, and returns their number.
     #[inline(always)]
     fn start(&self, lanes: &mut Lanes, count: usize) -> u64 {
         let (anchor, sign) = (&self.anchor, self.sign);
@@ -140,7 +140,7 @@ impl<C: Curve> Branch<C> {
         started
     }
 
-    /// Solves the lanes again whose step was not good enough, and notes the largest residual.
+    /// Solves the lanes again whose step was too large, and records the largest residual.
     #[inline(always)]
     fn finish(
         &self,

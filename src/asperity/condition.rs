@@ -1,4 +1,4 @@
-//! The conditions of the asperities of a loop at one distance from the closest approach.
+//! The conditions of the asperities of a loop on unloading.
 
 use super::law::{Boundary, Regime};
 use super::response_table::ResponseTable;
@@ -10,9 +10,9 @@ pub(super) enum Condition {
     Untouched(usize),
     /// An elastic asperity that has touched.
     Elastic(usize),
-    /// An asperity that has flowed and is out of contact.
-    Lowered(usize),
-    /// An asperity that has flowed and is in contact; the regime is that of ω_max.
+    /// An asperity that has yielded and has detached.
+    Detached(usize),
+    /// An asperity that has yielded and is in contact; the regime is that at ω_max.
     Unloading(usize),
 }
 
@@ -20,23 +20,23 @@ impl Condition {
     pub fn regime(self) -> usize {
         let (Self::Untouched(regime)
         | Self::Elastic(regime)
-        | Self::Lowered(regime)
+        | Self::Detached(regime)
         | Self::Unloading(regime)) = self;
         regime
     }
 }
 
-/// What is known of the law at one distance.
+/// The law of unloading at one distance from the closest approach.
 #[derive(Default)]
 pub(super) struct AtDistance {
     /// The distance, m.
     pub distance: f64,
-    /// The conditions of asperities at it, over ω_max, with the regime of each, its number in the law on approach, and their ends.
+    /// The conditions of asperities in the order of ω_max, the regime of each, its index in the law on approach, and the ends, ω_max in m.
     pub conditions: Vec<Condition>,
     pub regimes: Vec<Regime>,
     pub base: Vec<usize>,
     pub boundaries: Vec<Boundary>,
-    /// The responses of tops, by condition, of a law that is tabulated.
+    /// The responses of summits, by condition, of a law that is tabulated.
     pub tables: Vec<ResponseTable>,
 }
 

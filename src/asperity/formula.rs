@@ -234,13 +234,13 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
         self.with_root_from(place, place, order)
     }
 
-    /// The formulas with a root at a `place` before the interference `from` which it acts.
+    /// The formulas with a root at a `place`, m, that acts from a larger interference on, m.
     pub fn with_root_from(mut self, from: f64, place: f64, order: i32) -> Self {
         self.roots.push(Root { from, place, order });
         self
     }
 
-    /// The formulas with the interference, m, from which an asperity that turns back takes another way.
+    /// The formulas with the interference, m, from which retraction follows another branch than approach.
     pub fn with_capture(self, interference: f64) -> Self {
         Self { capture: Some(interference), ..self }
     }
@@ -343,8 +343,8 @@ fn fill_lanes(formula: &impl Formula, lanes: Numbered<'_>, interference: &[f64],
     lanes.times_power(value, out);
 }
 
-/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction
-/// across a gap, or that of a lubricant. Nothing is evaluated where it acts.
+/// A law of one regime with a constant adhesion force and no load: no force before contact in laws without
+/// attraction across a gap, or the force of a lubricant. Nothing is evaluated where it acts.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
     adhesion: f64,

@@ -39,7 +39,7 @@ pub enum ContactHistory {
     Untouched,
     /// An asperity that has touched and is elastic.
     Touched,
-    /// An asperity that has flowed.
+    /// An asperity that has yielded.
     Flowed,
 }
 

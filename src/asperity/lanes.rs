@@ -5,8 +5,8 @@ use super::curve::{Anchor, Curve, corrected, last_step};
 use crate::math::piecewise::Cell;
 use std::ops::Range;
 
-/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
-/// computed whole; what comes after overwrites what it left there.
+/// Number of lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
+/// computed whole; the lanes beyond are overwritten later or not used.
 const VECTOR: usize = 8;
 /// A block, and room for the last vector.
 const ROOM: usize = BLOCK + VECTOR;
@@ -14,11 +14,11 @@ const ROOM: usize = BLOCK + VECTOR;
 /// Lanes of a block, each quantity on cache lines of its own.
 #[repr(align(64))]
 pub(super) struct Lanes {
-    /// Displacements wanted.
+    /// Displacements Δ.
     pub displacements: [f64; ROOM],
     /// Places in a table.
     pub places: [f64; ROOM],
-    /// Parameters to start from; NaN where there is none.
+    /// Parameters from which solves start; NaN where the tables have none.
     pub parameters: [f64; ROOM],
     /// dx/dΔ there.
     inverse_slopes: [f64; ROOM],
@@ -33,7 +33,7 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// Lanes of which nothing is known.
+    /// Lanes without values.
     pub fn new() -> Self {
         Self {
             displacements: [0.0; ROOM],

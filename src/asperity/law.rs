@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
-use super::outline::OutlinedTop;
+use super::outline::OutlinedSummit;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
@@ -43,7 +43,7 @@ impl Regime {
         !matches!(self, Self::Noncontact | Self::Lubricant | Self::Bridge)
     }
 
-    /// Whether the contact flows.
+    /// Whether the contact is elastic-plastic or plastic.
     pub fn is_plastic(self) -> bool {
         matches!(self, Self::Elastoplastic1 | Self::Elastoplastic2 | Self::Plastic)
     }
@@ -124,8 +124,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The pieces of an interval, m, of a law of one regime, by the rising ends within it, m, and the smoothness below each of these
-    /// and above the last.
+    /// The pieces of an interval, m, of a law of one regime: the rising `ends` divide it, m, and each piece has its smoothness.
     pub(super) fn cut(
         within: Range<f64>,
         ends: impl IntoIterator<Item = f64>,
@@ -194,10 +193,10 @@ impl Method {
     }
 }
 
-/// The dependence of a law on the radius of its asperity.
+/// The dependence of a law on the radius of the asperity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RadiusDependence {
-    /// It is not known, and no lane may be given to what takes one.
+    /// Unknown: the law may not be evaluated for lanes.
     Unknown,
     /// Formulas of the radius.
     Formulas,
@@ -294,8 +293,8 @@ pub trait Law: Send + Sync {
         out.extend((0..self.boundaries().len()).filter_map(|regime| self.end(regime, lane)));
     }
 
-    /// The smooth pieces, rising, of a regime within an interval, m: split at every kink and jump. They are of an asperity of
-    /// the law's own radius, or of one in a lane.
+    /// The smooth pieces, rising, of a regime within an interval, m, divided at every kink and jump: of an asperity of the law's own
+    /// radius, or of a lane.
     #[doc(hidden)]
     fn pieces_within(&self, regime: usize, _lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let Range { start: lower, end: upper } = within;
@@ -314,10 +313,10 @@ pub trait Law: Send + Sync {
         (0..self.regimes().len()).flat_map(|regime| self.pieces_of(regime, lane)).collect()
     }
 
-    /// Interferences, m, at which a top of its own outline is not smooth within a regime, or jumps there, of a lane of its
-    /// apex: as many of every top, and not finite where it has one not.
+    /// Interferences, m, of the kinks and jumps of the force of a flattened summit within a regime, with the lane of its apex. Every
+    /// summit has the same number of them in the same order; a kink that it does not have is not finite.
     #[doc(hidden)]
-    fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _summit: &OutlinedSummit) -> Vec<f64> {
         Vec::new()
     }
 
@@ -327,8 +326,7 @@ pub trait Law: Send + Sync {
         Method::ClosedForm
     }
 
-    /// Interference, m, from which an asperity that turns back takes another way, if that is before contact
-    /// begins.
+    /// Interference, m, from which retraction follows another branch than approach, if that is before contact begins.
     #[doc(hidden)]
     fn capture(&self, _lane: Option<&Lane>) -> Option<f64> {
         None

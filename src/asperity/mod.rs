@@ -23,7 +23,6 @@ mod error;
 #[doc(hidden)]
 pub mod family;
 mod far;
-mod flattened;
 mod folds;
 #[doc(hidden)]
 pub mod formula;
@@ -34,6 +33,7 @@ mod lanes;
 pub mod law;
 #[doc(hidden)]
 pub mod laws;
+mod loading;
 pub(crate) mod memory;
 #[doc(hidden)]
 pub mod models;
@@ -47,19 +47,19 @@ pub mod quantity;
 #[doc(hidden)]
 pub mod radius;
 mod response_table;
-mod retraction;
 #[doc(hidden)]
 pub mod scale;
 mod solved;
 mod starts;
 mod stats;
+mod summit;
+mod summit_table;
 #[doc(hidden)]
 pub mod table;
-mod top;
-mod top_table;
-mod turned;
 #[doc(hidden)]
 pub mod unloading;
+mod unloading_lanes;
+mod unloading_law;
 
 #[doc(hidden)]
 pub use block::{BLOCK, Responses};
@@ -79,12 +79,12 @@ pub use models::{Model, Validity};
 pub use parameters::InnerState;
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
-#[doc(hidden)]
-pub use retraction::Retraction;
 pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
 pub use table::{Row, Table};
-#[doc(hidden)]
-pub use turned::Turned;
 pub use unloading::Loop;
+#[doc(hidden)]
+pub use unloading_lanes::Turned;
+#[doc(hidden)]
+pub use unloading_law::UnloadingLaw;

@@ -9,7 +9,7 @@ use super::block::Responses;
 use super::history::Path;
 use super::lane::{Lane, Lanes, Numbered};
 use super::law::{Boundary, Law, Method, Piece, RadiusDependence, Regime};
-use super::outline::OutlinedTop;
+use super::outline::OutlinedSummit;
 use super::stats::SolverStats;
 use std::ops::Range;
 use std::sync::Arc;
@@ -138,8 +138,8 @@ impl Law for RadiusLaw {
         self.law.capture(lane.or(self.lane.first()))
     }
 
-    fn kinks_of_top(&self, regime: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        self.law.kinks_of_top(regime, lane, top)
+    fn kinks_of_top(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        self.law.kinks_of_top(regime, lane, summit)
     }
 
     fn method(&self, regime: usize) -> Method {

@@ -1,12 +1,12 @@
-//! A law as a table: regimes of interference, rising, and what acts in each.
+//! A law as a table: rising regimes of interference, and the law of one regime in each.
 //!
-//! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves
-//! several laws, the same lubricant all that know one.
+//! The laws in [`super::laws`] are such tables and share the laws of their rows: several laws have the same contact, and all
+//! lubricated ones the same lubricant.
 
 use super::block::Responses;
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, FitReport, Law, Method, Piece, RadiusDependence, Regime};
-use super::outline::OutlinedTop;
+use super::outline::OutlinedSummit;
 use super::radius::Place;
 use super::stats::SolverStats;
 use std::ops::Range;
@@ -36,11 +36,11 @@ impl Row {
     }
 }
 
-/// A law made of rows.
+/// A law of several regimes, made of rows.
 pub struct Table {
     regimes: Vec<Regime>,
     boundaries: Vec<Boundary>,
-    /// Boundaries as they follow the radius.
+    /// The boundaries as functions of the radius.
     places: Vec<Place>,
     laws: Vec<Box<dyn Law>>,
     fit: Option<FitReport>,
@@ -110,8 +110,8 @@ impl Law for Table {
         pieces
     }
 
-    fn kinks_of_top(&self, regime: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        self.laws[regime].kinks_of_top(0, lane, top)
+    fn kinks_of_top(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        self.laws[regime].kinks_of_top(0, lane, summit)
     }
 
     fn method(&self, regime: usize) -> Method {

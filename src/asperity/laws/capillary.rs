@@ -3,7 +3,7 @@
 //! # Formula
 //! The liquid pulls with the tension p_c = γ/r_K wherever the gap is below h₀ = s r_K. That is Dugdale's zone, with σ₀ = p_c
 //! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress, in contact and before it
-//! (`asperity::bridge`, which has the curvature of the meniscus around the circle too). The bridge bends the faces towards
+//! (`asperity::bridge`, which has the curvature of the meniscus around the circle too). The bridge bends the surfaces towards
 //! each other: within it they are as near as an asperity without bridge at the interference
 //!
 //! δ₁ = a₀²/R in contact, a₀ the radius of contact under the bridge alone, and δ₁ = −g before it, g the gap in the middle.
@@ -13,18 +13,18 @@
 //! the area are those at δ₁. γs is thus not counted twice: a stiff asperity has 2πR(γs + W_SLS) = 2πRΔγ. Where W_SLS is not
 //! above 0 the liquid comes between the solids, which are then without adhesion of their own.
 //!
-//! A liquid is one only in gaps that are wider than the range of the attraction of dry solids, Z₀/1.03. Up to there nothing
-//! is left of γs and p_c, from twice that range on all, and between them a share that is linear in h₀; so the limit of dry
-//! air is the dry asperity, whichever of Δγ and γs is larger.
+//! Liquid condenses only in gaps wider than the range of the attraction of dry solids, Z₀/1.03. For h₀ up to that range γs and p_c
+//! are 0, from twice that range on they act fully, and between these a fraction that is linear in h₀ acts. So the limit of dry air
+//! is the dry asperity, whichever of Δγ and γs is larger.
 //!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
 //! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
 //! | bridge | solids apart | bridge, and solids across it | 0 |
 //! | elastic | up to the onset | bridge, and solids in it | K a³/R at δ₁ |
-//! | elastoplastic1, elastoplastic2, plastic | above | bridge, and solids around the outline of the top | P(ω) |
+//! | elastoplastic1, elastoplastic2, plastic | above | bridge, and solids around the outline of the summit | P(ω) |
 //!
-//! Above the onset the asperity is at every moment the elastic wet contact of the outline of its flattened top, with the load
+//! Above the onset the asperity is at every moment the elastic wet contact of the outline of its flattened summit, with the load
 //! P and the contact radius a of a plastic contact without adhesion that is reached at ω, as in [`super::md_plastic`]. With the
 //! interference g(a) of the outline without adhesion and the radius ρ of its apex
 //!
@@ -32,7 +32,7 @@
 //!
 //! with the stress σ₁ and the zone m of the solids in the liquid around a, and c and φ of the bridge of a sphere of ρ around
 //! a₀; where δ₁ < 0 the bridge is around the gap −δ₁. Nothing jumps at the onset. Without W_SLS δ₁ = g(a), without liquid
-//! the law is `md_plastic`. It unloads as the elastic wet contact of the outline, which is a wet sphere of ρ once it has parted.
+//! the law is `md_plastic`. It unloads as the elastic wet contact of the outline, which is a wet sphere of ρ once it has detached.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
 //! unstable; reversible ones form and break where their energy equals that without them. A bridge breaks with
@@ -49,17 +49,17 @@
 
 use super::idmt::across;
 use super::md::MaugisContact;
-use super::md_plastic::{Flow, PlasticContact, contact_rows, flow};
+use super::md_plastic::{PlasticContact, PlasticLoading, contact_rows, plastic_loading};
 use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::bridge::{Bridge, Closed, Last};
 use crate::asperity::elastic::{self, Elastic};
 use crate::asperity::error::LawError;
-use crate::asperity::flattened::Around;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes, Numbered};
 use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::loading::Around;
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
@@ -134,7 +134,7 @@ pub struct Parts {
     volume: Volume,
     /// The mean of both contact angles, rad.
     contact_angle: f64,
-    /// n t of the films on the faces, m.
+    /// n t of the films on the surfaces, m.
     films: f64,
 }
 
@@ -179,16 +179,16 @@ impl Parts {
         Ok(Self { bridge: Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge }, ..parts })
     }
 
-    /// The contact that flows of wet asperities.
+    /// The plastic loading of wet asperities.
     ///
     /// # Errors
     /// As [`capillary`].
-    pub(in crate::asperity) fn flow(
+    pub(in crate::asperity) fn plastic_loading(
         self,
         parameters: &LawParameters,
         contact: PlasticContact,
-    ) -> Result<Arc<Flow>, LawError> {
-        flow((parameters, contact), self.around(&parameters.scale), &self.boundaries()[1])
+    ) -> Result<Arc<PlasticLoading>, LawError> {
+        plastic_loading((parameters, contact), self.around(&parameters.scale), &self.boundaries()[1])
     }
 
     /// Where bridges form or break, and where contact begins or ends.
@@ -200,7 +200,7 @@ impl Parts {
         })
     }
 
-    /// Adhesion and liquid around flattened tops, whose dry solids have the units `dry`.
+    /// Adhesion and liquid around flattened summits, whose dry solids have the units `dry`.
     fn around(&self, dry: &Scale) -> Around {
         let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
         Around { scale, bridge: Some(self.bridge).filter(|bridge| bridge.stress > 0.0) }
@@ -263,7 +263,7 @@ impl Parts {
                 let rupture = bridge.rupture();
                 let contact = match (solids, touches) {
                     (_, Some(end)) if end.circle > rupture.circle => -end.distance,
-                    // Solids that hold on for longer than a bridge keep it.
+                    // Solids that adhere for longer than a bridge keep it.
                     (Some(solids), _) if bridge.at_gap(0.0).circle > rupture.circle => {
                         solids.min(-rupture.distance)
                     }
@@ -454,10 +454,10 @@ impl WetContact {
         inner
     }
 
-    /// The contacts at δ₁, m, of tops without adhesion of their own.
+    /// The contacts at δ₁, m, of summits without adhesion of their own.
     fn bare(&self, lanes: Numbered<'_>, inner: &[f64], out: &mut Responses) {
         for (i, inner) in inner.iter().enumerate() {
-            let (lane, outline) = (lanes.at(i), &lanes.top(i).outline);
+            let (lane, outline) = (lanes.at(i), &lanes.summit(i).outline);
             let length = self.dry.length * lane.cube_root;
             let radius = outline.radius_at((inner / length).max(0.0));
             let own = self.dry.radius * (lane.cube_root * lane.cube_root) * radius;
@@ -486,10 +486,10 @@ impl Law for WetContact {
         Self::pieces_in(lane.map_or(self.last, own).interference, within)
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
-        let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
+        let of_solid = self.parts.solid.map(|scale| summit.ends.edge * (scale.length * lane.cube_root));
         let edge = of_solid.filter(|edge| edge.is_finite());
         vec![of_bridge, edge.map_or(f64::NAN, |edge| bridge.around(edge, 0.0).interference)]
     }
@@ -527,7 +527,7 @@ impl Law for WetContact {
         };
         let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else {
             if let Lanes::Each(each) = lanes
-                && each.have_tops()
+                && each.have_summits()
             {
                 self.bare(each, &inner[..count], out);
             }
@@ -541,8 +541,8 @@ impl Law for WetContact {
                     *inner /= scale.length * each.at(i).cube_root;
                 }
                 let (mut radius, adhesion) = ([0.0; BLOCK], &mut solid.adhesion);
-                if each.have_tops() {
-                    outline::contacts(|i| each.top(i), &inner[..count], adhesion, &mut radius, stats);
+                if each.have_summits() {
+                    outline::contacts(|i| each.summit(i), &inner[..count], adhesion, &mut radius, stats);
                 } else {
                     elastic::contact(|i| &each.at(i).elastic, &inner[..count], adhesion, &mut radius, stats);
                 }

@@ -23,7 +23,7 @@ use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::{InnerState, LawParameters};
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
@@ -84,7 +84,7 @@ impl Attraction {
         let LawParameters { scale, path, lubricant_thickness: thickness, inner_state, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
         if inner_state == InnerState::Held {
-            emd = emd.holding();
+            emd = emd.staying();
         }
         if let (Some((lowest, _)), Some(deepest)) =
             (parameters.table_range, parameters.deepest(parameters.critical_interference))
@@ -122,12 +122,12 @@ impl Law for Attraction {
         pieces([split, second].map(|end| end.map(place)), behind.map(place), within)
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let elastic = &lane.elastic;
-        let held = top.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
+        let held = summit.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
         let jumps = [held, elastic.noncontact_fold(self.path), elastic.second_fold(self.path)];
         let place = |displacement: f64| displacement * self.length(Some(lane)) - self.thickness;
-        jumps.into_iter().chain(top.ends.edges_before).map(|kink| kink.map_or(f64::NAN, place)).collect()
+        jumps.into_iter().chain(summit.ends.edges_before).map(|kink| kink.map_or(f64::NAN, place)).collect()
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
@@ -172,9 +172,9 @@ impl Law for Attraction {
                     adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 },
             ),
-            Lanes::Each(each) if each.have_tops() => {
+            Lanes::Each(each) if each.have_summits() => {
                 let displacements = (&*displacements, self.is_held());
-                outline::attractions(|i| each.top(i), displacements, adhesion, stats);
+                outline::attractions(|i| each.summit(i), displacements, adhesion, stats);
                 for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {
                     *adhesion *= self.scale.force * each.at(i).ratio;
                 }
@@ -193,8 +193,8 @@ impl Law for Attraction {
     }
 }
 
-/// The pieces of the attraction within an interval, m: it jumps there from one branch to another at the ends of some, which are
-/// folds, or to the outer branch, whose fold is `behind`.
+/// The pieces of the attraction within an interval, m. It jumps from one branch to another at folds, the `split`s; if it jumps to the
+/// outer branch, the fold of that is `behind`.
 fn pieces(split: [Option<f64>; 2], behind: Option<f64>, within: Range<f64>) -> Vec<Piece> {
     let root = |end, place| Smoothness::Root { end, place, order: 2 };
     let splits = split.into_iter().flatten().filter(|place| within.start < *place && *place < within.end);

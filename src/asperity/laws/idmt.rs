@@ -34,7 +34,7 @@ pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Law + use<
     ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))
 }
 
-/// F_s, N, of an undeformed sphere whose distance of faces is larger than at equilibrium by a gap ≥ 0, m.
+/// F_s, N, of an undeformed sphere whose distance of surfaces is larger than at equilibrium by a gap ≥ 0, m.
 pub fn across(scale: &Scale) -> impl Fn(f64) -> f64 + Clone + Send + Sync + use<> {
     let factor = 8.0 / 3.0 * scale.force;
     let per_spacing = 1.0 / scale.equilibrium_spacing();

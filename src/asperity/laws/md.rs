@@ -15,7 +15,7 @@ use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
 use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
@@ -87,8 +87,8 @@ impl Law for MaugisContact {
         Piece::cut(within, [], [Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        vec![top.ends.edge * (self.scale.length * lane.cube_root)]
+    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        vec![summit.ends.edge * (self.scale.length * lane.cube_root)]
     }
 
     fn method(&self, _: usize) -> Method {
@@ -119,8 +119,8 @@ impl Law for MaugisContact {
                     lanes.scale_contacts(&self.scale, radius, out);
                 },
             ),
-            Lanes::Each(each) if each.have_tops() => {
-                outline::contacts(|i| each.top(i), displacements, &mut out.adhesion, radius, stats);
+            Lanes::Each(each) if each.have_summits() => {
+                outline::contacts(|i| each.summit(i), displacements, &mut out.adhesion, radius, stats);
                 lanes.scale_contacts(&self.scale, radius, out);
             }
             Lanes::Each(each) => {

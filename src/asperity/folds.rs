@@ -8,7 +8,7 @@ use crate::math::piecewise::Piecewise;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-/// Relative accuracy of the tables. Δ has no slope at a fold, so that its error is of the order of the square.
+/// Relative accuracy of the tables. At a fold Δ has no slope, so that the error of Δ is of the order of the square of this.
 const TOLERANCE: f64 = 1e-12;
 /// The first λ at which the branch before contact folds is between these.
 const FIRST_OUTER: (f64, f64) = (0.888, 0.889);

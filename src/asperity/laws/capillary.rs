@@ -454,6 +454,29 @@ impl WetContact {
         inner
     }
 
+    /// Responses under bridges alone, and δ₁, of a block of asperities at interferences δ, m.
+    fn bent(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses) -> [f64; BLOCK] {
+        let count = interference.len();
+        match lanes {
+            Lanes::Own => {
+                let (mut starts, mut roots) = ([f64::NAN; BLOCK], [0.0; BLOCK]);
+                for (root, delta) in roots.iter_mut().zip(interference) {
+                    *root = (delta - self.last.interference).max(0.0).sqrt();
+                }
+                self.starts.values(&roots[..count], &mut starts[..count]);
+                let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
+                self.bridges(|_| (1.0, self.last), start, interference, out)
+            }
+            Lanes::Each(lanes) => {
+                let of = |i: usize| {
+                    let ratio = lanes.at(i).ratio;
+                    (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
+                };
+                self.bridges(of, |_| None, interference, out)
+            }
+        }
+    }
+
     /// The contacts at δ₁, m, of summits without adhesion of their own.
     fn bare(&self, lanes: Numbered<'_>, inner: &[f64], out: &mut Responses) {
         for (i, inner) in inner.iter().enumerate() {
@@ -506,25 +529,7 @@ impl Law for WetContact {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let count = interference.len();
-        let mut inner = match lanes {
-            Lanes::Own => {
-                let (mut starts, mut roots) = ([f64::NAN; BLOCK], [0.0; BLOCK]);
-                for (root, delta) in roots.iter_mut().zip(interference) {
-                    *root = (delta - self.last.interference).max(0.0).sqrt();
-                }
-                self.starts.values(&roots[..count], &mut starts[..count]);
-                let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
-                self.bridges(|_| (1.0, self.last), start, interference, out)
-            }
-            Lanes::Each(lanes) => {
-                let of = |i: usize| {
-                    let ratio = lanes.at(i).ratio;
-                    (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
-                };
-                self.bridges(of, |_| None, interference, out)
-            }
-        };
+        let (count, mut inner) = (interference.len(), self.bent(lanes, interference, out));
         let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else {
             if let Lanes::Each(each) = lanes
                 && each.have_summits()

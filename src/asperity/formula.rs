@@ -212,7 +212,6 @@ pub struct ClosedForm<F, P, A> {
     contact: P,
     area: A,
     roots: Vec<Root>,
-    capture: Option<f64>,
     unstable_work: f64,
 }
 
@@ -226,7 +225,7 @@ impl<F: Formula> ClosedForm<F, Zero, Zero> {
 impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// Formulas for F_s, P and the area, smooth.
     pub fn new(adhesion: F, contact: P, area: A) -> Self {
-        Self { adhesion, contact, area, roots: Vec::new(), capture: None, unstable_work: 0.0 }
+        Self { adhesion, contact, area, roots: Vec::new(), unstable_work: 0.0 }
     }
 
     /// The formulas with a root: from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
@@ -238,11 +237,6 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     pub fn with_root_from(mut self, from: f64, place: f64, order: i32) -> Self {
         self.roots.push(Root { from, place, order });
         self
-    }
-
-    /// The formulas with the interference, m, from which retraction follows another branch than approach.
-    pub fn with_capture(self, interference: f64) -> Self {
-        Self { capture: Some(interference), ..self }
     }
 
     /// The formulas with ∫(P − F_s) dδ, J, along the unstable part.
@@ -265,38 +259,27 @@ impl<F: Formula, P: Formula, A: Formula> Law for ClosedForm<F, P, A> {
         pieces(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
     }
 
-    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
-        self.capture.filter(|_| lane.is_none())
-    }
-
     fn unstable_work(&self) -> f64 {
         self.unstable_work
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
         let Responses { adhesion, contact, area } = out;
         let (adhesion, contact, area) = (&mut adhesion[..count], &mut contact[..count], &mut area[..count]);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
                 || {
-                    self.adhesion.fill(interference, adhesion);
-                    self.contact.fill(interference, contact);
-                    self.area.fill(interference, area);
+                    self.adhesion.fill(at, adhesion);
+                    self.contact.fill(at, contact);
+                    self.area.fill(at, area);
                 },
             ),
             Lanes::Each(lanes) => {
-                fill_lanes(&self.adhesion, lanes, interference, adhesion);
-                fill_lanes(&self.contact, lanes, interference, contact);
-                fill_lanes(&self.area, lanes, interference, area);
+                fill_lanes(&self.adhesion, lanes, at, adhesion);
+                fill_lanes(&self.contact, lanes, at, contact);
+                fill_lanes(&self.area, lanes, at, area);
             }
         }
     }
@@ -370,15 +353,8 @@ impl Law for Constant {
         Method::Constant(self.adhesion)
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
         out.adhesion[..count].fill(self.adhesion);
         out.contact[..count].fill(0.0);
         out.area[..count].fill(0.0);

@@ -351,16 +351,9 @@ impl Law for Spanned {
         self.parts.capture(lane.unwrap_or(&self.typical))
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        let count = interference.len();
-        let forces = out.adhesion.iter_mut().zip(interference);
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
+        let forces = out.adhesion.iter_mut().zip(at);
         match lanes {
             Lanes::Own => {
                 let closed = self.closed(&self.typical);
@@ -521,15 +514,8 @@ impl Law for WetContact {
         Method::Contact
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let (count, mut inner) = (interference.len(), self.bent(lanes, interference, out));
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let (count, mut inner) = (at.len(), self.bent(lanes, at, out));
         let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else {
             if let Lanes::Each(each) = lanes
                 && each.have_summits()

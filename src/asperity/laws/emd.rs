@@ -150,20 +150,13 @@ impl Law for Attraction {
         Method::Noncontact { far: self.emd.far().map(|far| far * self.scale.length - self.thickness) }
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let count = at.len();
         let Responses { adhesion, contact, area } = out;
         area[..count].fill(0.0);
         // Where there is no load, its memory has the displacements.
         let displacements = &mut contact[..count];
-        lanes.displacements(&self.scale, self.thickness, interference, displacements);
+        lanes.displacements(&self.scale, self.thickness, at, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
@@ -181,7 +174,7 @@ impl Law for Attraction {
             }
             Lanes::Each(each) => {
                 let per_spacing = 1.0 / self.scale.equilibrium_spacing();
-                let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
+                let gap = |i: usize| 1.0 - (at[i] + self.thickness) * per_spacing;
                 let displacements = (&*displacements, self.is_held());
                 elastic::noncontact(|i| &each.at(i).elastic, gap, displacements, adhesion, stats);
                 for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {

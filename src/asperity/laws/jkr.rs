@@ -139,18 +139,11 @@ impl Law for JkrContact {
         0.4 * end * end * self.scale.energy()
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let (lowest, count) = (self.branch.anchor().displacement, interference.len());
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let (lowest, count) = (self.branch.anchor().displacement, at.len());
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
-        lanes.displacements(&self.scale, 0.0, interference, displacements);
+        lanes.displacements(&self.scale, 0.0, at, displacements);
         displacements.iter_mut().for_each(|displacement| *displacement = displacement.max(lowest));
         self.branch.solve_block(displacements, &mut out.adhesion, radius, stats);
         lanes.scale_contacts(&self.scale, radius, out);

@@ -99,18 +99,11 @@ impl Law for MaugisContact {
         self.emd.unstable_work() * self.scale.energy()
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let count = at.len();
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
-        lanes.displacements(&self.scale, 0.0, interference, displacements);
+        lanes.displacements(&self.scale, 0.0, at, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]

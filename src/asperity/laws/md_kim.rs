@@ -142,15 +142,8 @@ impl Law for ConstantStress {
         0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0) * self.scale.energy()
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        _: &mut SolverStats,
-    ) {
-        let forces = out.adhesion.iter_mut().zip(interference);
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let forces = out.adhesion.iter_mut().zip(at);
         match lanes {
             Lanes::Own => {
                 let (zone, per_length) = (self.zone(self.scale.lambda), 1.0 / self.scale.length);
@@ -171,7 +164,7 @@ impl Law for ConstantStress {
                 }
             }
         }
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
+        out.contact[..at.len()].fill(0.0);
+        out.area[..at.len()].fill(0.0);
     }
 }

@@ -658,18 +658,11 @@ impl Law for PlasticRegime {
         Method::Contact
     }
 
-    fn evaluate(
-        &self,
-        _: usize,
-        lanes: Lanes<'_>,
-        interference: &[f64],
-        out: &mut Responses,
-        stats: &mut SolverStats,
-    ) {
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         if let Lanes::Each(lanes) = lanes {
-            return self.fast.solve(self.regime, lanes, interference, out, stats);
+            return self.fast.solve(self.regime, lanes, at, out, stats);
         }
-        self.table.respond(interference, out, |missing, out| {
+        self.table.respond(at, out, |missing, out| {
             let lane = [self.exact.lane()];
             self.exact.solve(self.regime, Numbered::alike(&lane), missing, out, stats);
         });

@@ -6,7 +6,7 @@
 //! if it is not so small that its square is below rounding, the point is solved again by safeguarded Newton
 //! from the bracket.
 
-use super::curve::{Anchor, Curve, STEP_TOLERANCE, Solution, closing_step, corrected, room};
+use super::curve::{Anchor, BranchCurve, STEP_TOLERANCE, Solution, closing_step, corrected, room};
 use super::lanes::{Lanes, start_lanes, step_lanes};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
@@ -39,7 +39,7 @@ pub struct Branch<C> {
     far: Piecewise,
 }
 
-impl<C: Curve> Branch<C> {
+impl<C: BranchCurve> Branch<C> {
     /// A branch without starting tables: every solve takes the safeguarded path.
     pub fn new(curve: C, anchor: Anchor) -> Self {
         Self { curve, anchor, sign: 1.0, near: Piecewise::default(), far: Piecewise::default() }
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     /// Adhesion and radius at displacements, as bits, with one instruction set after the other.
-    fn solved<C: Curve>(branch: &Branch<C>, displacements: &[f64]) -> Vec<Vec<u64>> {
+    fn solved<C: BranchCurve>(branch: &Branch<C>, displacements: &[f64]) -> Vec<Vec<u64>> {
         let sets = InstructionSet::available().into_iter().map(|set| {
             set.select();
             let mut out = vec![vec![0.0; displacements.len()]; 2];
@@ -244,7 +244,7 @@ mod tests {
     #[derive(Clone, Copy)]
     struct Flat;
 
-    impl Curve for Flat {
+    impl BranchCurve for Flat {
         fn terms(&self, _: f64) -> [f64; 4] {
             [0.0; 4]
         }

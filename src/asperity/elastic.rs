@@ -8,7 +8,7 @@
 use super::block::BLOCK;
 use super::branch::Branch;
 use super::contact::Contact;
-use super::curve::{Anchor, Curve, corrected, last_step};
+use super::curve::{Anchor, BranchCurve, corrected, last_step};
 use super::far;
 use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
@@ -329,7 +329,7 @@ impl Lanes {
     /// A Newton step, and a second one to correct the outputs along, of every lane. `FOLD` says whether branches end
     /// at folds.
     #[inline(always)]
-    fn solve<C: Curve, const FOLD: bool>(
+    fn solve<C: BranchCurve, const FOLD: bool>(
         &mut self,
         count: usize,
         curve: impl Fn(f64, f64) -> C,
@@ -364,7 +364,7 @@ impl Lanes {
     }
 
     /// Solves the lanes again that are not good enough; no parameter is above `largest`.
-    fn finish<C: Curve, const FOLD: bool>(
+    fn finish<C: BranchCurve, const FOLD: bool>(
         &mut self,
         (count, largest): (usize, f64),
         curve: impl Fn(f64, f64) -> C,

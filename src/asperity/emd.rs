@@ -7,7 +7,7 @@
 
 use super::branch::Branch;
 use super::contact::Contact;
-use super::curve::{Anchor, Curve, Solution};
+use super::curve::{Anchor, BranchCurve, Solution};
 use super::error::LawError;
 use super::folds::inner_fold;
 use super::history::Path;

@@ -1,5 +1,6 @@
 //! Laws of the asperities of a surface: one law of all, or a law for each radius.
 
+use super::cycle::Loop;
 use super::error::LawError;
 use super::history::Path;
 use super::lane::Lane;
@@ -8,7 +9,6 @@ use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
 use super::scale::Asperity;
-use super::unloading::Loop;
 use std::ops::Deref;
 use std::sync::Arc;
 

@@ -97,7 +97,7 @@ pub fn attraction(gap: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asperity::curve::Curve;
+    use crate::asperity::curve::BranchCurve;
     use crate::asperity::noncontact::Noncontact;
 
     /// Points of the curve itself, from which τ and p follow.

@@ -40,10 +40,10 @@ pub enum ContactHistory {
     /// An asperity that has touched and is elastic.
     Touched,
     /// An asperity that has yielded.
-    Flowed,
+    Yielded,
 }
 
 impl ContactHistory {
     /// All of them, in the order in which they follow each other.
-    pub const ALL: [Self; 3] = [Self::Untouched, Self::Touched, Self::Flowed];
+    pub const ALL: [Self; 3] = [Self::Untouched, Self::Touched, Self::Yielded];
 }

@@ -1,7 +1,7 @@
 //! Lanes of a block of asperities that are solved together.
 
 use super::block::BLOCK;
-use super::curve::{Anchor, Curve, corrected, last_step};
+use super::curve::{Anchor, BranchCurve, corrected, last_step};
 use crate::math::piecewise::Cell;
 use std::ops::Range;
 
@@ -82,7 +82,7 @@ pub(super) fn start_lanes<const NEAR: bool>(
 /// that it vectorises and has the same bits on every instruction set. The slope is the table's: it is off by
 /// the table's error over the width of a cell, and is multiplied by a step that is as small.
 #[inline(always)]
-pub(super) fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
+pub(super) fn step_lanes<C: BranchCurve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
     let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
     let Lanes { displacements, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
     let [first, second, third, fourth] = terms;

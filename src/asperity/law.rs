@@ -149,7 +149,7 @@ impl Piece {
     }
 }
 
-/// Curve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of
+/// BranchCurve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of
 /// the fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitReport {
@@ -316,7 +316,7 @@ pub trait Law: Send + Sync {
     /// Interferences, m, of the kinks and jumps of the force of a flattened summit within a regime, with the lane of its apex. Every
     /// summit has the same number of them in the same order; a kink that it does not have is not finite.
     #[doc(hidden)]
-    fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _summit: &OutlinedSummit) -> Vec<f64> {
+    fn kinks_of_summit(&self, _regime: usize, _lane: &Lane, _summit: &OutlinedSummit) -> Vec<f64> {
         Vec::new()
     }
 

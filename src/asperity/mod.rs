@@ -15,6 +15,7 @@ mod condition;
 pub mod contact;
 #[doc(hidden)]
 pub mod curve;
+mod cycle;
 #[doc(hidden)]
 pub mod elastic;
 #[doc(hidden)]
@@ -27,6 +28,7 @@ mod folds;
 #[doc(hidden)]
 pub mod formula;
 mod history;
+pub(crate) mod hysteresis;
 mod lane;
 mod lanes;
 #[doc(hidden)]
@@ -34,9 +36,7 @@ pub mod law;
 #[doc(hidden)]
 pub mod laws;
 mod loading;
-pub(crate) mod memory;
-#[doc(hidden)]
-pub mod models;
+mod models;
 #[doc(hidden)]
 pub mod noncontact;
 #[doc(hidden)]
@@ -56,13 +56,12 @@ mod summit;
 mod summit_table;
 #[doc(hidden)]
 pub mod table;
-#[doc(hidden)]
-pub mod unloading;
 mod unloading_lanes;
 mod unloading_law;
 
 #[doc(hidden)]
 pub use block::{BLOCK, Responses};
+pub use cycle::Loop;
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
@@ -74,6 +73,8 @@ pub use law::{Boundary, End, Facing, FitReport, Method, Piece, Scratch, Smoothne
 pub use law::{Law, Regime};
 pub use laws::md_plastic::PlasticContact;
 pub use laws::{MODELS, model};
+#[doc(hidden)]
+pub use models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, PUBLISHED_FITS, Plasticity};
 pub use models::{Model, Validity};
 #[doc(hidden)]
 pub use parameters::InnerState;
@@ -82,9 +83,10 @@ pub use quantity::Quantity;
 pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
-pub use table::{Row, Table};
-pub use unloading::Loop;
 #[doc(hidden)]
-pub use unloading_lanes::Turned;
+pub use summit::SUMMIT_KINKS;
+pub use table::{Row, Table};
+#[doc(hidden)]
+pub use unloading_lanes::UnloadingLanes;
 #[doc(hidden)]
 pub use unloading_law::UnloadingLaw;

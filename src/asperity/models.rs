@@ -8,7 +8,6 @@ use super::law::Law;
 use super::laws::capillary;
 use super::laws::capillary::Parts;
 use super::laws::md_plastic::{PlasticContact, PlasticLoading, dry_loading};
-pub use super::laws::{MODELS, model};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
@@ -85,11 +84,11 @@ impl Model {
 
     /// The plastic contact of a law that takes any; none of one that has its own, or none.
     pub fn contact(&self) -> Option<PlasticContact> {
-        self.unloads_flow().then_some(self.contact)
+        self.has_unloading().then_some(self.contact)
     }
 
     /// Whether it has a law of unloading for contacts that have yielded.
-    pub(crate) fn unloads_flow(&self) -> bool {
+    pub(crate) fn has_unloading(&self) -> bool {
         self.validity.plasticity == Plasticity::LoadingAndUnloading
     }
 

@@ -25,7 +25,7 @@
 
 use super::angle::{AngleTerms, angle_terms, quartic_term};
 use super::block::BLOCK;
-use super::curve::Curve;
+use super::curve::BranchCurve;
 use super::noncontact::Noncontact;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;

@@ -138,8 +138,8 @@ impl Law for RadiusLaw {
         self.law.capture(lane.or(self.lane.first()))
     }
 
-    fn kinks_of_top(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
-        self.law.kinks_of_top(regime, lane, summit)
+    fn kinks_of_summit(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        self.law.kinks_of_summit(regime, lane, summit)
     }
 
     fn method(&self, regime: usize) -> Method {

@@ -14,7 +14,7 @@ use super::stats::SolverStats;
 
 /// Largest number of kinks in the force of a flattened summit: jumps of its attraction, the adhesive zone that passes the edge of
 /// the outline, and, the last two, the break of the film or bridge and the end of contact.
-pub const TOP_KINKS: usize = 10;
+pub const SUMMIT_KINKS: usize = 10;
 
 /// The flattened summit of an asperity that has yielded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,8 +27,8 @@ pub(super) struct FlattenedSummit {
     pub outlined: OutlinedSummit,
     /// λ of a sphere of the radius of the law, 0 without adhesion, and the radius of the undeformed asperity over that radius.
     pub units: [f64; 2],
-    /// Interferences, m, of its kinks ([`TOP_KINKS`]), from the lowered apex; NaN for a kink that it does not have.
-    pub kinks: [f64; TOP_KINKS],
+    /// Interferences, m, of its kinks ([`SUMMIT_KINKS`]), from the lowered apex; NaN for a kink that it does not have.
+    pub kinks: [f64; SUMMIT_KINKS],
 }
 
 impl FlattenedSummit {
@@ -40,12 +40,12 @@ impl FlattenedSummit {
             ratio: apex,
             outlined: OutlinedSummit::new(state.contact.outline(), state.zone),
             units: [lambda, sphere],
-            kinks: [f64::NAN; TOP_KINKS],
+            kinks: [f64::NAN; SUMMIT_KINKS],
         }
     }
 
     /// The distances, m, from the closest approach at which it passes its kinks.
-    pub fn passes(&self) -> [f64; TOP_KINKS] {
+    pub fn passes(&self) -> [f64; SUMMIT_KINKS] {
         self.kinks.map(|kink| self.recovery - kink)
     }
 

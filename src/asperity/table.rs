@@ -110,8 +110,8 @@ impl Law for Table {
         pieces
     }
 
-    fn kinks_of_top(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
-        self.laws[regime].kinks_of_top(0, lane, summit)
+    fn kinks_of_summit(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        self.laws[regime].kinks_of_summit(0, lane, summit)
     }
 
     fn method(&self, regime: usize) -> Method {

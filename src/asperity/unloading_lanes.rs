@@ -1,23 +1,23 @@
 //! Unloading of asperities that differ in their radii.
 //!
 //! The response of an asperity at a distance s from the closest approach follows from its ω_max, its radius
-//! and s ([`super::unloading`]). For each asperity its flattened summit, if it has yielded, and the distances at which
+//! and s ([`super::cycle`]). For each asperity its flattened summit, if it has yielded, and the distances at which
 //! its condition changes are computed once. Asperities in one condition are then evaluated together, each as a lane.
 
 use super::block::{BLOCK, Responses};
 use super::condition::Condition;
+use super::cycle::Loop;
 use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Lanes, Numbered};
 use super::stats::SolverStats;
-use super::summit::{FlattenedSummit, FlattenedSummits, TOP_KINKS};
-use super::unloading::Loop;
+use super::summit::{FlattenedSummit, FlattenedSummits, SUMMIT_KINKS};
 use std::sync::Arc;
 
 /// The number of the summit of an asperity that has not yielded.
 const NO_SUMMIT: u32 = u32::MAX;
 
 /// Asperities that unload, each of its own radius.
-pub struct Turned {
+pub struct UnloadingLanes {
     lanes: Arc<[Lane]>,
     /// ω_max of each, m, and its elastic recovery, m.
     largest: Vec<f64>,
@@ -27,7 +27,7 @@ pub struct Turned {
     /// the lowered apex.
     summits: FlattenedSummits,
     slots: Vec<u32>,
-    kinks: Vec<[f64; TOP_KINKS]>,
+    kinks: Vec<[f64; SUMMIT_KINKS]>,
     /// The conditions that asperities can be in, by number.
     conditions: Vec<Condition>,
     /// The condition of each asperity far from contact, and at the closest approach.
@@ -42,10 +42,10 @@ fn conditions(cycle: &Loop) -> Vec<Condition> {
     let (contact, back) = (cycle.first_contact, cycle.first_plastic);
     let untouched = (0..contact).map(Condition::Untouched);
     // A law without plastic deformation may end; the condition beyond has no regime.
-    let elastic = (0..back + usize::from(!cycle.flows())).map(Condition::Elastic);
-    let lowered = (0..if cycle.flows() { contact } else { 0 }).map(Condition::Detached);
-    let flowed = (back..cycle.approach().regimes().len()).map(Condition::Unloading);
-    untouched.chain(elastic).chain(lowered).chain(flowed).collect()
+    let elastic = (0..back + usize::from(!cycle.yields())).map(Condition::Elastic);
+    let lowered = (0..if cycle.yields() { contact } else { 0 }).map(Condition::Detached);
+    let yielded = (back..cycle.approach().regimes().len()).map(Condition::Unloading);
+    untouched.chain(elastic).chain(lowered).chain(yielded).collect()
 }
 
 /// The ends of the regimes of an asperity, m.
@@ -70,21 +70,21 @@ impl Ends {
     fn history(&self, cycle: &Loop, largest: f64) -> ContactHistory {
         if largest < self.capture {
             ContactHistory::Untouched
-        } else if cycle.flows() && largest > self.approach[cycle.first_plastic - 1] {
-            ContactHistory::Flowed
+        } else if cycle.yields() && largest > self.approach[cycle.first_plastic - 1] {
+            ContactHistory::Yielded
         } else {
             ContactHistory::Touched
         }
     }
 }
 
-impl Turned {
+impl UnloadingLanes {
     /// Asperities of lanes of a loop, with ω_max of each, m.
     pub fn new(cycle: &Loop, lanes: &Arc<[Lane]>, largest: Vec<f64>, stats: &mut SolverStats) -> Self {
         let (contact, back) = (cycle.first_contact, cycle.first_plastic);
         let columns = cycle.approach().boundaries().len();
         let count = largest.len();
-        let mut turned = Self {
+        let mut unloading = Self {
             lanes: Arc::clone(lanes),
             recovery: largest.clone(),
             largest,
@@ -98,46 +98,46 @@ impl Turned {
             ends: vec![Vec::with_capacity(count); columns],
         };
         let first = [0, contact, contact + back];
-        let (mut ends, mut flowed) = (Ends::default(), Vec::new());
+        let (mut ends, mut yielded) = (Ends::default(), Vec::new());
         for (i, lane) in lanes.iter().enumerate() {
-            let largest = turned.largest[i];
+            let largest = unloading.largest[i];
             // Neighbours are often alike.
             if i == 0 || lane.ratio != lanes[i - 1].ratio {
                 ends.set(cycle, lane);
             }
             let history = ends.history(cycle, largest);
-            turned.histories.push(history);
-            turned.first.push(first[history as usize] as u8);
-            if history == ContactHistory::Flowed {
+            unloading.histories.push(history);
+            unloading.first.push(first[history as usize] as u8);
+            if history == ContactHistory::Yielded {
                 let passed = ends.approach.iter().take_while(|end| largest > **end);
                 let regime = passed.count().max(back);
-                turned.deepest[i] = (first[2] + contact + regime - back) as u8;
-                flowed.push(i as u32);
+                unloading.deepest[i] = (first[2] + contact + regime - back) as u8;
+                yielded.push(i as u32);
             }
             // The number of ends that can be passed on unloading.
             let passed = match history {
                 ContactHistory::Untouched => contact - 1,
-                ContactHistory::Touched if cycle.flows() => back - 1,
+                ContactHistory::Touched if cycle.yields() => back - 1,
                 ContactHistory::Touched => columns,
-                ContactHistory::Flowed => contact,
+                ContactHistory::Yielded => contact,
             };
             let ends = if history == ContactHistory::Untouched { &ends.approach } else { &ends.retraction };
-            for (e, column) in turned.ends.iter_mut().enumerate() {
-                column.push(if e < passed { turned.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
+            for (e, column) in unloading.ends.iter_mut().enumerate() {
+                column.push(if e < passed { unloading.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
             }
         }
-        turned.flatten(cycle, &flowed, stats);
-        turned
+        unloading.flatten(cycle, &yielded, stats);
+        unloading
     }
 
     /// Computes the flattened summits of asperities that have yielded, and the distances at which their contacts end.
-    fn flatten(&mut self, cycle: &Loop, flowed: &[u32], stats: &mut SolverStats) {
-        self.summits.reserve(flowed.len());
-        self.kinks.reserve(flowed.len());
+    fn flatten(&mut self, cycle: &Loop, yielded: &[u32], stats: &mut SolverStats) {
+        self.summits.reserve(yielded.len());
+        self.kinks.reserve(yielded.len());
         for regime in cycle.first_plastic..cycle.approach().regimes().len() {
             let is_in =
                 |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
-            let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
+            let in_regime: Vec<u32> = yielded.iter().copied().filter(is_in).collect();
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
                 let mut numbers = which.iter().map(|i| *i as usize);
@@ -235,12 +235,12 @@ impl Turned {
     }
 
     /// Distances, m, of the kinks in the force of an asperity: falling; or, if it has yielded, as
-    /// [`Turned::kinks_of_top`] has them.
+    /// [`UnloadingLanes::kinks_of_summit`] has them.
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
         let (path, end) = match self.history(asperity) {
             ContactHistory::Untouched => (Path::Approach, cycle.first_contact),
             ContactHistory::Touched => (Path::Retraction, cycle.first_plastic),
-            ContactHistory::Flowed => return self.kinks_of_top(asperity).to_vec(),
+            ContactHistory::Yielded => return self.kinks_of_summit(asperity).to_vec(),
         };
         let lane = Some(&self.lanes[asperity]);
         let pieces = (0..end).flat_map(|regime| cycle.law(path).pieces_of(regime, lane));
@@ -249,7 +249,7 @@ impl Turned {
     }
 
     /// Distances, m, of the kinks of the flattened summit of an asperity, NaN for a kink that it does not have.
-    pub fn kinks_of_top(&self, asperity: usize) -> [f64; TOP_KINKS] {
+    pub fn kinks_of_summit(&self, asperity: usize) -> [f64; SUMMIT_KINKS] {
         self.kinks[self.slots[asperity] as usize].map(|kink| self.recovery[asperity] - kink)
     }
 

@@ -2,12 +2,12 @@
 
 use super::block::{BLOCK, Responses};
 use super::condition::{AtDistance, Condition};
+use super::cycle::Loop;
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::response_table::ResponseTable;
 use super::stats::SolverStats;
-use super::summit::{FlattenedSummits, TOP_KINKS};
-use super::unloading::Loop;
+use super::summit::{FlattenedSummits, SUMMIT_KINKS};
 use crate::math::roots::false_position;
 use std::ops::Range;
 use std::sync::{Arc, PoisonError};
@@ -95,7 +95,7 @@ impl Loop {
         for largest in boundaries.iter().map(|end| end.interference) {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
-            if self.flows() {
+            if self.yields() {
                 let above = self.summit_of(largest + BESIDE * largest.abs());
                 let passes = above.passes();
                 meetings.push(passes[self.end_kink(self.first_contact - 1)] + further[self.first_contact]);
@@ -104,7 +104,7 @@ impl Loop {
             }
         }
         // The distances at which summits pass their kinks jump at a joint.
-        for joint in boundaries.iter().skip(1).filter(|_| self.flows()) {
+        for joint in boundaries.iter().skip(1).filter(|_| self.yields()) {
             meetings.extend(self.summit_of(joint.interference).passes());
         }
         meetings
@@ -138,10 +138,10 @@ impl<'a> UnloadingLaw<'a> {
             let end = lower(shifted(approach.boundaries()[regime]), captured);
             law.push(Condition::Untouched(regime), regimes, Some(end));
         }
-        let flows = cycle.flows();
+        let yields = cycle.yields();
         // A law of loading alone has no force beyond its end on approach, but again when it has unloaded to below that.
         let onset =
-            approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
+            approach.boundaries().get(first_plastic - 1).map(|end| if yields { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
             let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
             let end = end.map(|end| higher(shifted(*end), captured));
@@ -151,7 +151,7 @@ impl<'a> UnloadingLaw<'a> {
             };
             law.push(Condition::Elastic(regime), regimes, end);
         }
-        if let Some(onset) = onset.filter(|_| flows) {
+        if let Some(onset) = onset.filter(|_| yields) {
             push_yielded(&mut law, cycle, onset, detached);
         }
         Self { cycle, at: Arc::new(law) }
@@ -264,7 +264,7 @@ impl<'a> UnloadingLaw<'a> {
                     continue;
                 }
                 // The last two are ends of regimes.
-                for kink in 0..TOP_KINKS - 2 {
+                for kink in 0..SUMMIT_KINKS - 2 {
                     let [low, high] = [i, i + 1].map(|i| self.at.distance - stretch.kinks[i][kink]);
                     let is_between = low.is_finite() && high.is_finite() && (low > 0.0) != (high > 0.0);
                     if is_between {

@@ -8,8 +8,8 @@ pub(super) use pairs::{Pair, Pairs};
 use super::Job;
 use super::curves::Curves;
 use super::sums::RegimeSums;
-use crate::asperity::unloading::TOP_KINKS;
-use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};
+use crate::asperity::SUMMIT_KINKS;
+use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, UnloadingLanes};
 use crate::asperity::{Lane, Lanes};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::lane_sum;
@@ -34,7 +34,7 @@ pub(super) struct PulledBack {
     closest: f64,
     /// Whether a second approach follows.
     is_repeated: bool,
-    turned: Turned,
+    turned: UnloadingLanes,
 }
 
 /// Memory for the sums of some asperities after the other.
@@ -199,7 +199,7 @@ impl PulledBack {
     ) -> Self {
         let closest = job.surface.asperity_separation(from);
         let largest = heights.iter().map(|height| height - closest).collect();
-        let turned = Turned::new(cycle, lanes, largest, stats);
+        let turned = UnloadingLanes::new(cycle, lanes, largest, stats);
         Self { from, closest, is_repeated: cycle.again().is_some(), turned }
     }
 
@@ -276,8 +276,9 @@ impl PulledBack {
     }
 
     /// The separations d, m, of the kinks of asperities, all of which have flowed; NaN of kinks that they do not have.
-    pub fn top_kinks(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
-        (0..self.turned.count()).map(|i| self.turned.kinks_of_top(i).map(|distance| self.closest + distance))
+    pub fn top_kinks(&self) -> impl Iterator<Item = [f64; SUMMIT_KINKS]> + use<'_> {
+        (0..self.turned.count())
+            .map(|i| self.turned.kinks_of_summit(i).map(|distance| self.closest + distance))
     }
 
     /// The history of an asperity.

@@ -4,18 +4,18 @@ use super::Job;
 use super::kinks::{KINKS, Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{State, Sums};
-use crate::asperity::unloading::TOP_KINKS;
+use crate::asperity::SUMMIT_KINKS;
 use crate::asperity::{ContactHistory, Loop};
 use std::ops::Range;
 
 /// The index of asperities that have flowed.
-const FLOWED: usize = ContactHistory::Flowed as usize;
+const FLOWED: usize = ContactHistory::Yielded as usize;
 /// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
 /// Largest ratio of the strays of tops that have flowed to these of the tops that were looked at.
 const UNLIKE: f64 = 1.5;
 /// Kinks of a top that has flowed, the last two the ends of its film or bridge and of contact.
-const OF_TOP: usize = TOP_KINKS;
+const OF_TOP: usize = SUMMIT_KINKS;
 
 /// A surface on retraction from one separation, all heights held.
 pub(super) struct Retracted<'a> {

@@ -154,7 +154,7 @@ impl Sums {
     pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
         let d = |h: f64| job.surface.asperity_separation(h);
         match state.turned(job) {
-            Some((cycle, from, to)) if cycle.flows() => {
+            Some((cycle, from, to)) if cycle.yields() => {
                 self.flattened((job, cycle), heights, (from, d(from)), (to, d(to)));
             }
             Some((cycle, from, to)) => {
@@ -174,7 +174,7 @@ impl Sums {
         (from, closest): (f64, f64),
         (to, d): (f64, f64),
     ) {
-        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
+        let first = heights.partition_point(|u| !cycle.has_yielded(u - closest));
         let is_common =
             from == job.separations[0] && job.separations.binary_search_by(|own| own.total_cmp(&to)).is_ok();
         if is_common && heights.len() - first >= MANY_TOPS {
@@ -223,7 +223,7 @@ impl Sums {
     pub fn few(&mut self, cycle: &Loop, (heights, tops): (&[f64], &[u32]), (closest, d): (f64, f64)) -> f64 {
         if heights.is_empty() {
             self.regimes.fill(RegimeSums::default());
-        } else if cycle.flows() {
+        } else if cycle.yields() {
             self.elastic(cycle, heights, (closest, d));
         } else {
             let law = cycle.at(d - closest);

@@ -1,7 +1,7 @@
 //! Reasons for which an experiment ends without its result.
 
 use crate::asperity::LawError;
-use crate::asperity::models::MODELS;
+use crate::asperity::MODELS;
 use crate::output::OutputError;
 use crate::scene::{SceneError, former_value, nearest};
 use std::path::{Path, PathBuf};

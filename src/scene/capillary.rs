@@ -2,7 +2,7 @@
 
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::liquid::{Bridges, Film, Liquid, LiquidError, Meniscus, Volume};
 use toml::de::DeValue;
 

@@ -6,7 +6,7 @@ use super::files::{Files, Input};
 use super::films::Films;
 use super::instability::Instability;
 use super::substrate::Substrate;
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
     Family, InnerState, LawError, LawParameters, Loop, Path, PlasticContact, SurfaceLaws, SurfaceLoops,

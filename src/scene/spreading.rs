@@ -13,7 +13,7 @@
 //! surface with the asperities of the scene, m₂ = m₄/(6π√3η), m₄ = (3√π/8R)² ([`crate::surface::Spectrum`]).
 
 use super::Scene;
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::{LawError, LawParameters, Path, Quantity, Regime};
 use crate::integral::{Expectations, RetractionModel};
 use crate::liquid::{Bridges, Filling, Meniscus, Spread, Spreads, Volume, weight};

@@ -16,7 +16,7 @@ use super::files::Files;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::{COUPLING, place, uncouple};
-use crate::asperity::models::{Model, PUBLISHED_FITS, model};
+use crate::asperity::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
 

@@ -11,8 +11,8 @@ use super::choices::{
 use super::keys::{Key, Sign, Value, key};
 use super::shape::SHAPES;
 use super::units::Dimension as Of;
+use crate::asperity::MODELS;
 use crate::asperity::PlasticContact;
-use crate::asperity::models::MODELS;
 use crate::engine::{Estimator, SCALARS};
 use crate::liquid::{Bridges, Volume};
 use crate::surface::{CountLaw, SamplingScheme};

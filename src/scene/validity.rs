@@ -6,8 +6,8 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
-use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::scale::{Asperity, STRESS_RATIO};
+use crate::asperity::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
@@ -268,7 +268,7 @@ fn flow_onset(law: &dyn Law) -> Option<f64> {
 /// Whether enough contacts of a replica yield before the surfaces turn back, under a law that takes any plastic contact, for the
 /// pull-off to depend on which: on approach the contacts agree within 1 %. Where radii scatter, contacts of small ones yield sooner.
 pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool {
-    let Some(onset) = flow_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
+    let Some(onset) = flow_onset(law).filter(|_| scene.model.has_unloading()) else { return false };
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
     let count = scene.surface.asperity_count as f64;
     let mut turns = readings.iter().filter(|reading| reading.what == WhatIsRead::Turn);
@@ -277,7 +277,7 @@ pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool
 
 /// The share of asperities that flow under a law before they are pulled back, and then are tops of outlines of their own.
 pub(crate) fn share_of_tops(scene: &Scene, law: &dyn Law) -> f64 {
-    let onset = flow_onset(law).filter(|_| scene.turns() && scene.model.unloads_flow());
+    let onset = flow_onset(law).filter(|_| scene.turns() && scene.model.has_unloading());
     onset.map_or(0.0, |onset| share_beyond(scene, onset, scene.separations[0]))
 }
 
@@ -323,7 +323,7 @@ fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
 /// Whether summits are pressed so far that the fit of the radius that they keep is uncertain.
 fn flattened(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning> {
     let flow = scene.asperity.critical_interference();
-    if !model.unloads_flow() {
+    if !model.has_unloading() {
         return None;
     }
     let beyond = |turn: &&Reading| share_beyond(scene, LARGEST_FITTED * flow, turn.separation);

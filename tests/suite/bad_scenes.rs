@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use stiction::asperity::models::{MODELS, Model, Plasticity};
+use stiction::asperity::{MODELS, Model, Plasticity};
 use stiction::estimate::Plan;
 use stiction::input::columns::SceneFiles;
 use stiction::scene::{Absent, Document, KEYS, Key, Value};

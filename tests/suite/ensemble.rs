@@ -3,7 +3,7 @@
 
 use crate::common::{brute_force, case, ensemble, law};
 use stiction::asperity::emd::{ContactState, Emd};
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Family, Law, Laws, Path, Quantity, SolverStats, SurfaceLaws};
 use stiction::engine::moments::MomentMatrix;

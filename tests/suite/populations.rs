@@ -2,7 +2,7 @@
 //! against the integral, and what does not depend on what.
 
 use crate::common::{case, ensemble, job, law, respond};
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
 use stiction::engine::Draw;
 use stiction::integral::Expectations;

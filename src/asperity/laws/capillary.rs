@@ -502,7 +502,7 @@ impl Law for WetContact {
         Self::pieces_in(lane.map_or(self.last, own).interference, within)
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
         let of_solid = self.parts.solid.map(|scale| summit.ends.edge * (scale.length * lane.cube_root));

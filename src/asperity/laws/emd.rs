@@ -122,7 +122,7 @@ impl Law for Attraction {
         pieces([split, second].map(|end| end.map(place)), behind.map(place), within)
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let elastic = &lane.elastic;
         let held = summit.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
         let jumps = [held, elastic.noncontact_fold(self.path), elastic.second_fold(self.path)];

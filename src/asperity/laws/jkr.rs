@@ -16,7 +16,7 @@
 
 use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::branch::Branch;
-use crate::asperity::curve::{Anchor, Curve, CurvePoint};
+use crate::asperity::curve::{Anchor, BranchCurve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
@@ -61,7 +61,7 @@ impl JkrCurve {
     }
 }
 
-impl Curve for JkrCurve {
+impl BranchCurve for JkrCurve {
     #[inline(always)]
     fn terms(&self, x: f64) -> [f64; 4] {
         [1.0 / x, 0.0, 0.0, 0.0]

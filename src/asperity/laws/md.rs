@@ -87,7 +87,7 @@ impl Law for MaugisContact {
         Piece::cut(within, [], [Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
-    fn kinks_of_top(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         vec![summit.ends.edge * (self.scale.length * lane.cube_root)]
     }
 

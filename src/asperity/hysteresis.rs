@@ -12,15 +12,15 @@
 //!
 //! Laws of loading alone retrace their approach in every state.
 //!
-//! Source of the unloading: [`super::unloading`].
+//! Source of the unloading: [`super::cycle`].
 
 use super::block::Responses;
+use super::cycle::Loop;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
 use super::stats::SolverStats;
 use super::summit::FlattenedSummits;
-use super::unloading::Loop;
 use std::ops::{Deref, Range};
 
 /// Order n of the root δ^(1/n) in which the load on unloading is treated as smooth. The load grows about as δ^(3/2), which is a
@@ -33,7 +33,7 @@ pub(crate) enum Source {
     /// A regime of the law along a path, at δ.
     Law(Path, usize),
     /// A regime of the law along a path before contact, of the lowered summit.
-    Lowered(Path, usize),
+    Detached(Path, usize),
     /// A contact that has yielded, below ω_max.
     Unloading,
     /// No force, beyond the end of the law.
@@ -56,14 +56,14 @@ pub(crate) struct Segment {
 }
 
 /// A value that is borrowed or owned; other than [`std::borrow::Cow`] it need not be cloned.
-pub(crate) enum Held<'a, T: ?Sized> {
+pub(crate) enum MaybeOwned<'a, T: ?Sized> {
     /// Borrowed.
     Shared(&'a T),
     /// Owned.
     Own(Box<T>),
 }
 
-impl<T: ?Sized> Deref for Held<'_, T> {
+impl<T: ?Sized> Deref for MaybeOwned<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -75,16 +75,16 @@ impl<T: ?Sized> Deref for Held<'_, T> {
 }
 
 /// The laws of an asperity of one radius, with hysteresis or without.
-pub(crate) enum Memory<'a> {
+pub(crate) enum Hysteresis<'a> {
     /// A law without hysteresis: retraction retraces approach.
-    None(Held<'a, dyn Law + 'a>),
+    None(MaybeOwned<'a, dyn Law + 'a>),
     /// The laws of a loop.
-    Loop(Held<'a, Loop>),
+    Loop(MaybeOwned<'a, Loop>),
 }
 
 /// An asperity that has yielded.
 #[derive(Clone, Debug)]
-pub(crate) struct Flowed {
+pub(crate) struct Yielded {
     /// ω_max, m.
     pub largest: f64,
     /// Its summit.
@@ -97,7 +97,7 @@ pub(crate) struct Flowed {
     pub untouched: usize,
 }
 
-impl Memory<'_> {
+impl Hysteresis<'_> {
     /// The law along a path.
     pub fn law(&self, path: Path) -> &dyn Law {
         match (self, path) {
@@ -137,7 +137,7 @@ impl Memory<'_> {
             last.upper = last.upper.min(cycle.capture);
         }
         let critical = cycle.critical();
-        let elastic = if cycle.flows() { cycle.first_plastic } else { usize::MAX };
+        let elastic = if cycle.yields() { cycle.first_plastic } else { usize::MAX };
         let mut touched = pieces(cycle.retraction(), Path::Retraction, 0..elastic);
         let lost = cycle.lost();
         let is_end = |segment: &Segment| segment.source == Source::Nothing;
@@ -145,7 +145,7 @@ impl Memory<'_> {
         if let Some(first) = touched.first_mut() {
             first.lower = first.lower.max(lost);
         }
-        if cycle.flows() {
+        if cycle.yields() {
             touched.extend(approach.into_iter().filter(|segment| segment.lower >= critical));
         }
         let count = untouched.len();
@@ -153,9 +153,9 @@ impl Memory<'_> {
     }
 
     /// The state of an asperity that has yielded to ω_max, m; none below ω_c, or of a law of loading alone.
-    pub fn flowed(&self, largest: f64) -> Option<Flowed> {
+    pub fn yielded(&self, largest: f64) -> Option<Yielded> {
         let Self::Loop(cycle) = self else { return None };
-        if !cycle.has_flowed(largest) {
+        if !cycle.has_yielded(largest) {
             return None;
         }
         let summit = cycle.summit_of(largest);
@@ -174,7 +174,7 @@ impl Memory<'_> {
         virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
         contact.append(&mut virgin);
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
-        Some(Flowed {
+        Some(Yielded {
             largest,
             summits,
             regime,
@@ -186,19 +186,19 @@ impl Memory<'_> {
     /// F_s, N, P, N, and the area, m², of an asperity that has yielded, at δ, m, within one of its segments.
     pub fn respond(
         &self,
-        flowed: &Flowed,
+        yielded: &Yielded,
         segment: &Segment,
         interference: f64,
         out: &mut Responses,
         stats: &mut SolverStats,
     ) -> [f64; 3] {
         let Self::Loop(cycle) = self else { return [0.0; 3] };
-        let distance = flowed.largest - interference;
-        let mut of_summit = |law| flowed.summits.respond_all(law, distance, out, stats);
+        let distance = yielded.largest - interference;
+        let mut of_summit = |law| yielded.summits.respond_all(law, distance, out, stats);
         match segment.source {
             Source::Nothing => return [0.0; 3],
             Source::Unloading => of_summit((cycle.retraction(), cycle.first_contact)),
-            Source::Lowered(path, regime) => of_summit((self.law(path), regime)),
+            Source::Detached(path, regime) => of_summit((self.law(path), regime)),
             Source::Law(path, regime) => {
                 self.law(path).evaluate(regime, Lanes::Own, &[interference], out, stats)
             }
@@ -233,7 +233,7 @@ fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Seg
     segments.retain(|segment| segment.lower < to && segment.upper > from);
     for segment in &mut segments {
         if let Source::Law(path, regime) = segment.source {
-            segment.source = Source::Lowered(path, regime);
+            segment.source = Source::Detached(path, regime);
         }
         segment.lower = segment.lower.max(from) + residual;
         segment.upper = segment.upper.min(to) + residual;

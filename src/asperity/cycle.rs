@@ -39,8 +39,7 @@ use super::radius::RadiusLaw;
 use super::scale::Scale;
 use super::solved::SolvedAsperity;
 use super::stats::SolverStats;
-pub use super::summit::TOP_KINKS;
-use super::summit::{FlattenedSummit, FlattenedSummits};
+use super::summit::{FlattenedSummit, FlattenedSummits, SUMMIT_KINKS};
 use super::summit_table::SummitTable;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -50,7 +49,7 @@ pub(super) struct Stretch {
     /// ω_max, m, rising.
     pub places: [f64; PLACES],
     /// Distances of the kinks from the closest approach, m.
-    pub kinks: [[f64; TOP_KINKS]; PLACES],
+    pub kinks: [[f64; SUMMIT_KINKS]; PLACES],
 }
 
 /// Joints closer than this share are one.
@@ -135,7 +134,7 @@ impl Loop {
         let first_contact = approach.first_contact();
         let regimes = approach.regimes();
         let lambda = retraction.radius_dependence().lambda();
-        let plastic = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.unloads_flow());
+        let plastic = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.has_unloading());
         Ok(Self {
             capture: capture_of(approach.as_ref(), first_contact),
             first_contact,
@@ -210,7 +209,7 @@ impl Loop {
     }
 
     /// Whether its asperities yield, and unload along another branch.
-    pub fn flows(&self) -> bool {
+    pub fn yields(&self) -> bool {
         self.loading.is_some()
     }
 
@@ -223,8 +222,8 @@ impl Loop {
     pub fn history(&self, largest: f64) -> ContactHistory {
         if largest < self.capture {
             ContactHistory::Untouched
-        } else if self.flows() && largest > self.critical() {
-            ContactHistory::Flowed
+        } else if self.yields() && largest > self.critical() {
+            ContactHistory::Yielded
         } else {
             ContactHistory::Touched
         }
@@ -236,8 +235,8 @@ impl Loop {
     }
 
     /// Whether an asperity of the interference ω_max, m, has yielded.
-    pub fn has_flowed(&self, largest: f64) -> bool {
-        self.history(largest) == ContactHistory::Flowed
+    pub fn has_yielded(&self, largest: f64) -> bool {
+        self.history(largest) == ContactHistory::Yielded
     }
 
     /// Interferences, m, rising, at which the force on retraction is not smooth: of asperities that have not touched, and of elastic
@@ -253,9 +252,9 @@ impl Loop {
         [untouched.collect(), elastic]
     }
 
-    /// The kinks ([`TOP_KINKS`]) of the summit of an asperity that has yielded to ω_max, m: interferences, m, from the lowered apex,
+    /// The kinks ([`SUMMIT_KINKS`]) of the summit of an asperity that has yielded to ω_max, m: interferences, m, from the lowered apex,
     /// NaN for a kink that it does not have.
-    pub fn flattened_kinks(&self, largest: f64) -> [f64; TOP_KINKS] {
+    pub fn flattened_kinks(&self, largest: f64) -> [f64; SUMMIT_KINKS] {
         self.kinks_of(&self.summit_of(largest))
     }
 
@@ -268,7 +267,7 @@ impl Loop {
                 let place = |i: usize| from + width * share(i) * share(i);
                 let places: [f64; PLACES] =
                     std::array::from_fn(|i| place(i).max(from + SAME * from.abs()).min(ends[1].next_down()));
-                let mut kinks = [[f64::NAN; TOP_KINKS]; PLACES];
+                let mut kinks = [[f64::NAN; SUMMIT_KINKS]; PLACES];
                 let mut rows = kinks.iter_mut();
                 self.summits(&places, &mut SolverStats::default(), |summit| {
                     rows.next().into_iter().for_each(|row| *row = summit.passes());
@@ -299,20 +298,20 @@ impl Loop {
     }
 
     /// The interferences, m, from the lowered apex, of the kinks of a summit.
-    pub(super) fn kinks_of(&self, summit: &FlattenedSummit) -> [f64; TOP_KINKS] {
+    pub(super) fn kinks_of(&self, summit: &FlattenedSummit) -> [f64; SUMMIT_KINKS] {
         let lane = summit.lane();
-        let mut kinks = [f64::NAN; TOP_KINKS];
+        let mut kinks = [f64::NAN; SUMMIT_KINKS];
         let mut lower = f64::NEG_INFINITY;
         let mut count = 0;
         for regime in 0..=self.first_contact {
             let is_contact = regime == self.first_contact;
             let upper = if is_contact { summit.recovery } else { self.leaves(regime, &lane) };
-            let own = self.retraction.kinks_of_top(regime, &lane, &summit.outlined).into_iter();
+            let own = self.retraction.kinks_of_summit(regime, &lane, &summit.outlined).into_iter();
             for kink in own {
                 if kink.is_finite() && lower < kink && kink < upper {
                     kinks[count] = kink;
                 }
-                count = (count + 1).min(TOP_KINKS - 3);
+                count = (count + 1).min(SUMMIT_KINKS - 3);
             }
             lower = upper;
         }
@@ -324,7 +323,7 @@ impl Loop {
 
     /// The number of the kink at which an unloading summit enters a regime before contact.
     pub(super) fn end_kink(&self, regime: usize) -> usize {
-        TOP_KINKS + regime - self.first_contact
+        SUMMIT_KINKS + regime - self.first_contact
     }
 
     /// Whether an asperity has the radius of the loop.
@@ -357,14 +356,14 @@ impl Loop {
 
     /// The elastic recovery ω_max − ω_r, m, of an asperity of the interference ω_max, m: all of it up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
-        if self.flows() && largest > self.critical() { self.summit_of(largest).recovery } else { largest }
+        if self.yields() && largest > self.critical() { self.summit_of(largest).recovery } else { largest }
     }
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
     /// none if it has not touched.
     pub fn detachment(&self, largest: f64) -> Option<f64> {
         (largest >= self.touch()).then(|| {
-            if self.flows() && largest > self.critical() {
+            if self.yields() && largest > self.critical() {
                 self.left_at(self.first_contact - 1, largest)
             } else {
                 largest - self.release()
@@ -379,7 +378,7 @@ impl Loop {
 
     /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing has yielded.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.flows() && largest > self.critical() {
+        if self.yields() && largest > self.critical() {
             self.summit_of(largest).ratio / self.ratio
         } else {
             1.0
@@ -468,7 +467,7 @@ impl Loop {
 
     /// The interference, m, from which asperities yield and unload by their outlines; infinite if none does.
     pub fn onset(&self) -> f64 {
-        if self.flows() { self.critical() } else { f64::INFINITY }
+        if self.yields() { self.critical() } else { f64::INFINITY }
     }
 
     /// End of the elastic regime, m.

@@ -220,13 +220,7 @@ impl Loop {
 
     /// The history of an asperity of the interference ω_max, m.
     pub fn history(&self, largest: f64) -> ContactHistory {
-        if largest < self.capture {
-            ContactHistory::Untouched
-        } else if self.yields() && largest > self.critical() {
-            ContactHistory::Yielded
-        } else {
-            ContactHistory::Touched
-        }
+        ContactHistory::of(largest, self.capture, self.onset())
     }
 
     /// The loop of the second approach, if there is one: its law on retraction is that of asperities that approach again.
@@ -356,14 +350,14 @@ impl Loop {
 
     /// The elastic recovery ω_max − ω_r, m, of an asperity of the interference ω_max, m: all of it up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
-        if self.yields() && largest > self.critical() { self.summit_of(largest).recovery } else { largest }
+        if largest > self.onset() { self.summit_of(largest).recovery } else { largest }
     }
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
     /// none if it has not touched.
     pub fn detachment(&self, largest: f64) -> Option<f64> {
         (largest >= self.touch()).then(|| {
-            if self.yields() && largest > self.critical() {
+            if largest > self.onset() {
                 self.left_at(self.first_contact - 1, largest)
             } else {
                 largest - self.release()
@@ -378,11 +372,7 @@ impl Loop {
 
     /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing has yielded.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.yields() && largest > self.critical() {
-            self.summit_of(largest).ratio / self.ratio
-        } else {
-            1.0
-        }
+        if largest > self.onset() { self.summit_of(largest).ratio / self.ratio } else { 1.0 }
     }
 
     /// The flattened summit of an asperity of the interference ω_max, m, above ω_c.

@@ -16,15 +16,6 @@ use super::scale::Scale;
 use super::stats::SolverStats;
 use crate::math::piecewise::{Piecewise, leading};
 
-/// The branch that an asperity is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactState {
-    /// Before contact.
-    Noncontact,
-    /// In contact.
-    Contact,
-}
-
 /// The law for one λ and one history, in scaled form.
 #[derive(Clone, Debug)]
 pub struct Emd {
@@ -168,11 +159,11 @@ impl Emd {
     }
 
     /// The state at any displacement: the branch that the history selects.
-    pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> (ContactState, Solution) {
+    pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
         if displacement >= self.end {
-            (ContactState::Contact, self.contact(displacement, stats))
+            self.contact(displacement, stats)
         } else {
-            (ContactState::Noncontact, self.noncontact(displacement, stats))
+            self.noncontact(displacement, stats)
         }
     }
 

@@ -50,9 +50,7 @@ impl Lane {
             logarithm: libm::log(ratio),
         }
     }
-}
 
-impl Lane {
     /// The asperity of a flattened summit whose apex has the radius ρ = `ratio`, with the branches of its outline if the law solves
     /// them.
     pub(super) fn of_summit(ratio: f64, summit: Option<&OutlinedSummit>) -> Self {

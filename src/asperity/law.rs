@@ -205,12 +205,7 @@ pub enum RadiusDependence {
 }
 
 impl RadiusDependence {
-    /// That of a law which solves elastic branches if it has a λ.
-    pub fn of_lambda(lambda: Option<f64>) -> Self {
-        lambda.map_or(Self::Formulas, Self::Elastic)
-    }
-
-    /// λ of the law's own radius, if it solves elastic branches.
+    /// λ of the law's own radius, if the law solves elastic branches.
     pub fn lambda(self) -> Option<f64> {
         match self {
             Self::Elastic(lambda) => Some(lambda),
@@ -218,7 +213,7 @@ impl RadiusDependence {
         }
     }
 
-    /// That of two laws together.
+    /// The dependence of two laws together.
     pub fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::Unknown, _) | (_, Self::Unknown) => Self::Unknown,

@@ -68,13 +68,8 @@ impl Ends {
 
     /// The history of an asperity with these ends, which has been at ω_max, m.
     fn history(&self, cycle: &Loop, largest: f64) -> ContactHistory {
-        if largest < self.capture {
-            ContactHistory::Untouched
-        } else if cycle.yields() && largest > self.approach[cycle.first_plastic - 1] {
-            ContactHistory::Yielded
-        } else {
-            ContactHistory::Touched
-        }
+        let onset = if cycle.yields() { self.approach[cycle.first_plastic - 1] } else { f64::INFINITY };
+        ContactHistory::of(largest, self.capture, onset)
     }
 }
 

@@ -340,7 +340,7 @@ impl Spanned {
 
 impl Law for Spanned {
     fn radius_dependence(&self) -> RadiusDependence {
-        RadiusDependence::of_lambda(self.parts.lambda())
+        self.parts.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
     fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
@@ -494,7 +494,7 @@ impl WetContact {
 
 impl Law for WetContact {
     fn radius_dependence(&self) -> RadiusDependence {
-        RadiusDependence::of_lambda(self.parts.lambda())
+        self.parts.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
     fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {

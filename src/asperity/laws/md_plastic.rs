@@ -635,7 +635,7 @@ impl PlasticRegime {
 
 impl Law for PlasticRegime {
     fn radius_dependence(&self) -> RadiusDependence {
-        RadiusDependence::of_lambda(self.exact.lambda())
+        self.exact.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
     fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {

@@ -5,7 +5,7 @@ mod common;
 
 use common::{job, scene};
 use divan::{Bencher, counter::ItemsCount};
-use stiction::asperity::models::{MODELS, model};
+use stiction::asperity::{MODELS, model};
 use stiction::engine::moments::{LANES, MomentMatrix};
 use stiction::engine::{Job, Protocol, Workspace};
 use stiction::integral::Expectations;

@@ -6,7 +6,7 @@
 //! if it is not so small that its square is below rounding, the point is solved again by safeguarded Newton
 //! from the bracket.
 
-use super::curve::{Anchor, Curve, STEP_TOLERANCE, Solution, closing_step, corrected, room};
+use super::curve::{Anchor, BranchCurve, STEP_TOLERANCE, Solution, closing_step, corrected, room};
 use super::lanes::{Lanes, start_lanes, step_lanes};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
@@ -14,8 +14,8 @@ use crate::math::piecewise::{Piecewise, leading};
 use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};
 use std::cell::RefCell;
 
-/// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that
-/// ended.
+/// Largest number of evaluations of a solve: one from a table, then the bracketed search, and one at its
+/// end.
 pub const MOST_EVALUATIONS: u64 = MAX_EVALUATIONS as u64 + 2;
 /// Distance from a fold up to which tables are over its root.
 const NEAR: f64 = 0.5;
@@ -39,7 +39,7 @@ pub struct Branch<C> {
     far: Piecewise,
 }
 
-impl<C: Curve> Branch<C> {
+impl<C: BranchCurve> Branch<C> {
     /// A branch without starting tables: every solve takes the safeguarded path.
     pub fn new(curve: C, anchor: Anchor) -> Self {
         Self { curve, anchor, sign: 1.0, near: Piecewise::default(), far: Piecewise::default() }
@@ -104,7 +104,7 @@ impl<C: Curve> Branch<C> {
         });
     }
 
-    /// Starting points of all lanes that the tables have, which it counts.
+    /// Sets the starting points of all lanes that are in the tables, and returns their number.
     #[inline(always)]
     fn start(&self, lanes: &mut Lanes, count: usize) -> u64 {
         let (anchor, sign) = (&self.anchor, self.sign);
@@ -140,7 +140,7 @@ impl<C: Curve> Branch<C> {
         started
     }
 
-    /// Solves the lanes again whose step was not good enough, and notes the largest residual.
+    /// Solves the lanes again whose step was too large, and records the largest residual.
     #[inline(always)]
     fn finish(
         &self,
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     /// Adhesion and radius at displacements, as bits, with one instruction set after the other.
-    fn solved<C: Curve>(branch: &Branch<C>, displacements: &[f64]) -> Vec<Vec<u64>> {
+    fn solved<C: BranchCurve>(branch: &Branch<C>, displacements: &[f64]) -> Vec<Vec<u64>> {
         let sets = InstructionSet::available().into_iter().map(|set| {
             set.select();
             let mut out = vec![vec![0.0; displacements.len()]; 2];
@@ -244,7 +244,7 @@ mod tests {
     #[derive(Clone, Copy)]
     struct Flat;
 
-    impl Curve for Flat {
+    impl BranchCurve for Flat {
         fn terms(&self, _: f64) -> [f64; 4] {
             [0.0; 4]
         }

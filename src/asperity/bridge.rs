@@ -209,7 +209,7 @@ impl Bridge {
         Wetted { interference, ..state }
     }
 
-    /// The state within which the faces are as near as without the bridge at an interference, m: a contact of the radius
+    /// The state within which the surfaces are as near as without the bridge at an interference, m: a contact of the radius
     /// √(R `inner`), or the gap −`inner` in the middle. Its angle is searched for from `start`, if that is above 0.
     pub fn around(&self, inner: f64, start: f64) -> Wetted {
         if !(inner > 0.0) {
@@ -277,7 +277,7 @@ impl Bridge {
     }
 }
 
-/// A bridge that keeps its liquid while the faces part.
+/// A bridge that keeps its liquid while the surfaces are separated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closed {
     bridge: Bridge,
@@ -309,7 +309,7 @@ impl Closed {
         }
     }
 
-    /// σ and dσ/dc at c and D. Where the faces are too soft for any, that at which they are just stable.
+    /// σ and dσ/dc at c and D. Where the surfaces are too soft for any, that at which they are just stable.
     fn tension(&self, c: f64, distance: f64) -> (f64, f64) {
         let Bridge { radius, compliance, stress, .. } = self.bridge;
         let soft = 2.0 * compliance / stress * self.energy;
@@ -449,7 +449,7 @@ mod tests {
         }
     }
 
-    /// The gap in the middle that a state has is that which it was asked for.
+    /// States that are searched for by their gap in the middle have this gap.
     #[test]
     fn states_are_found_by_their_gap() {
         for modulus in [1e30, 70e9, 1e9] {

@@ -15,7 +15,7 @@
 //! before first touch; the stable branch is 0 < θ ≤ θ_fold.
 
 use super::angle::{AngleTerms, angle_terms};
-use super::curve::{Curve, CurvePoint};
+use super::curve::{BranchCurve, CurvePoint};
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::roots::{Sample, safe_newton};
 
@@ -124,7 +124,7 @@ struct Evaluated {
     state: CurvePoint,
 }
 
-impl Curve for Contact {
+impl BranchCurve for Contact {
     #[inline(always)]
     fn terms(&self, angle: f64) -> [f64; 4] {
         let AngleTerms { sin, cos, quadratic, linear } = angle_terms(angle);

@@ -30,7 +30,7 @@ pub struct CurvePoint {
 }
 
 /// A curve on which Δ falls with the parameter.
-pub trait Curve: Copy {
+pub trait BranchCurve: Copy {
     /// The terms of the state that depend on the parameter alone or nearly so. Lanes compute the terms of
     /// all before the states of any, because a vector processor is faster on two short chains of operations
     /// than on a long one.

@@ -8,7 +8,7 @@
 use super::block::BLOCK;
 use super::branch::Branch;
 use super::contact::Contact;
-use super::curve::{Anchor, Curve, corrected, last_step};
+use super::curve::{Anchor, BranchCurve, corrected, last_step};
 use super::far;
 use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
@@ -32,7 +32,8 @@ const MORE_STEPS: usize = 6;
 /// λ up to which the branch before contact can be left for its inner part, and the columns of these λ.
 const INNER: (f64, usize) = (1.12, 12);
 
-/// An elastic asperity of one λ: where its branches end, and where solves start. What a solve needs is together.
+/// An elastic asperity of one λ: the ends of its branches, and starting points of solves. The fields of one solve are next to each
+/// other in memory.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub struct Elastic {
@@ -55,11 +56,11 @@ pub struct Elastic {
     inner_starts: Column,
     /// ε and Δ at the inner fold, of an asperity that comes out of contact onto the inner of two states before it.
     inner: Option<[f64; 2]>,
-    /// Δ of a second fold to which the outermost state before contact lasts, of tops that have flowed; 0 if there is none.
+    /// Δ of a second fold to which the outermost state before contact lasts, of flattened summits; 0 if there is none.
     second: f64,
 }
 
-/// The tables over λ that folds and that does not.
+/// The tables of starting points for λ whose branch folds, and for smaller λ.
 struct Tables {
     first: f64,
     with: Starts,
@@ -138,7 +139,7 @@ impl Elastic {
         }
     }
 
-    /// The asperity without starts.
+    /// The asperity without starting points.
     fn branches(lambda: f64) -> Self {
         let contact_angle = contact_end(lambda);
         let contact = Contact::with_end(lambda, contact_angle);
@@ -164,7 +165,7 @@ impl Elastic {
         }
     }
 
-    /// The asperity of a top of its own outline, of which the states are solved by that.
+    /// The asperity of a flattened summit, whose states are solved by its outline.
     pub(super) fn of_ends(lambda: f64, ends: &Ends) -> Self {
         let [first, second] = ends.outer;
         Self {
@@ -223,13 +224,13 @@ impl Elastic {
         Some(self.second).filter(|second| *second < 0.0).or(self.outer_fold())
     }
 
-    /// Whether an asperity at Δ is on the inner of two states, if it stays there.
+    /// Whether an asperity that stays on the inner of two states is on it at Δ.
     #[inline(always)]
     fn is_held(&self, displacement: f64) -> bool {
         self.inner.is_some_and(|[_, end]| end <= displacement && displacement < self.reference)
     }
 
-    /// F̂_s there.
+    /// F̂_s on the inner of two states.
     #[cold]
     fn held(&self, displacement: f64, stats: &mut SolverStats) -> f64 {
         let [parameter, end] = self.inner.unwrap_or_default();
@@ -328,7 +329,7 @@ impl Lanes {
     /// A Newton step, and a second one to correct the outputs along, of every lane. `FOLD` says whether branches end
     /// at folds.
     #[inline(always)]
-    fn solve<C: Curve, const FOLD: bool>(
+    fn solve<C: BranchCurve, const FOLD: bool>(
         &mut self,
         count: usize,
         curve: impl Fn(f64, f64) -> C,
@@ -363,7 +364,7 @@ impl Lanes {
     }
 
     /// Solves the lanes again that are not good enough; no parameter is above `largest`.
-    fn finish<C: Curve, const FOLD: bool>(
+    fn finish<C: BranchCurve, const FOLD: bool>(
         &mut self,
         (count, largest): (usize, f64),
         curve: impl Fn(f64, f64) -> C,
@@ -462,12 +463,13 @@ pub fn contact<'a>(
     });
 }
 
-/// F̂_s of asperities before contact at displacements Δ, at most [`BLOCK`], that are below the end of the history: the
-/// outermost roots, or with `holds` the inner of two where they have been on it. `of` gives the asperity of a lane, and `gap` its rigid gap z₀.
+/// F̂_s of asperities before contact at displacements Δ, at most [`BLOCK`], below the beginning or end of contact: of the outermost
+/// state, or with `stays` of the inner of two states if they have been on it. `of` gives the asperity of a lane, and `gap` its rigid
+/// gap z₀.
 pub fn noncontact<'a>(
     of: impl Fn(usize) -> &'a Elastic,
     gap: impl Fn(usize) -> f64,
-    (displacements, holds): (&[f64], bool),
+    (displacements, stays): (&[f64], bool),
     adhesion: &mut [f64],
     stats: &mut SolverStats,
 ) {
@@ -496,7 +498,7 @@ pub fn noncontact<'a>(
             },
         );
         stats.far += (count - near.count) as u64;
-        if holds {
+        if stays {
             let held;
             [held, near] = near.split(|i| of(i).is_held(displacements[i]));
             held.lanes().for_each(|i| adhesion[i] = of(i).held(displacements[i], stats));
@@ -527,14 +529,14 @@ impl Default for Chosen {
 }
 
 impl Chosen {
-    /// Adds a lane if it is one of them, without a branch.
+    /// Adds a lane if it is chosen, without a branch of the program.
     #[inline(always)]
     fn add(&mut self, lane: usize, is_one: bool) {
         self.lanes[self.count % BLOCK] = lane as u8;
         self.count += usize::from(is_one);
     }
 
-    /// The lanes that are of a kind, and the others.
+    /// The lanes that meet a condition, and the others.
     fn split(&self, is_of: impl Fn(usize) -> bool) -> [Self; 2] {
         let [mut chosen, mut others] = [Self::default(), Self::default()];
         for i in self.lanes() {
@@ -551,14 +553,14 @@ impl Chosen {
     }
 }
 
-/// The curve before contact; where it ends is no part of it.
+/// The curve before contact without its ends.
 #[inline(always)]
 fn uncut(lambda: f64, _: f64) -> Noncontact {
     Noncontact::whole(lambda)
 }
 
 impl Lanes {
-    /// Solves chosen lanes on the outermost branch. Where it has no fold it ends at ε = 0, which is as far as 0 is.
+    /// Solves chosen lanes on the outermost branch. Without a fold it ends at ε = 0.
     fn outer<'a>(
         &mut self,
         chosen: &Chosen,

@@ -7,7 +7,7 @@
 
 use super::branch::Branch;
 use super::contact::Contact;
-use super::curve::{Anchor, Curve, Solution};
+use super::curve::{Anchor, BranchCurve, Solution};
 use super::error::LawError;
 use super::folds::inner_fold;
 use super::history::Path;
@@ -15,15 +15,6 @@ use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
 use super::stats::SolverStats;
 use crate::math::piecewise::{Piecewise, leading};
-
-/// The branch that an asperity is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactState {
-    /// Before contact.
-    Noncontact,
-    /// In contact.
-    Contact,
-}
 
 /// The law for one λ and one history, in scaled form.
 #[derive(Clone, Debug)]
@@ -33,7 +24,7 @@ pub struct Emd {
     inner: Option<Branch<Noncontact>>,
     /// F̂_s far away, over the distance |Δ − Δ_ref| from where the outer branch is anchored.
     far: Piecewise,
-    /// Δ at which the outer branch is left for its inner part, or that for the outer one.
+    /// Δ of the jump from the outer branch to the inner one, or back.
     split: f64,
     end: f64,
 }
@@ -63,9 +54,9 @@ impl Emd {
         Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), split, end })
     }
 
-    /// The law of an asperity that comes out of contact: before it, it is on the inner of two states for as
-    /// long as that exists.
-    pub fn holding(mut self) -> Self {
+    /// The law of an asperity that comes out of contact. Before contact it stays on the inner of two states for
+    /// as long as that exists.
+    pub fn staying(mut self) -> Self {
         let lambda = self.outer.curve().lambda();
         if let (Some(fold), Some(_)) = (inner_fold(lambda), &self.inner) {
             let curve = Noncontact::up_to(lambda, fold);
@@ -76,15 +67,15 @@ impl Emd {
         self
     }
 
-    /// Δ from which an asperity that turns back before contact is on the inner of two states, where it stays on it
-    /// ([`Emd::holding`]).
+    /// Δ from which an asperity that retracts before contact is on the inner of two states, if it stays on it
+    /// ([`Emd::staying`]).
     pub fn capture(&self) -> Option<f64> {
         let anchor = self.outer.anchor();
         inner_fold(self.outer.curve().lambda()).and(anchor.fold.then_some(anchor.displacement))
     }
 
-    /// ∫(−F̂_s) dΔ along what is unstable before contact, from where the outer state ends to where the inner one does; 0
-    /// where an asperity does not stay on that.
+    /// ∫(−F̂_s) dΔ along the unstable branch before contact, from the fold of the outer state to the fold of the inner one; 0 if
+    /// an asperity does not stay on the inner state.
     pub fn unstable_work_before(&self) -> f64 {
         let curve = self.outer.curve();
         match inner_fold(curve.lambda()) {
@@ -139,13 +130,13 @@ impl Emd {
         self.end
     }
 
-    /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its
-    /// inner part; where that is held, Δ at which it is left for the outer one.
+    /// Δ of the fold at which the force jumps from the outer branch before contact to the inner one; if an asperity
+    /// stays on the inner one, Δ of the jump to the outer one.
     pub fn noncontact_fold(&self) -> Option<f64> {
         self.outer.anchor().fold.then_some(self.split)
     }
 
-    /// Δ of the fold of the outer part, where the inner one is held.
+    /// Δ of the fold of the outer branch, if an asperity stays on the inner one.
     pub fn fold_behind(&self) -> Option<f64> {
         let anchor = self.outer.anchor();
         (anchor.fold && self.split < anchor.displacement).then_some(anchor.displacement)
@@ -168,11 +159,11 @@ impl Emd {
     }
 
     /// The state at any displacement: the branch that the history selects.
-    pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> (ContactState, Solution) {
+    pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
         if displacement >= self.end {
-            (ContactState::Contact, self.contact(displacement, stats))
+            self.contact(displacement, stats)
         } else {
-            (ContactState::Noncontact, self.noncontact(displacement, stats))
+            self.noncontact(displacement, stats)
         }
     }
 
@@ -261,7 +252,7 @@ impl Emd {
     }
 }
 
-/// Parts of what is before contact.
+/// The segments of the law before contact.
 enum Segment {
     Far,
     Outer,

@@ -1,14 +1,14 @@
 //! Laws of the asperities of a surface: one law of all, or a law for each radius.
 
+use super::cycle::Loop;
 use super::error::LawError;
 use super::history::Path;
 use super::lane::Lane;
-use super::law::Law;
+use super::law::{Law, RadiusDependence};
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
 use super::scale::Asperity;
-use super::unloading::Loop;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -63,10 +63,11 @@ impl Family {
         }
         let tabulated = (0.0, TABULATED * asperity.critical_interference());
         let law: Arc<dyn Law> = Arc::from(model.law(&LawParameters::new(&asperity, path, tabulated)?)?);
-        if !law.follows_radius() {
+        let dependence = law.radius_dependence();
+        if dependence == RadiusDependence::Unknown {
             return Err(LawError::OneRadius);
         }
-        Ok(Self { lambda: law.lambda(), law, radius: asperity.radius })
+        Ok(Self { lambda: dependence.lambda(), law, radius: asperity.radius })
     }
 
     /// The law of an asperity of a radius, m.

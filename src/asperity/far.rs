@@ -70,10 +70,10 @@ pub fn stiffness(lambda: f64) -> f64 {
     GAMMA * lambda * lambda.sqrt()
 }
 
-/// The rigid gap from which on it holds however stiff the asperity is.
+/// The rigid gap from which on the series is valid for any stiffness.
 static BY_GAP: LazyLock<f64> = LazyLock::new(|| libm::pow(LARGEST.1, -1.0 / 6.0));
 
-/// The rigid gap z₀ from which on the series holds, for γλ^(3/2).
+/// The rigid gap z₀ from which on the series is valid, for γλ^(3/2).
 pub fn nearest(stiffness: f64) -> f64 {
     libm::pow(stiffness / LARGEST.0, 2.0 / 7.0).max(*BY_GAP)
 }
@@ -97,7 +97,7 @@ pub fn attraction(gap: f64, stiffness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asperity::curve::Curve;
+    use crate::asperity::curve::BranchCurve;
     use crate::asperity::noncontact::Noncontact;
 
     /// Points of the curve itself, from which τ and p follow.

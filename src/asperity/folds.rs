@@ -8,7 +8,7 @@ use crate::math::piecewise::Piecewise;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
-/// Relative accuracy of the tables. At a fold Δ has no slope: what is left of it is gone there.
+/// Relative accuracy of the tables. At a fold Δ has no slope, so that the error of Δ is of the order of the square of this.
 const TOLERANCE: f64 = 1e-12;
 /// The first λ at which the branch before contact folds is between these.
 const FIRST_OUTER: (f64, f64) = (0.888, 0.889);
@@ -25,8 +25,8 @@ struct Folds {
 }
 
 impl Folds {
-    /// The folds that a function finds from some λ between two on. `variable` makes of ln(λ/λ_first) that of the
-    /// table, and back.
+    /// The folds that a function finds from a λ between two on. The two maps lead from ln(λ/λ_first) to the variable of the table,
+    /// and back.
     fn new(
         find: fn(f64) -> Option<f64>,
         (mut without, mut with): (f64, f64),

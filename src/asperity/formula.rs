@@ -3,12 +3,10 @@
 
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes, Numbered};
-use super::law::Method;
-use super::law::{End, Smoothness};
+use super::law::{End, Law, Method, Piece, RadiusDependence, Smoothness};
 use super::parameters::LawParameters;
 use super::radius::Similarity;
 use super::stats::SolverStats;
-use super::table::Interaction;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use std::ops::Range;
@@ -181,7 +179,7 @@ struct Root {
     order: i32,
 }
 
-/// An interaction by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
+/// A law of one regime by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
 /// area, m².
 ///
 /// # Examples
@@ -214,7 +212,6 @@ pub struct ClosedForm<F, P, A> {
     contact: P,
     area: A,
     roots: Vec<Root>,
-    capture: Option<f64>,
     unstable_work: f64,
 }
 
@@ -228,7 +225,7 @@ impl<F: Formula> ClosedForm<F, Zero, Zero> {
 impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// Formulas for F_s, P and the area, smooth.
     pub fn new(adhesion: F, contact: P, area: A) -> Self {
-        Self { adhesion, contact, area, roots: Vec::new(), capture: None, unstable_work: 0.0 }
+        Self { adhesion, contact, area, roots: Vec::new(), unstable_work: 0.0 }
     }
 
     /// The formulas with a root: from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
@@ -236,15 +233,10 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
         self.with_root_from(place, place, order)
     }
 
-    /// The formulas with a root at a `place` before the interference `from` which it acts.
+    /// The formulas with a root at a `place`, m, that acts from a larger interference on, m.
     pub fn with_root_from(mut self, from: f64, place: f64, order: i32) -> Self {
         self.roots.push(Root { from, place, order });
         self
-    }
-
-    /// The formulas with the interference, m, from which an asperity that turns back takes another way.
-    pub fn with_capture(self, interference: f64) -> Self {
-        Self { capture: Some(interference), ..self }
     }
 
     /// The formulas with ∫(P − F_s) dδ, J, along the unstable part.
@@ -253,56 +245,48 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     }
 }
 
-impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
-    fn follows_radius(&self) -> bool {
+impl<F: Formula, P: Formula, A: Formula> Law for ClosedForm<F, P, A> {
+    fn radius_dependence(&self) -> RadiusDependence {
         let known = [self.adhesion.similarity(), self.contact.similarity(), self.area.similarity()];
-        known.iter().all(Option::is_some)
+        let is_known = known.iter().all(Option::is_some);
+        if is_known { RadiusDependence::Formulas } else { RadiusDependence::Unknown }
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let similarity = self.adhesion.similarity().unwrap_or(Similarity::new(0.0, 0.0));
         let place = |own: f64| lane.map_or(own, |lane| similarity.interference(own, lane));
         let of = |root: &Root| Root { from: place(root.from), place: place(root.place), order: root.order };
-        smoothness(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
-    }
-
-    fn method(&self) -> Method {
-        Method::ClosedForm
-    }
-
-    fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
-        self.capture.filter(|_| lane.is_none())
+        pieces(&self.roots.iter().map(of).collect::<Vec<Root>>(), within)
     }
 
     fn unstable_work(&self) -> f64 {
         self.unstable_work
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
         let Responses { adhesion, contact, area } = out;
         let (adhesion, contact, area) = (&mut adhesion[..count], &mut contact[..count], &mut area[..count]);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
                 || {
-                    self.adhesion.fill(interference, adhesion);
-                    self.contact.fill(interference, contact);
-                    self.area.fill(interference, area);
+                    self.adhesion.fill(at, adhesion);
+                    self.contact.fill(at, contact);
+                    self.area.fill(at, area);
                 },
             ),
             Lanes::Each(lanes) => {
-                fill_lanes(&self.adhesion, lanes, interference, adhesion);
-                fill_lanes(&self.contact, lanes, interference, contact);
-                fill_lanes(&self.area, lanes, interference, area);
+                fill_lanes(&self.adhesion, lanes, at, adhesion);
+                fill_lanes(&self.contact, lanes, at, contact);
+                fill_lanes(&self.area, lanes, at, area);
             }
         }
     }
 }
 
-/// The ends within an interval, m, from which roots act, and how what they act on varies on each of the intervals that
-/// they leave.
-fn smoothness(roots: &[Root], within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+/// The pieces of an interval, m, within which roots begin to act.
+fn pieces(roots: &[Root], within: Range<f64>) -> Vec<Piece> {
     let Range { start: lower, end: upper } = within;
     let mut ends: Vec<f64> = roots.iter().map(|root| root.from).collect();
     ends.retain(|end| lower < *end && *end < upper);
@@ -314,8 +298,8 @@ fn smoothness(roots: &[Root], within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>)
                 Smoothness::Root { end: End::Lower, place: root.place, order: root.order }
             })
         };
-    let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
-    (ends, smoothness)
+    let smoothness: Vec<Smoothness> = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
+    Piece::cut(within, ends, smoothness)
 }
 
 /// Fills `out` with the values of a formula for asperities at interferences δ, m.
@@ -342,8 +326,8 @@ fn fill_lanes(formula: &impl Formula, lanes: Numbered<'_>, interference: &[f64],
     lanes.times_power(value, out);
 }
 
-/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction
-/// across a gap, or that of a lubricant. Nothing is evaluated where it acts.
+/// A law of one regime with a constant adhesion force and no load: no force before contact in laws without
+/// attraction across a gap, or the force of a lubricant. Nothing is evaluated where it acts.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
     adhesion: f64,
@@ -360,13 +344,17 @@ impl Constant {
     }
 }
 
-impl Interaction for Constant {
-    fn method(&self) -> Method {
+impl Law for Constant {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Formulas
+    }
+
+    fn method(&self, _: usize) -> Method {
         Method::Constant(self.adhesion)
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
         out.adhesion[..count].fill(self.adhesion);
         out.contact[..count].fill(0.0);
         out.area[..count].fill(0.0);

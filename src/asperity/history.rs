@@ -39,11 +39,20 @@ pub enum ContactHistory {
     Untouched,
     /// An asperity that has touched and is elastic.
     Touched,
-    /// An asperity that has flowed.
-    Flowed,
+    /// An asperity that has yielded.
+    Yielded,
 }
 
 impl ContactHistory {
     /// All of them, in the order in which they follow each other.
-    pub const ALL: [Self; 3] = [Self::Untouched, Self::Touched, Self::Flowed];
+    pub const ALL: [Self; 3] = [Self::Untouched, Self::Touched, Self::Yielded];
+
+    /// The history of an asperity of the interference ω_max, which touches at another, and yields above a third.
+    pub(super) fn of(largest: f64, capture: f64, onset: f64) -> Self {
+        match largest {
+            _ if largest < capture => Self::Untouched,
+            _ if largest > onset => Self::Yielded,
+            _ => Self::Touched,
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, Responses};
 use super::elastic::Elastic;
-use super::outline::OutlinedTop;
+use super::outline::OutlinedSummit;
 use super::scale::Scale;
 use crate::math::exponential::exp;
 use crate::math::instruction_set::InstructionSet;
@@ -18,7 +18,7 @@ pub(super) const EACH: [u32; BLOCK] = {
     each
 };
 
-/// An asperity of a radius.
+/// An asperity by its radius, with ρ the radius over that of the law.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Lane {
@@ -50,12 +50,12 @@ impl Lane {
             logarithm: libm::log(ratio),
         }
     }
-}
 
-impl Lane {
-    /// The asperity of a top whose apex has the radius ρ = `ratio`, with the states of its outline if these are solved.
-    pub(super) fn of_top(ratio: f64, top: Option<&OutlinedTop>) -> Self {
-        let elastic = top.map(|top| Elastic::of_ends(top.outline.lambda, &top.ends)).unwrap_or_default();
+    /// The asperity of a flattened summit whose apex has the radius ρ = `ratio`, with the branches of its outline if the law solves
+    /// them.
+    pub(super) fn of_summit(ratio: f64, summit: Option<&OutlinedSummit>) -> Self {
+        let elastic =
+            summit.map(|summit| Elastic::of_ends(summit.outline.lambda, &summit.ends)).unwrap_or_default();
         Self { elastic, ..Self::new(ratio, None) }
     }
 }
@@ -74,8 +74,8 @@ pub enum Lanes<'a> {
 pub struct Numbered<'a> {
     all: &'a [Lane],
     which: &'a [u32],
-    /// The tops of all, of asperities that have flowed; else none.
-    tops: &'a [OutlinedTop],
+    /// The flattened summits of all if they have yielded; else empty.
+    summits: &'a [OutlinedSummit],
 }
 
 impl<'a> Lanes<'a> {
@@ -84,9 +84,9 @@ impl<'a> Lanes<'a> {
         Self::Each(Numbered::new(all, which))
     }
 
-    /// The asperities of `all` that `which` numbers, whose tops have outlines of their own.
-    pub(super) fn of_tops(all: &'a [Lane], tops: &'a [OutlinedTop], which: &'a [u32]) -> Self {
-        Self::Each(Numbered { all, which, tops })
+    /// The asperities of `all` that `which` numbers, with flattened summits.
+    pub(super) fn of_summits(all: &'a [Lane], summits: &'a [OutlinedSummit], which: &'a [u32]) -> Self {
+        Self::Each(Numbered { all, which, summits })
     }
 
     /// At most [`BLOCK`] asperities in their order.
@@ -118,13 +118,13 @@ impl<'a> Lanes<'a> {
         let area_unit = PI * scale.radius * scale.radius;
         let Responses { adhesion, contact, area } = out;
         if let Self::Each(lanes) = self
-            && lanes.have_tops()
+            && lanes.have_summits()
         {
             for (i, radius) in radius.iter().enumerate() {
                 let Lane { ratio, cube_root, .. } = *lanes.at(i);
                 let force = scale.force * ratio;
                 adhesion[i] *= force;
-                contact[i] = force * lanes.top(i).outline.load(*radius);
+                contact[i] = force * lanes.summit(i).outline.load(*radius);
                 area[i] = area_unit * (ratio * cube_root) * (radius * radius);
             }
             return;
@@ -149,12 +149,12 @@ impl<'a> Lanes<'a> {
 impl<'a> Numbered<'a> {
     /// The asperities of `all` that `which` numbers.
     pub fn new(all: &'a [Lane], which: &'a [u32]) -> Self {
-        Self { all, which, tops: &[] }
+        Self { all, which, summits: &[] }
     }
 
     /// A full block of asperities that are alike.
     pub fn alike(lane: &'a [Lane; 1]) -> Self {
-        Self { all: lane, which: &[0; BLOCK], tops: &[] }
+        Self { all: lane, which: &[0; BLOCK], summits: &[] }
     }
 
     /// The lanes from one on.
@@ -168,16 +168,16 @@ impl<'a> Numbered<'a> {
         &self.all[self.which[lane] as usize]
     }
 
-    /// Whether the asperities have flowed, and have tops of their own outlines.
+    /// Whether the asperities have flattened summits.
     #[inline(always)]
-    pub(super) fn have_tops(self) -> bool {
-        !self.tops.is_empty()
+    pub(super) fn have_summits(self) -> bool {
+        !self.summits.is_empty()
     }
 
-    /// The top of a lane.
+    /// The summit of a lane.
     #[inline(always)]
-    pub(super) fn top(self, lane: usize) -> &'a OutlinedTop {
-        &self.tops[self.which[lane] as usize]
+    pub(super) fn summit(self, lane: usize) -> &'a OutlinedSummit {
+        &self.summits[self.which[lane] as usize]
     }
 
     /// Multiplies values by ρ^exponent, lane by lane.

@@ -1,12 +1,12 @@
 //! Lanes of a block of asperities that are solved together.
 
 use super::block::BLOCK;
-use super::curve::{Anchor, Curve, corrected, last_step};
+use super::curve::{Anchor, BranchCurve, corrected, last_step};
 use crate::math::piecewise::Cell;
 use std::ops::Range;
 
-/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
-/// computed whole; what comes after overwrites what it left there.
+/// Number of lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
+/// computed whole; the lanes beyond are overwritten later or not used.
 const VECTOR: usize = 8;
 /// A block, and room for the last vector.
 const ROOM: usize = BLOCK + VECTOR;
@@ -14,11 +14,11 @@ const ROOM: usize = BLOCK + VECTOR;
 /// Lanes of a block, each quantity on cache lines of its own.
 #[repr(align(64))]
 pub(super) struct Lanes {
-    /// Displacements wanted.
+    /// Displacements Δ.
     pub displacements: [f64; ROOM],
     /// Places in a table.
     pub places: [f64; ROOM],
-    /// Parameters to start from; NaN where there is none.
+    /// Parameters from which solves start; NaN where the tables have none.
     pub parameters: [f64; ROOM],
     /// dx/dΔ there.
     inverse_slopes: [f64; ROOM],
@@ -33,7 +33,7 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// Lanes of which nothing is known.
+    /// Lanes without values.
     pub fn new() -> Self {
         Self {
             displacements: [0.0; ROOM],
@@ -82,7 +82,7 @@ pub(super) fn start_lanes<const NEAR: bool>(
 /// that it vectorises and has the same bits on every instruction set. The slope is the table's: it is off by
 /// the table's error over the width of a cell, and is multiplied by a step that is as small.
 #[inline(always)]
-pub(super) fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
+pub(super) fn step_lanes<C: BranchCurve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
     let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
     let Lanes { displacements, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
     let [first, second, third, fourth] = terms;

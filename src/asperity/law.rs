@@ -2,7 +2,7 @@
 
 use super::block::{BLOCK, Responses};
 use super::lane::{Lane, Lanes};
-use super::outline::OutlinedTop;
+use super::outline::OutlinedSummit;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
@@ -43,7 +43,7 @@ impl Regime {
         !matches!(self, Self::Noncontact | Self::Lubricant | Self::Bridge)
     }
 
-    /// Whether the contact flows.
+    /// Whether the contact is elastic-plastic or plastic.
     pub fn is_plastic(self) -> bool {
         matches!(self, Self::Elastoplastic1 | Self::Elastoplastic2 | Self::Plastic)
     }
@@ -124,6 +124,22 @@ pub struct Piece {
 }
 
 impl Piece {
+    /// The pieces of an interval, m, of a law of one regime: the rising `ends` divide it, m, and each piece has its smoothness.
+    pub(super) fn cut(
+        within: Range<f64>,
+        ends: impl IntoIterator<Item = f64>,
+        smoothness: impl IntoIterator<Item = Smoothness>,
+    ) -> Vec<Self> {
+        let mut lower = within.start;
+        let piece = |(upper, smoothness)| Self {
+            regime: 0,
+            lower: std::mem::replace(&mut lower, upper),
+            upper,
+            smoothness,
+        };
+        ends.into_iter().chain([within.end]).zip(smoothness).map(piece).collect()
+    }
+
     /// δ of an end, m, and the direction from there into the piece, 1 or −1.
     pub fn inwards(&self, end: End) -> (f64, f64) {
         match end {
@@ -133,7 +149,7 @@ impl Piece {
     }
 }
 
-/// Curve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of
+/// BranchCurve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of
 /// the fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitReport {
@@ -177,30 +193,86 @@ impl Method {
     }
 }
 
+/// The dependence of a law on the radius of the asperity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RadiusDependence {
+    /// Unknown: the law may not be evaluated for lanes.
+    Unknown,
+    /// Formulas of the radius.
+    Formulas,
+    /// Elastic branches that are solved for each radius, with λ of the law's own radius, and formulas.
+    Elastic(f64),
+}
+
+impl RadiusDependence {
+    /// λ of the law's own radius, if the law solves elastic branches.
+    pub fn lambda(self) -> Option<f64> {
+        match self {
+            Self::Elastic(lambda) => Some(lambda),
+            Self::Unknown | Self::Formulas => None,
+        }
+    }
+
+    /// The dependence of two laws together.
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Unknown, _) | (_, Self::Unknown) => Self::Unknown,
+            (Self::Formulas, other) => other,
+            (elastic, _) => elastic,
+        }
+    }
+}
+
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
 /// by block, so that choosing the law costs one call per block and nothing in the inner loop.
 ///
-/// A law of one's own is a [`Table`](super::Table). What else a law tells the sums is not on this page, and
-/// may change.
+/// A law of one regime is a [`ClosedForm`](super::ClosedForm) or a [`Constant`](super::Constant) force; a
+/// [`Table`](super::Table) makes a law of such laws, each on its interval of interference. What else a law
+/// provides to the sums is not on this page, and may change.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Constant, Law, Regime, Row, Table};
+///
+/// fn beyond(end: f64, law: impl Law + 'static) -> Table {
+///     let nothing = Row::below(Regime::Noncontact, end, Constant::NOTHING);
+///     Table::new([nothing, Row::last(Regime::Lubricant, law)])
+/// }
+///
+/// let law = beyond(-1.0, ClosedForm::attraction(|delta: f64| delta.exp()));
+/// assert_eq!(law.regimes(), [Regime::Noncontact, Regime::Lubricant]);
+/// ```
 pub trait Law: Send + Sync {
-    /// The regimes from far to deep.
-    fn regimes(&self) -> &[Regime];
+    /// The regimes from far to deep. That of a law of one regime has no meaning in a row of a table, which has
+    /// its own.
+    fn regimes(&self) -> &[Regime] {
+        &[Regime::Elastic]
+    }
 
     /// The boundaries between the regimes, rising; one more than between them when the law ends above the
     /// last regime. Asperities beyond the end bear no force and are counted nowhere.
     #[doc(hidden)]
-    fn boundaries(&self) -> &[Boundary];
-
-    /// Whether it is known how the law follows the radius: only then a lane may be given to what takes one.
-    #[doc(hidden)]
-    fn follows_radius(&self) -> bool {
-        false
+    fn boundaries(&self) -> &[Boundary] {
+        &[]
     }
 
-    /// λ of its own radius, if it solves elastic branches.
+    /// The dependence on the radius.
     #[doc(hidden)]
-    fn lambda(&self) -> Option<f64> {
-        None
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Unknown
+    }
+
+    /// The first regime of contact; the number of regimes if there is none.
+    #[doc(hidden)]
+    fn first_contact(&self) -> usize {
+        let regimes = self.regimes();
+        regimes.iter().position(|regime| regime.is_contact()).unwrap_or(regimes.len())
+    }
+
+    /// Interference, m, at which a regime begins.
+    #[doc(hidden)]
+    fn begin(&self, regime: usize) -> f64 {
+        if regime == 0 { f64::NEG_INFINITY } else { self.boundaries()[regime - 1].interference }
     }
 
     /// The end of a regime of an asperity, m, if it has one.
@@ -216,10 +288,19 @@ pub trait Law: Send + Sync {
         out.extend((0..self.boundaries().len()).filter_map(|regime| self.end(regime, lane)));
     }
 
-    /// The smooth pieces, rising, that cover a regime: split at every kink and jump. They are of an asperity of the law's
-    /// own radius, or of one in a lane.
+    /// The smooth pieces, rising, of a regime within an interval, m, divided at every kink and jump: of an asperity of the law's own
+    /// radius, or of a lane.
     #[doc(hidden)]
-    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece>;
+    fn pieces_within(&self, regime: usize, _lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        let Range { start: lower, end: upper } = within;
+        vec![Piece { regime, lower, upper, smoothness: Smoothness::Smooth }]
+    }
+
+    /// The smooth pieces, rising, that cover a regime.
+    #[doc(hidden)]
+    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
+        self.pieces_within(regime, lane, f64::NEG_INFINITY..f64::INFINITY)
+    }
 
     /// The smooth pieces, rising, of all regimes.
     #[doc(hidden)]
@@ -227,10 +308,10 @@ pub trait Law: Send + Sync {
         (0..self.regimes().len()).flat_map(|regime| self.pieces_of(regime, lane)).collect()
     }
 
-    /// Interferences, m, at which a top of its own outline is not smooth within a regime, or jumps there, of a lane of its
-    /// apex: as many of every top, and not finite where it has one not.
+    /// Interferences, m, of the kinks and jumps of the force of a flattened summit within a regime, with the lane of its apex. Every
+    /// summit has the same number of them in the same order; a kink that it does not have is not finite.
     #[doc(hidden)]
-    fn kinks_of_top(&self, _regime: usize, _lane: &Lane, _top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_summit(&self, _regime: usize, _lane: &Lane, _summit: &OutlinedSummit) -> Vec<f64> {
         Vec::new()
     }
 
@@ -240,8 +321,7 @@ pub trait Law: Send + Sync {
         Method::ClosedForm
     }
 
-    /// Interference, m, from which an asperity that turns back takes another way, if that is before contact
-    /// begins.
+    /// Interference, m, from which retraction follows another branch than approach, if that is before contact begins.
     #[doc(hidden)]
     fn capture(&self, _lane: Option<&Lane>) -> Option<f64> {
         None

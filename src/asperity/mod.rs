@@ -11,10 +11,12 @@ mod block;
 pub mod branch;
 mod bridge;
 mod by_regime;
+mod condition;
 #[doc(hidden)]
 pub mod contact;
 #[doc(hidden)]
 pub mod curve;
+mod cycle;
 #[doc(hidden)]
 pub mod elastic;
 #[doc(hidden)]
@@ -23,20 +25,19 @@ mod error;
 #[doc(hidden)]
 pub mod family;
 mod far;
-mod flattened;
 mod folds;
 #[doc(hidden)]
 pub mod formula;
 mod history;
+pub(crate) mod hysteresis;
 mod lane;
 mod lanes;
 #[doc(hidden)]
 pub mod law;
 #[doc(hidden)]
 pub mod laws;
-pub(crate) mod memory;
-#[doc(hidden)]
-pub mod models;
+mod loading;
+mod models;
 #[doc(hidden)]
 pub mod noncontact;
 #[doc(hidden)]
@@ -47,23 +48,22 @@ pub mod quantity;
 #[doc(hidden)]
 pub mod radius;
 mod response_table;
-mod retraction;
 #[doc(hidden)]
 pub mod scale;
 mod solved;
 mod starts;
 mod stats;
+mod summit;
+mod summit_table;
 #[doc(hidden)]
 pub mod table;
-mod top;
-mod top_table;
-mod turned;
-#[doc(hidden)]
-pub mod unloading;
+mod unloading_lanes;
+mod unloading_law;
 
 #[doc(hidden)]
 pub use block::{BLOCK, Responses};
 pub use by_regime::ByRegime;
+pub use cycle::Loop;
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
@@ -74,17 +74,21 @@ pub use lane::{Lane, Lanes};
 pub use law::{Boundary, End, Facing, FitReport, Method, Piece, Scratch, Smoothness};
 pub use law::{Law, Regime};
 pub use laws::md_plastic::PlasticContact;
-pub use models::{MODELS, Model, Validity, model};
+pub use laws::{MODELS, model};
+#[doc(hidden)]
+pub use models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, PUBLISHED_FITS, Plasticity};
+pub use models::{Model, Validity};
 #[doc(hidden)]
 pub use parameters::InnerState;
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
-#[doc(hidden)]
-pub use retraction::Retraction;
 pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
-pub use table::{Interaction, Row, Table};
 #[doc(hidden)]
-pub use turned::Turned;
-pub use unloading::Loop;
+pub use summit::SUMMIT_KINKS;
+pub use table::{Row, Table};
+#[doc(hidden)]
+pub use unloading_lanes::UnloadingLanes;
+#[doc(hidden)]
+pub use unloading_law::UnloadingLaw;

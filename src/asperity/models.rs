@@ -1,15 +1,13 @@
-//! The registry of laws: their names, descriptions, limits and constructors. A new law is its file and a
-//! line here.
+//! A law by name: its description, limits and constructor. The list of all is [`super::laws::MODELS`].
 
 use super::block::Responses;
 use super::error::LawError;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::Law;
-pub use super::laws::MODELS;
 use super::laws::capillary;
 use super::laws::capillary::Parts;
-use super::laws::md_plastic::{Flow, PlasticContact, dry_flow};
+use super::laws::md_plastic::{PlasticContact, PlasticLoading, dry_loading};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
 use crate::liquid::Meniscus;
@@ -25,7 +23,7 @@ enum Build {
     /// The liquid in its bridge.
     Content,
     /// The law of an asperity with a plastic contact that is chosen.
-    Flowing(Flowing),
+    Plastic(Plastic),
     /// The solids in the liquid, which is under no tension.
     Immersed,
 }
@@ -51,7 +49,7 @@ pub struct Model {
     pub about: &'static str,
     /// Limits of its validity.
     pub validity: Validity,
-    /// The liquid that condenses around asperities, of a law that knows one.
+    /// The liquid that condenses around asperities, of a law with one.
     meniscus: Option<Meniscus>,
     /// The plastic contact, of a law that takes any.
     pub(crate) contact: PlasticContact,
@@ -74,27 +72,27 @@ impl Model {
             Build::Plain(build) => build(parameters),
             Build::Wet(build) => build(parameters, self.needed()?, self.contact),
             Build::Content => capillary::content(parameters, self.needed()?),
-            Build::Flowing(build) => build(parameters, self.contact),
+            Build::Plastic(build) => build(parameters, self.contact),
             Build::Immersed => capillary::immersed(parameters, self.needed()?, self.contact),
         }
     }
 
-    /// The law with a plastic contact, of which it makes nothing where it has one of its own.
+    /// The law with a plastic contact; no change to a law with one of its own.
     pub fn with_contact(self, contact: PlasticContact) -> Self {
         Self { contact, ..self }
     }
 
     /// The plastic contact of a law that takes any; none of one that has its own, or none.
     pub fn contact(&self) -> Option<PlasticContact> {
-        self.unloads_flow().then_some(self.contact)
+        self.has_unloading().then_some(self.contact)
     }
 
-    /// Whether it knows how contacts unload that have flowed.
-    pub(crate) fn unloads_flow(&self) -> bool {
-        self.validity.plasticity == Plasticity::FlattenedTop
+    /// Whether it has a law of unloading for contacts that have yielded.
+    pub(crate) fn has_unloading(&self) -> bool {
+        self.validity.plasticity == Plasticity::LoadingAndUnloading
     }
 
-    /// The law with a liquid, of which it makes nothing where it is not for one.
+    /// The law with a liquid; no change to a law without liquid.
     pub fn with_liquid(self, meniscus: Meniscus) -> Self {
         Self { meniscus: self.is_wet().then_some(meniscus), ..self }
     }
@@ -111,7 +109,7 @@ impl Model {
 
     /// Whether it is for asperities around which a liquid condenses, and needs the liquid.
     pub fn is_wet(&self) -> bool {
-        !matches!(self.build, Build::Plain(_) | Build::Flowing(_))
+        !matches!(self.build, Build::Plain(_) | Build::Plastic(_))
     }
 
     /// The liquid that it has been given.
@@ -135,17 +133,20 @@ impl Model {
     /// The parts of a wet asperity, of a law that is for one.
     fn parts(&self, parameters: &LawParameters) -> Result<Option<Parts>, LawError> {
         Ok(match self.build {
-            Build::Plain(_) | Build::Flowing(_) => None,
+            Build::Plain(_) | Build::Plastic(_) => None,
             Build::Wet(_) | Build::Content => Some(Parts::new(parameters, self.needed()?)?),
             Build::Immersed => Some(Parts::immersed(parameters, self.needed()?)?),
         })
     }
 
-    /// The contact that flows, of a law that knows the outlines of tops that have flowed.
-    pub(super) fn flow(&self, parameters: &LawParameters) -> Result<Arc<Flow>, LawError> {
+    /// The plastic loading of a law with outlines of flattened summits.
+    pub(super) fn plastic_loading(
+        &self,
+        parameters: &LawParameters,
+    ) -> Result<Arc<PlasticLoading>, LawError> {
         match self.parts(parameters)? {
-            None => dry_flow(parameters, self.contact),
-            Some(parts) => parts.flow(parameters, self.contact),
+            None => dry_loading(parameters, self.contact),
+            Some(parts) => parts.plastic_loading(parameters, self.contact),
         }
     }
 
@@ -198,7 +199,7 @@ pub struct Validity {
     /// The contact above the critical interference.
     #[doc(hidden)]
     pub plasticity: Plasticity,
-    /// Whether it knows no lubricant.
+    /// Whether it leaves out a lubricant.
     pub dry: bool,
 }
 
@@ -207,10 +208,10 @@ pub struct Validity {
 pub enum Plasticity {
     /// None: the law is elastic only.
     Without,
-    /// Loading alone: of tops that have flowed it knows no outline. The contact is that of `md_plastic` which is nearest.
+    /// On loading alone, without an outline of flattened summits. The contact is the nearest one of `md_plastic`.
     Loading(PlasticContact),
-    /// Any, under an adhesion that follows the flattened top, on loading and unloading.
-    FlattenedTop,
+    /// On loading and unloading, of any plastic contact, under an adhesion that follows the flattened summit.
+    LoadingAndUnloading,
 }
 
 /// Range of adhesion parameters λ that a law is for.
@@ -285,7 +286,7 @@ pub(super) const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bo
 
 type Plain = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
 type Wet = fn(&LawParameters, &Meniscus, PlasticContact) -> Result<Box<dyn Law>, LawError>;
-type Flowing = fn(&LawParameters, PlasticContact) -> Result<Box<dyn Law>, LawError>;
+type Plastic = fn(&LawParameters, PlasticContact) -> Result<Box<dyn Law>, LawError>;
 
 const fn model_of(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
     Model { name, about, validity, meniscus: None, contact: PlasticContact::JacksonGreen, build }
@@ -299,16 +300,11 @@ pub(super) const fn wet(name: &'static str, about: &'static str, validity: Valid
     model_of(name, about, validity, Build::Wet(build))
 }
 
-pub(super) const fn flowing(
+pub(super) const fn plastic(
     name: &'static str,
     about: &'static str,
     validity: Validity,
-    build: Flowing,
+    build: Plastic,
 ) -> Model {
-    model_of(name, about, validity, Build::Flowing(build))
-}
-
-/// The law of a name.
-pub fn model(name: &str) -> Option<Model> {
-    MODELS.iter().find(|model| model.name == name).copied()
+    model_of(name, about, validity, Build::Plastic(build))
 }

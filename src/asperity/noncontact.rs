@@ -14,7 +14,7 @@
 //! # Validity
 //! All λ > 0, ε > 0. Δ(ε) folds for λ > 0.88832; the outermost branch is the one that approach follows.
 
-use super::curve::{Curve, CurvePoint};
+use super::curve::{BranchCurve, CurvePoint};
 use super::scale::STRESS_RATIO;
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
@@ -147,7 +147,7 @@ impl Noncontact {
 /// A gap that is outside the outer fold for every λ (its largest value is 0.2921, at λ = 1.18).
 const OUTSIDE_FOLD: f64 = 0.4;
 
-impl Curve for Noncontact {
+impl BranchCurve for Noncontact {
     #[inline(always)]
     fn terms(&self, gap: f64) -> [f64; 4] {
         const PEAK: f64 = 8.0 / (3.0 * STRESS_RATIO);

@@ -1,4 +1,4 @@
-//! The elastic contact of a top whose outline is not a paraboloid, and its attraction before contact.
+//! The elastic contact of a summit whose outline is not a paraboloid, and its attraction before contact.
 //!
 //! # Formula
 //! Lengths are in the units of the sphere of the apex, whose radius is ρ. The outline is
@@ -20,12 +20,12 @@
 //! 2μf(c) + 2b̂μ²c = W, F̂_s = (π/2)μc², Δ = −[ζε + (4/3)μc].
 //!
 //! # Validity
-//! Every λ for which the top of its radius ρ is solved, β ≥ 0. Source: Maugis, J. Colloid Interface Sci. 150 (1992) 243, and
+//! Every λ for which the summit of its radius ρ is solved, β ≥ 0. Source: Maugis, J. Colloid Interface Sci. 150 (1992) 243, and
 //! Sneddon, Int. J. Eng. Sci. 3 (1965) 47, for the outline.
 
 use super::angle::{AngleTerms, angle_terms, quartic_term};
 use super::block::BLOCK;
-use super::curve::Curve;
+use super::curve::BranchCurve;
 use super::noncontact::Noncontact;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
@@ -51,8 +51,8 @@ const NODES: [usize; 2] = [6, 3];
 const ALL_NODES: usize = NODES[0] + NODES[1] + 1;
 /// λ below which the branch before contact does not fold.
 const FIRST_FOLD: f64 = 0.88;
-/// Places at which the slope of the branch before contact is looked at: the least ε, and the ratio of the next. It folds from
-/// 0.05 to 2.5 in 3000 tops drawn at random.
+/// Number of gaps at which the slope of the branch before contact is computed, the least ε, and the ratio of two gaps. In 3000 random
+/// summits all folds were between 0.05 and 2.5.
 const LOOKS: usize = 56;
 const LOOKED_AT: (f64, f64) = (0.02, 1.1);
 /// Places on both sides of one, as its multiples.
@@ -65,7 +65,7 @@ const MOST_STEPS: usize = 60;
 /// b̂ of [`super::noncontact`].
 const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
 
-/// The outline of a top, in the units of the sphere of its apex.
+/// The outline of a summit, in the units of the sphere of its apex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outline {
     /// λ of the apex.
@@ -78,7 +78,7 @@ pub struct Outline {
     pub outside: f64,
 }
 
-/// A contact that is pressed: its radius is that of the outline that it leaves, in the units of any sphere.
+/// A plastic contact on loading, in the units of any sphere. Its radius is the radius a₀ of the outline that remains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pressed {
     /// λ in these units; 0 without adhesion.
@@ -94,7 +94,7 @@ pub struct Pressed {
 }
 
 impl Pressed {
-    /// βa₀² in the outline, 0 where ρ alone has the load.
+    /// βa₀² of the outline, 0 where the paraboloid of ρ alone bears the load.
     fn quartic(&self) -> f64 {
         let Self { radius, load, apex, .. } = *self;
         let beyond = load / (radius * radius * radius) - 1.0 / apex;
@@ -139,7 +139,7 @@ impl Pressed {
                 + of_fourth * (square * (8.0 / 3.0 / whole + 4.0) + 4.0 * tangent * whole * angle)
                 - 2.0 * tangent * (beyond + 2.0 * beyond_fourth * whole)
                 + stress * (angle + per_whole - tangent / secant);
-            // Where the edge is steep the gap closes before it opens.
+            // With a steep edge the gap first closes, then opens.
             let step = libm::log(gap) * gap / (tangent * slope);
             let step = if gap > 0.0 && slope > 0.0 { step.clamp(-2.0, 2.0) } else { -1.0 };
             tangent *= libm::exp(-step);
@@ -160,7 +160,7 @@ impl Pressed {
         4.0 / 3.0 * self.lambda * self.radius * zone
     }
 
-    /// The outline that is left, in the units of the sphere of its apex.
+    /// The outline that remains, in the units of the sphere of its apex.
     pub fn outline(&self) -> Outline {
         let Self { lambda, radius, apex, sphere, .. } = *self;
         let root = libm::cbrt(apex);
@@ -181,7 +181,7 @@ struct Place {
     angle: f64,
 }
 
-/// What is known of a contact at a place.
+/// The equations of a contact and their derivatives at a place.
 #[derive(Clone, Copy, Debug, Default)]
 struct Known {
     /// The left side less 1, and its derivatives by θ and c.
@@ -272,7 +272,7 @@ impl Outline {
         square * radius * (1.0 + 3.2 * self.quartic * square)
     }
 
-    /// What is known at a place; `outer` is 1 where the zone ends beyond a₀, and else 0.
+    /// The equations at a place; `outer` is 1 where the zone ends beyond a₀, and else 0.
     #[inline(always)]
     fn at(&self, place: Place, outer: f64) -> Known {
         let Self { lambda, quartic, edge, outside } = *self;
@@ -314,7 +314,7 @@ impl Outline {
         }
     }
 
-    /// Whether a zone that ends `beyond` a₀ is beyond it, as a factor.
+    /// 1 if the distance `beyond` a₀ of the end of the zone is positive, and else 0.
     fn side(beyond: f64) -> f64 {
         if beyond > 0.0 { 1.0 } else { 0.0 }
     }
@@ -327,7 +327,7 @@ impl Outline {
         libm::atan((beyond * (2.0 * self.edge + beyond)).sqrt() / self.edge)
     }
 
-    /// The state whose zone ends `beyond` a₀, from where a start may be near.
+    /// The state whose zone ends `beyond` a₀, searched for from an angle.
     fn state(&self, beyond: f64, outer: f64, start: f64) -> (Place, Known) {
         let mut angle = start;
         // Newton's method first, as most starts are near.
@@ -358,7 +358,7 @@ impl Outline {
     fn first_touch(&self) -> f64 {
         let (height, linear) =
             (FRAC_PI_2 * self.lambda, 4.0 / 3.0 * self.lambda * self.lambda * (FRAC_PI_2 - 1.0));
-        // That of the sphere of the apex is further out where the outline is steeper.
+        // The zone of the sphere of the apex ends further out if the outline is steeper.
         let mut high = 2.0 / (linear + (linear * linear + 2.0 * height).sqrt());
         let excess = |c: f64| height * self.height(c) + linear * c - 1.0;
         while excess(high) < 0.0 {
@@ -384,7 +384,7 @@ impl Outline {
         let outer = own / (g + (g * g + outside * own).sqrt());
         let inner = work / (g + (g * g + work).sqrt());
         let per_stress = 2.0 * quartic / stress;
-        // Rises beyond its root, so that steps come from above.
+        // The left side is convex beyond its root, so that Newton steps come from above.
         let mut y = inner.min((work / per_stress).sqrt().sqrt());
         for _ in 0..6 {
             let square = y * y;
@@ -409,7 +409,7 @@ impl Outline {
         }
     }
 
-    /// The gap and √μ c before contact, about, from the gap of a rigid top and the least that there is.
+    /// Approximate gap and √μ c before contact, from the gap of a rigid summit and the least possible gap.
     #[inline(always)]
     fn first_balance(&self, gap: f64, low: f64) -> (f64, f64) {
         let Self { lambda, quartic, edge, outside } = *self;
@@ -457,7 +457,7 @@ impl Outline {
         Balance { step: [gap_step, -(excess + by_gap * gap_step) * per_pull], slope, beyond }
     }
 
-    /// ε of a rigid top at Δ: no gap is wider.
+    /// ε of a rigid summit at Δ, the widest gap.
     fn rigid(&self, displacement: f64) -> f64 {
         -displacement / Noncontact::whole(self.lambda).spacing()
     }
@@ -482,7 +482,7 @@ pub struct Fold {
     pub displacement: f64,
 }
 
-/// Where the states of a top end, and where they are not smooth, by Δ.
+/// The ends and kinks of the branches of a summit, by Δ.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ends {
     /// Δ at first touch, the end of the branch before contact.
@@ -491,7 +491,7 @@ pub struct Ends {
     pub contact: f64,
     /// Whether contact leads to the innermost state before it without a jump.
     is_led_to: bool,
-    /// Δ at which the zone ends at a₀; −∞ where it does so nowhere in contact.
+    /// Δ at which the zone ends at a₀; −∞ if there is no such contact.
     pub edge: f64,
     /// Δ at the deepest.
     pub deepest: f64,
@@ -506,15 +506,15 @@ pub struct Ends {
 /// States from which solves of contacts start.
 #[derive(Clone, Copy, Debug, Default)]
 struct Starts {
-    /// √(Δ − Δ_end), rising; what is not used is as the last.
+    /// √(Δ − Δ_end), rising; unused ones repeat the last.
     roots: [f64; ALL_NODES],
     /// c − a₀, θ, and their derivatives by that root.
     places: [[f64; 4]; ALL_NODES],
 }
 
-/// A top of a known outline: where its states end, and where solves start.
+/// A summit of a known outline, with the ends of its branches and starting points of solves.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct OutlinedTop {
+pub struct OutlinedSummit {
     /// The outline.
     pub outline: Outline,
     /// The ends of its states.
@@ -525,23 +525,24 @@ pub struct OutlinedTop {
     last: Place,
 }
 
-impl OutlinedTop {
-    /// The top of an outline whose contact of the radius a₀ has the zone of tan θ = `zone`.
+impl OutlinedSummit {
+    /// The summit of an outline whose contact of the radius a₀ has the zone of tan θ = `zone`.
     pub fn new(outline: Outline, zone: f64) -> Self {
-        let mut top = Self { outline, ..Self::default() };
+        let mut summit = Self { outline, ..Self::default() };
         let secant = (1.0 + zone * zone).sqrt();
-        top.last = Place { beyond: outline.edge * (zone * zone / (1.0 + secant)), angle: libm::atan(zone) };
+        summit.last =
+            Place { beyond: outline.edge * (zone * zone / (1.0 + secant)), angle: libm::atan(zone) };
         let touch = outline.first_touch();
-        top.ends.first_touch = -4.0 / 3.0 * outline.lambda * touch;
-        top.ends.deepest = outline.at(top.last, Outline::side(top.last.beyond)).displacement;
-        top.find_end(touch - outline.edge);
-        top.find_starts();
-        top.find_before();
-        top
+        summit.ends.first_touch = -4.0 / 3.0 * outline.lambda * touch;
+        summit.ends.deepest = outline.at(summit.last, Outline::side(summit.last.beyond)).displacement;
+        summit.find_end(touch - outline.edge);
+        summit.find_starts();
+        summit.find_before();
+        summit
     }
 
-    /// Visits the numbers that are known of it, in an order that its kind alone decides, with the unit that their accuracy is relative
-    /// to besides themselves; of where solves start without.
+    /// Visits its numbers, in an order that depends on its kind alone. The error of a number is relative to the number and to the
+    /// unit that is visited with it; starting points of solves have no unit.
     pub(super) fn each(&mut self, mut visit: impl FnMut(&mut f64, Option<f64>)) {
         let Self { outline, ends, starts, end, last } = self;
         let unit = Some(1.0);
@@ -554,7 +555,7 @@ impl OutlinedTop {
             visit(&mut ends.edge, unit);
         }
         for fold in ends.outer.iter_mut().chain([&mut ends.inner]).flatten() {
-            // ε decides where solves are alone.
+            // ε is the starting point of single solves.
             visit(&mut fold.gap, None);
             visit(&mut fold.displacement, unit);
         }
@@ -567,7 +568,7 @@ impl OutlinedTop {
         starts.places.iter_mut().flatten().for_each(|value| visit(value, None));
     }
 
-    /// What it has and what not, as bits.
+    /// Which optional numbers it has, as bits.
     pub(super) fn kind(&self) -> u64 {
         let Ends { edge, outer, inner, edges_before, is_led_to, .. } = &self.ends;
         let has = [
@@ -585,7 +586,7 @@ impl OutlinedTop {
         has.iter().fold(0, |bits, has| 2 * bits + u64::from(*has))
     }
 
-    /// Finds where the stable states in contact end, from the deepest on.
+    /// Finds the end of the stable branch in contact, from the deepest state on.
     fn find_end(&mut self, touch: f64) {
         let Self { outline, last, .. } = *self;
         let first = Place { beyond: touch, angle: FRAC_PI_2 };
@@ -771,7 +772,7 @@ impl OutlinedTop {
         [Some(place(most, far)), Some(place(0.0, most))]
     }
 
-    /// The response in contact at Δ, which is taken as the nearest end where it is beyond.
+    /// The response in contact at Δ, which is limited to the ends of the branch.
     pub fn contact(&self, displacement: f64, stats: &mut SolverStats) -> Response {
         let (outline, ends) = (&self.outline, &self.ends);
         stats.safeguarded += 1;
@@ -823,14 +824,14 @@ impl OutlinedTop {
         Place { beyond: value(0), angle: value(1) }
     }
 
-    /// F̂_s before contact at Δ: of the outermost state, or with `holds` of the innermost where an asperity that comes out of
-    /// contact is on it.
-    pub fn attraction(&self, displacement: f64, holds: bool, stats: &mut SolverStats) -> f64 {
+    /// F̂_s before contact at Δ: of the outermost state, or with `stays` of the innermost state of an asperity that comes out of
+    /// contact.
+    pub fn attraction(&self, displacement: f64, stays: bool, stats: &mut SolverStats) -> f64 {
         let (outline, ends) = (&self.outline, &self.ends);
         stats.safeguarded += 1;
         let displacement = displacement.min(ends.first_touch);
         let rigid = outline.rigid(displacement);
-        let held = ends.inner.filter(|inner| holds && displacement >= inner.displacement);
+        let held = ends.inner.filter(|inner| stays && displacement >= inner.displacement);
         let within = match (held, ends.outer) {
             (Some(inner), _) => (0.0, inner.gap),
             (_, [Some(first), _]) if displacement <= first.displacement => (first.gap, f64::INFINITY),
@@ -860,10 +861,9 @@ impl OutlinedTop {
     }
 }
 
-/// F̂_s and a of tops in contact at displacements Δ, at most [`BLOCK`]; those beyond the ends of their states are taken as
-/// there.
+/// F̂_s and a of summits in contact at displacements Δ, at most [`BLOCK`], which are limited to the ends of their branches.
 pub fn contacts<'a>(
-    of: impl Fn(usize) -> &'a OutlinedTop,
+    of: impl Fn(usize) -> &'a OutlinedSummit,
     displacements: &[f64],
     adhesion: &mut [f64],
     radius: &mut [f64],
@@ -887,10 +887,10 @@ pub fn contacts<'a>(
     }
 }
 
-/// F̂_s of tops before contact at displacements Δ, at most [`BLOCK`], as [`OutlinedTop::attraction`] has it.
+/// F̂_s of summits before contact at displacements Δ, at most [`BLOCK`], as [`OutlinedSummit::attraction`] has it.
 pub fn attractions<'a>(
-    of: impl Fn(usize) -> &'a OutlinedTop,
-    (displacements, holds): (&[f64], bool),
+    of: impl Fn(usize) -> &'a OutlinedSummit,
+    (displacements, stays): (&[f64], bool),
     adhesion: &mut [f64],
     stats: &mut SolverStats,
 ) {
@@ -898,26 +898,26 @@ pub fn attractions<'a>(
     for (first, part) in displacements.chunks(TOGETHER).enumerate().map(|(i, part)| (i * TOGETHER, part)) {
         let good = InstructionSet::current().run(
             #[inline(always)]
-            || lanes.attractions(|i| of(first + i), part, holds),
+            || lanes.attractions(|i| of(first + i), part, stays),
         );
         stats.evaluations += (STEPS_BEFORE as u64 + 1) * part.len() as u64;
         for (i, displacement) in part.iter().enumerate() {
             adhesion[first + i] = if good[i] {
                 lanes.adhesion[i]
             } else {
-                of(first + i).attraction(*displacement, holds, stats)
+                of(first + i).attraction(*displacement, stays, stats)
             };
         }
     }
 }
 
-/// Tops that are solved together.
+/// Number of summits that are solved together.
 const TOGETHER: usize = 32;
 /// Lanes of the widest vectors.
 const VECTOR: usize = 8;
 const _: () = assert!(BLOCK.is_multiple_of(TOGETHER));
 
-/// Tops of a part of a block, each quantity in a row.
+/// Summits of a part of a block, each quantity in a row.
 #[repr(align(64))]
 struct Lanes {
     lambda: [f64; TOGETHER],
@@ -962,10 +962,10 @@ impl Lanes {
         (self.lambda[i], self.quartic[i], self.edge[i], self.outside[i]) = (lambda, quartic, edge, outside);
     }
 
-    /// Repeats the last of `count` lanes up to whole vectors, and says how many lanes these have.
+    /// Repeats the last of `count` lanes up to whole vectors, and returns their number of lanes.
     #[inline(always)]
     fn pad(&mut self, count: usize) -> usize {
-        // Loops over lanes that are known not to be more than there are have no checks, and take whole vectors.
+        // With a known limit the loops over lanes have no checks and use whole vectors.
         let (last, whole) = (count - 1, (count.div_ceil(VECTOR) * VECTOR).min(TOGETHER));
         for i in count..whole {
             self.lambda[i] = self.lambda[last];
@@ -992,19 +992,19 @@ impl Lanes {
         }
     }
 
-    /// Newton steps, and one to correct the outputs along; says which are good.
+    /// Newton steps, and one along which the outputs are corrected; returns which lanes have converged.
     #[inline(always)]
     fn contacts<'a>(
         &mut self,
-        of: impl Fn(usize) -> &'a OutlinedTop,
+        of: impl Fn(usize) -> &'a OutlinedSummit,
         displacements: &[f64],
     ) -> [bool; TOGETHER] {
         for (i, displacement) in displacements.iter().enumerate() {
-            let top = of(i);
-            self.set(i, &top.outline);
-            self.displacements[i] = displacement.max(top.ends.contact).min(top.ends.deepest);
-            self.outer[i] = if self.displacements[i] > top.ends.edge { 1.0 } else { 0.0 };
-            Place { beyond: self.beyond[i], angle: self.angles[i] } = top.start(self.displacements[i]);
+            let summit = of(i);
+            self.set(i, &summit.outline);
+            self.displacements[i] = displacement.max(summit.ends.contact).min(summit.ends.deepest);
+            self.outer[i] = if self.displacements[i] > summit.ends.edge { 1.0 } else { 0.0 };
+            Place { beyond: self.beyond[i], angle: self.angles[i] } = summit.start(self.displacements[i]);
         }
         let count = self.pad(displacements.len());
         for pass in 0..=STEPS {
@@ -1023,7 +1023,7 @@ impl Lanes {
                 Response { adhesion: self.adhesion[i], radius: self.radius[i] } =
                     known.corrected([edge, angle]);
                 self.beyond[i] += edge;
-                // A radius that vanishes is on this side.
+                // The contact radius vanishes at π/2.
                 self.angles[i] = (place.angle + angle).min(FRAC_PI_2);
             }
             if are_good || pass == STEPS {
@@ -1033,24 +1033,24 @@ impl Lanes {
         self.good
     }
 
-    /// Newton steps before contact, and one to correct the outputs along; says which are good.
+    /// Newton steps before contact, and one along which the outputs are corrected; returns which lanes have converged.
     #[inline(always)]
     fn attractions<'a>(
         &mut self,
-        of: impl Fn(usize) -> &'a OutlinedTop,
+        of: impl Fn(usize) -> &'a OutlinedSummit,
         displacements: &[f64],
-        holds: bool,
+        stays: bool,
     ) -> [bool; TOGETHER] {
         let mut can_be = [true; TOGETHER];
         for (i, displacement) in displacements.iter().enumerate() {
-            let top = of(i);
-            self.set(i, &top.outline);
+            let summit = of(i);
+            self.set(i, &summit.outline);
             self.displacements[i] = *displacement;
             let high;
-            (self.low[i], high) = top.outermost(*displacement);
-            self.beyond[i] = top.outline.rigid(*displacement);
+            (self.low[i], high) = summit.outermost(*displacement);
+            self.beyond[i] = summit.outline.rigid(*displacement);
             can_be[i] = (high == f64::INFINITY)
-                & !(holds & top.ends.inner.is_some_and(|inner| *displacement >= inner.displacement));
+                & !(stays & summit.ends.inner.is_some_and(|inner| *displacement >= inner.displacement));
         }
         let count = self.pad(displacements.len());
         for i in 0..count {

@@ -24,7 +24,7 @@ pub enum InnerState {
 pub struct LawParameters {
     /// λ and the units of the scaled variables.
     pub scale: Scale,
-    /// Critical interference ω_c, m; infinite where there is no plastic flow.
+    /// Critical interference ω_c, m; infinite where there is no plastic deformation.
     pub critical_interference: f64,
     /// Maximum contact pressure factor k.
     pub pressure_factor: f64,
@@ -50,12 +50,12 @@ impl LawParameters {
     /// # Errors
     /// [`LawError`] for a λ that is not solved, or quantities that are not positive and finite.
     pub fn new(asperity: &Asperity, path: Path, table_range: (f64, f64)) -> Result<Self, LawError> {
-        let flows = asperity.hardness < f64::INFINITY;
+        let yields = asperity.hardness < f64::INFINITY;
         let parameters = Self {
             scale: Scale::new(asperity)?,
             critical_interference: asperity.critical_interference(),
-            pressure_factor: if flows { asperity.pressure_factor() } else { 1.0 },
-            hardness_ratio: flows.then(|| asperity.hardness / asperity.reduced_modulus),
+            pressure_factor: if yields { asperity.pressure_factor() } else { 1.0 },
+            hardness_ratio: yields.then(|| asperity.hardness / asperity.reduced_modulus),
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
@@ -66,7 +66,7 @@ impl LawParameters {
             return Err(LawError::NotPositive { name: "hardness", value: asperity.hardness });
         }
         let critical = parameters.critical_interference;
-        if flows && !critical.is_finite() {
+        if yields && !critical.is_finite() {
             return Err(LawError::NotPositive { name: "critical_interference", value: critical });
         }
         parameters.checked()

@@ -8,9 +8,10 @@
 use super::block::Responses;
 use super::history::Path;
 use super::lane::{Lane, Lanes, Numbered};
-use super::law::{Boundary, Law, Method, Piece, Regime};
-use super::outline::OutlinedTop;
+use super::law::{Boundary, Law, Method, Piece, RadiusDependence, Regime};
+use super::outline::OutlinedSummit;
 use super::stats::SolverStats;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The similarity by which a quantity follows the radius: ρ^value times itself at o + (δ − o)ρ^(−place).
@@ -121,28 +122,24 @@ impl Law for RadiusLaw {
         &self.boundaries
     }
 
-    fn follows_radius(&self) -> bool {
-        self.law.follows_radius()
-    }
-
-    fn lambda(&self) -> Option<f64> {
-        self.law.lambda()
+    fn radius_dependence(&self) -> RadiusDependence {
+        self.law.radius_dependence()
     }
 
     fn end(&self, regime: usize, lane: &Lane) -> Option<f64> {
         self.law.end(regime, lane)
     }
 
-    fn pieces_of(&self, regime: usize, lane: Option<&Lane>) -> Vec<Piece> {
-        self.law.pieces_of(regime, lane.or(self.lane.first()))
+    fn pieces_within(&self, regime: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        self.law.pieces_within(regime, lane.or(self.lane.first()), within)
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
         self.law.capture(lane.or(self.lane.first()))
     }
 
-    fn kinks_of_top(&self, regime: usize, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        self.law.kinks_of_top(regime, lane, top)
+    fn kinks_of_summit(&self, regime: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        self.law.kinks_of_summit(regime, lane, summit)
     }
 
     fn method(&self, regime: usize) -> Method {

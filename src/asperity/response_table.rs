@@ -5,7 +5,7 @@ use super::law::{End, Piece, Smoothness};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Piecewise, leading};
 
-/// F_s, P and the area, piece by piece of a law. What no polynomial meets is in no cell, and is solved when it is asked for.
+/// F_s, P and the area, piece by piece of a law. Interferences at which no polynomial is accurate are in no cell, and are solved.
 #[derive(Default)]
 pub(super) struct ResponseTable {
     parts: Vec<Part>,
@@ -57,8 +57,8 @@ impl Variable {
 }
 
 impl ResponseTable {
-    /// The table of pieces up to the interference `deepest`, m, of what `respond` gives there, to a relative `tolerance`; cells
-    /// are halved `halvings` times at most.
+    /// The table of the responses that `respond` gives on pieces up to the interference `deepest`, m, to a relative `tolerance`;
+    /// cells are halved `halvings` times at most.
     pub fn new(
         pieces: &[Piece],
         deepest: f64,
@@ -90,7 +90,7 @@ impl ResponseTable {
         Self { parts: pieces.iter().map(part).collect() }
     }
 
-    /// Writes the responses at interferences, m, at most [`BLOCK`]; `solve` those that are in no cell.
+    /// Writes the responses at interferences, m, at most [`BLOCK`]; `solve` finds the responses that are in no cell.
     pub fn respond(
         &self,
         interference: &[f64],
@@ -120,7 +120,7 @@ impl ResponseTable {
         }
     }
 
-    /// Reads what is in cells; says whether all is, else F_s is NaN.
+    /// Reads the responses that are in cells, and returns whether all are; F_s is NaN for the others.
     #[inline(always)]
     fn read(&self, interference: &[f64], out: &mut Responses) -> bool {
         let mut variable = [0.0; BLOCK];

@@ -39,9 +39,9 @@ pub struct Asperity {
     pub work_of_adhesion: f64,
     /// Equilibrium spacing Z₀, m.
     pub equilibrium_spacing: f64,
-    /// Hardness H of the softer body, Pa; infinite where nothing flows.
+    /// Hardness H of the softer body, Pa; infinite where nothing yields.
     pub hardness: f64,
-    /// Poisson ratio ν of the softer body; of no use where nothing flows.
+    /// Poisson ratio ν of the softer body; of no use where nothing yields.
     pub poisson_ratio: f64,
     /// Lubricant thickness t, m; 0 when dry.
     pub lubricant_thickness: f64,
@@ -58,7 +58,7 @@ impl Asperity {
         self.equilibrium_spacing / STRESS_RATIO
     }
 
-    /// Critical interference ω_c = (πkH/2E_r)²R at which plastic flow begins, m.
+    /// Critical interference ω_c = (πkH/2E_r)²R at which plastic plastic deformation begins, m.
     pub fn critical_interference(&self) -> f64 {
         if self.hardness == f64::INFINITY {
             return f64::INFINITY;

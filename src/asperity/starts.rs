@@ -1,5 +1,5 @@
-//! Parameters from which solves start, for any λ: bicubic polynomials over a column coordinate, the logarithm of λ,
-//! and a place on the branch.
+//! Starting points of solves for any λ: bicubic polynomials of the place on the branch and of a column coordinate that
+//! depends on λ.
 //!
 //! A column of cells is made when its λ is first met, by solves on the safeguarded path; it depends on nothing
 //! else, so all surfaces share it.
@@ -68,7 +68,7 @@ impl Starts {
 
     /// The values at a column coordinate.
     pub fn column(&'static self, x: f64) -> Column {
-        // What is no number is 0 as an integer.
+        // NaN is 0 as an integer.
         let column = x as usize;
         if (column >= self.columns.len()) | !(x >= 0.0) {
             return Column::default();

@@ -1,6 +1,6 @@
 //! The asperities of a surface with the state of each, and their forces.
 
-use crate::asperity::memory::{Flowed, Memory, Segment, Source};
+use crate::asperity::hysteresis::{Hysteresis, Segment, Source, Yielded};
 use crate::asperity::{BLOCK, Lanes, Method, Path, Responses, SolverStats};
 use crate::math::counting_sort::counting_sort;
 use std::cell::OnceCell;
@@ -12,7 +12,7 @@ pub(super) const SLOPE_STEP: f64 = 1e-6;
 
 /// The laws of the asperities of one radius, with the segments of their forces.
 pub struct RadiusLaws<'a> {
-    memory: Memory<'a>,
+    memory: Hysteresis<'a>,
     segments: Vec<Segment>,
     /// The number of segments of asperities that have not touched.
     untouched: usize,
@@ -24,7 +24,7 @@ pub struct RadiusLaws<'a> {
 
 impl<'a> RadiusLaws<'a> {
     /// The laws of a radius, which vary over `length`, m.
-    pub(crate) fn new(memory: Memory<'a>, length: f64) -> Self {
+    pub(crate) fn new(memory: Hysteresis<'a>, length: f64) -> Self {
         let (segments, untouched) = memory.segments();
         Self { memory, segments, untouched, unstable_work: OnceCell::new(), length }
     }
@@ -53,7 +53,7 @@ pub struct States {
     /// ω_max of each, m; −∞ where it has not flowed.
     largest: Vec<f64>,
     /// Asperities that have flowed and come back from ω_max.
-    pub(super) unloaded: Vec<Option<Arc<Flowed>>>,
+    pub(super) unloaded: Vec<Option<Arc<Yielded>>>,
     /// Asperities at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
 }
@@ -197,7 +197,7 @@ impl<'a> Asperities<'a> {
             return own.next[usize::from(upwards)];
         }
         let number = self.number(i);
-        let Some(flowed) = self.laws[number].memory.flowed(largest) else {
+        let Some(flowed) = self.laws[number].memory.yielded(largest) else {
             return own.next[0];
         };
         let above = flowed.segments.iter().position(|segment| segment.source == own.source);
@@ -231,7 +231,7 @@ impl<'a> Asperities<'a> {
     /// it is in contact, in part; at others it counts where the larger share of its force is.
     pub fn regime(&self, states: &States, i: usize) -> Option<usize> {
         let of = |number: u8| match self.segments(states, i)[number as usize].source {
-            Source::Law(path, regime) | Source::Lowered(path, regime) => Some((Some(path), regime)),
+            Source::Law(path, regime) | Source::Detached(path, regime) => Some((Some(path), regime)),
             Source::Unloading => states.unloaded[i].as_ref().map(|flowed| (None, flowed.regime)),
             Source::Nothing => None,
         };

@@ -1,6 +1,6 @@
 use super::*;
-use crate::asperity::memory::{Held, Memory};
-use crate::asperity::models::model;
+use crate::asperity::hysteresis::{Hysteresis, MaybeOwned};
+use crate::asperity::model;
 use crate::asperity::{Asperity, Law, LawParameters, Loop, Path};
 use crate::engine::stream::{Purpose, stream};
 use crate::substrate::{Coupling, Kernel};
@@ -98,9 +98,9 @@ impl Given {
         let made: Vec<(Box<dyn Law>, Loop, f64)> = radii.iter().map(each).collect();
         let laws = made.iter().map(|(law, cycle, length)| {
             let memory = if is_loop {
-                Memory::Loop(Held::Shared(cycle))
+                Hysteresis::Loop(MaybeOwned::Shared(cycle))
             } else {
-                Memory::None(Held::Shared(law.as_ref()))
+                Hysteresis::None(MaybeOwned::Shared(law.as_ref()))
             };
             RadiusLaws::new(memory, *length)
         });
@@ -269,7 +269,7 @@ impl Case {
         let half_space = HalfSpace::new(coupling, self.places.clone(), compliance, tolerance);
         let radii = vec![self.asperity.radius; self.heights.len()];
         let half_space = of_kernel(kernel, half_space, self.side, &radii);
-        let laws = vec![RadiusLaws::new(Memory::Loop(Held::Shared(&self.cycle)), self.length)];
+        let laws = vec![RadiusLaws::new(Hysteresis::Loop(MaybeOwned::Shared(&self.cycle)), self.length)];
         Solver::new(Asperities::new(laws, vec![0; self.heights.len()]), half_space, &self.heights, tolerance)
     }
 

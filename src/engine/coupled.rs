@@ -8,7 +8,7 @@ use super::search::Sought;
 use super::state::{Branch, Reversal};
 use super::stream::{Purpose, stream};
 use super::summed::{Contacts, Summed};
-use crate::asperity::memory::{Held, Memory};
+use crate::asperity::hysteresis::{Hysteresis, MaybeOwned};
 use crate::asperity::{Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
@@ -253,10 +253,12 @@ impl CoupledJob<'_> {
     fn laws_of(&self, radius: f64) -> RadiusLaws<'_> {
         let Self { job, substrate, .. } = self;
         let memory = match (substrate.memory, job.laws.family) {
-            (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
-            (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
-            (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
-            (None, None) => Memory::None(Held::Shared(job.laws.typical)),
+            (Some(SurfaceLoops::All(cycle)), _) => Hysteresis::Loop(MaybeOwned::Shared(cycle)),
+            (Some(SurfaceLoops::OfRadius(loop_of)), _) => {
+                Hysteresis::Loop(MaybeOwned::Own(Box::new(loop_of(radius))))
+            }
+            (None, Some(family)) => Hysteresis::None(MaybeOwned::Own(family.law(radius))),
+            (None, None) => Hysteresis::None(MaybeOwned::Shared(job.laws.typical)),
         };
         // Of elastic laws, s_δ ~ R^(1/3).
         RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))

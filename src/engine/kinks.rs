@@ -189,7 +189,7 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        let yielded = if cycle.flows() { Self::of_all_yielded(job, cycle, width) } else { Vec::new() };
+        let yielded = if cycle.yields() { Self::of_all_yielded(job, cycle, width) } else { Vec::new() };
         Self { approach, strays, retraction: [untouched, elastic, yielded] }
     }
 
@@ -328,7 +328,7 @@ pub(super) fn forces(
 mod tests {
     use super::super::case_ii::CASE_II;
     use super::*;
-    use crate::asperity::models::model;
+    use crate::asperity::model;
     use crate::asperity::scale::Scale;
     use crate::asperity::{LawParameters, Path, Regime};
 

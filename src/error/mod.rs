@@ -5,7 +5,7 @@ mod output;
 pub use output::OutputError;
 
 use crate::asperity::LawError;
-use crate::asperity::models::MODELS;
+use crate::asperity::MODELS;
 use crate::scene::{SceneError, former_value, nearest};
 use std::path::{Path, PathBuf};
 use thiserror::Error;

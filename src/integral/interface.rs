@@ -1,7 +1,7 @@
 //! Two rough surfaces and the law of their asperities, brought close and perhaps pulled apart.
 
 use super::{Expectations, RetractionModel, interference_range};
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::Asperity;
 use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws};
 use crate::surface::{RADIUS_RANGE, Surface};

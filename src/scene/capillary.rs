@@ -6,7 +6,7 @@ use super::keys::Value::{Choice, Number, Quantity, Switch, Table, Various, Whole
 use super::keys::{Key, key, names};
 use super::reader::{Entry, Section};
 use super::units::Dimension as Of;
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::liquid::{Bridges, Film, Liquid, LiquidError, Meniscus, Volume};
 use std::ops::Bound::Excluded;
 use toml::de::DeValue;

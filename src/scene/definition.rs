@@ -6,7 +6,7 @@ use super::instability::Instability;
 use super::model::LOOP;
 use super::solver::Sums;
 use super::substrate::Substrate;
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
     InnerState, LawError, LawParameters, Loop, Path, PlasticContact, SurfaceLaws, SurfaceLoops,

@@ -7,7 +7,7 @@ use super::keys::Value::{Choice, Quantity, Table};
 use super::keys::{Key, key, names};
 use super::reader::Section;
 use super::units::Dimension as Of;
-use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
+use crate::asperity::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::{Path, PlasticContact, model};
 
 /// Histories: their paths, of a loop that of its first way, and whether the surfaces are pulled back.

@@ -22,7 +22,7 @@ use super::solver::{Sums, sums};
 use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::validity::unknown_unloading;
-use crate::asperity::models::Plasticity;
+use crate::asperity::Plasticity;
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{LawParameters, Path};
 use crate::integral::Summits;

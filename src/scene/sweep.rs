@@ -17,7 +17,7 @@ use super::parse::read;
 use super::reader::{Entry, Section, document};
 use super::settings::{COUPLING, place, uncouple};
 use super::table::KEYS;
-use crate::asperity::models::{Model, PUBLISHED_FITS, model};
+use crate::asperity::{Model, PUBLISHED_FITS, model};
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
 

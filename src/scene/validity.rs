@@ -6,8 +6,8 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead, units};
-use crate::asperity::models::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::scale::{Asperity, STRESS_RATIO};
+use crate::asperity::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
 use crate::format::{si, signed_percent};
@@ -262,7 +262,7 @@ fn yield_onset(law: &dyn Law) -> Option<f64> {
 /// Whether enough contacts of a replica yield before retraction, under a law that takes any plastic contact, for the
 /// pull-off to depend on the plastic contact: on approach the contacts agree within 1 %. Where radii differ, contacts of small ones yield sooner.
 pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool {
-    let Some(onset) = yield_onset(law).filter(|_| scene.model.unloads_flow()) else { return false };
+    let Some(onset) = yield_onset(law).filter(|_| scene.model.has_unloading()) else { return false };
     let least = if scene.surface.is_polydisperse() { SMALLEST_RADIUS * onset } else { onset };
     let count = scene.surface.asperity_count as f64;
     let mut turns = readings.iter().filter(|reading| reading.what == WhatIsRead::Turn);
@@ -271,7 +271,7 @@ pub(crate) fn yields(scene: &Scene, law: &dyn Law, readings: &[Reading]) -> bool
 
 /// The fraction of asperities that yield under a law before retraction, of which each then has an outline of its own.
 pub(crate) fn share_of_yielded(scene: &Scene, law: &dyn Law) -> f64 {
-    let onset = yield_onset(law).filter(|_| scene.turns() && scene.model.unloads_flow());
+    let onset = yield_onset(law).filter(|_| scene.turns() && scene.model.has_unloading());
     onset.map_or(0.0, |onset| share_beyond(scene, onset, scene.separations[0]))
 }
 
@@ -317,7 +317,7 @@ fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
 /// Whether summits are pressed so far that the fit of the radius that they keep is uncertain.
 fn flattened(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning> {
     let flow = scene.asperity.critical_interference();
-    if !model.unloads_flow() {
+    if !model.has_unloading() {
         return None;
     }
     let beyond = |turn: &&Reading| share_beyond(scene, LARGEST_FITTED * flow, turn.separation);

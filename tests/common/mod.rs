@@ -10,11 +10,11 @@ pub mod unlocked;
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::models::{MODELS, Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
     Facing, Law, LawParameters, Laws, Path, PlasticContact, Regime, Responses, Scratch, SolverStats,
 };
+use stiction::asperity::{MODELS, Model, model};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, ReductionTree, Replica, Workspace, run};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};

@@ -4,7 +4,7 @@ use super::cases;
 use super::common::program::{Folder, text};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use stiction::asperity::models::MODELS;
+use stiction::asperity::MODELS;
 
 /// Separated by blanks; a blank and nothing are given, too.
 const NUMBERS: &str = "0 -0 1 -1 0.9 1e-6 1e6 1e-7 1e7 1e100 -1e100 1e101 1e308 1e309 5e-324 nan -nan inf -inf 1_0 0x10 1e \

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stiction::asperity::models::{MODELS, Model};
+use stiction::asperity::{MODELS, Model};
 use stiction::estimate::{Estimate, Plan};
 use stiction::scene::files::NoFiles;
 use stiction::scene::{Document, Scene};

@@ -6,7 +6,7 @@ use crate::common::unlocked;
 use crate::common::{case, job, law};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::{Family, LawParameters, Loop, Path, Quantity, SurfaceLaws};
 use stiction::background::{
     Background, Cap, Caps, Dispersion, Electrostatic, NamedForce, Strength, VACUUM_PERMITTIVITY, VanDerWaals,

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use stiction::asperity::models::{MODELS, Model, Plasticity};
+use stiction::asperity::{MODELS, Model, Plasticity};
 use stiction::estimate::Plan;
 use stiction::input::columns::SceneFiles;
 use stiction::scene::{Absent, Document, KEYS, Key, Value};
@@ -835,7 +835,7 @@ fn numbers_are_written_as_people_write_them() {
 
 /// Surfaces are not pulled back by laws of loading alone where tops flow; the message has the contact that is nearest.
 #[test]
-fn laws_of_loading_do_not_pull_back_what_has_flowed() {
+fn laws_of_loading_do_not_pull_back_what_has_yielded() {
     let laws = [
         ("hybrid", "ke"),
         ("fit:paper", "ke"),

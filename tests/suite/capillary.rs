@@ -4,9 +4,9 @@ use crate::common::program::{Folder, QUICK, assert_exit, small, text, unbroken};
 use crate::common::{case, for_each_instruction_set, respond, unlocked};
 use std::f64::consts::PI;
 use stiction::Scene;
-use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{ContactHistory, Law, LawError, LawParameters, Loop, Path, Quantity, Regime};
+use stiction::asperity::{Model, model};
 use stiction::liquid::{Bridges, Film, Liquid, Meniscus, Volume};
 use stiction::surface::Surface;
 

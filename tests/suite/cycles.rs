@@ -4,9 +4,9 @@
 use crate::common::program::{Folder, assert_exit, looped, small};
 use crate::common::{case, flattening, respond, separations};
 use crate::md_plastic::metal;
-use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{LawParameters, Loop, Path, Quantity};
+use stiction::asperity::{Model, model};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Job, Protocol, Replica};
 use stiction::surface::Surface;
@@ -59,7 +59,7 @@ fn a_flattened_top_is_loaded_along_its_unloading() {
         let again = cycle.again().unwrap();
         for times in [3.0, 6.0, 12.0] {
             let largest = times * asperity.critical_interference();
-            assert!(cycle.has_flowed(largest));
+            assert!(cycle.has_yielded(largest));
             let detachment = cycle.detachment(largest).unwrap();
             let touch = again.detachment(largest).unwrap();
             assert!(touch <= detachment, "{largest}");

@@ -2,8 +2,8 @@
 //! off a curve against a much finer curve.
 
 use crate::common::{brute_force, case, ensemble, law};
-use stiction::asperity::emd::{ContactState, Emd};
-use stiction::asperity::models::model;
+use stiction::asperity::emd::Emd;
+use stiction::asperity::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Family, Law, Laws, Path, Quantity, SolverStats, SurfaceLaws};
 use stiction::engine::moments::MomentMatrix;
@@ -37,15 +37,15 @@ fn plain_forces(asperity: &Asperity, scale: &Scale, emd: &Emd, interference: f64
     }
     let mut stats = SolverStats::default();
     if interference >= emd.end() * scale.length {
-        let (_, solution) = emd.respond((interference / scale.length).max(emd.end()), &mut stats);
+        let solution = emd.respond((interference / scale.length).max(emd.end()), &mut stats);
         return (scale.force * solution.adhesion, scale.force * solution.radius.powi(3));
     }
     let wetted = interference + asperity.lubricant_thickness;
     if wetted >= emd.end() * scale.length {
         return (2.0 * scale.force, 0.0);
     }
-    let (state, solution) = emd.respond(wetted / scale.length, &mut stats);
-    assert_eq!(state, ContactState::Noncontact);
+    let solution = emd.respond(wetted / scale.length, &mut stats);
+    assert_eq!(solution.radius, 0.0);
     (scale.force * solution.adhesion, 0.0)
 }
 

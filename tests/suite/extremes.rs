@@ -2,8 +2,8 @@
 //! refused with the key that says why.
 
 use crate::common::{dry_laws, respond};
-use stiction::asperity::models::{Model, PUBLISHED_FITS};
 use stiction::asperity::{Law, Path, Quantity};
+use stiction::asperity::{Model, PUBLISHED_FITS};
 use stiction::engine::{Job, Protocol, SCALARS, Workspace};
 use stiction::integral::Expectations;
 use stiction::scene::{Scene, SceneError};

@@ -89,7 +89,7 @@ fn the_gap_between_the_folds_takes_the_inner_root() {
     let emd = Emd::new(Scale::new(&asperity).unwrap().lambda, Path::Approach).unwrap();
     let fold = emd.noncontact_fold().unwrap();
     assert!((fold + 1.0378).abs() < 5e-5 && (emd.end() + 0.9970).abs() < 5e-5, "{fold} {}", emd.end());
-    let adhesion = |delta: f64| emd.respond(delta, &mut SolverStats::default()).1.adhesion;
+    let adhesion = |delta: f64| emd.respond(delta, &mut SolverStats::default()).adhesion;
     assert!((adhesion(fold - 1e-12) - 0.766).abs() < 5e-4);
     assert!((adhesion(fold + 1e-12) - 0.909).abs() < 5e-4);
     assert!((adhesion(emd.end() - 1e-12) - 1.268).abs() < 5e-4);
@@ -110,7 +110,7 @@ fn histories_differ_above_the_contact_fold_only() {
             let middle = 0.5 * (approach.end() + retraction.end());
             let [coming, going] =
                 [&approach, &retraction].map(|law| law.respond(middle, &mut SolverStats::default()));
-            assert!(coming.1.radius == 0.0 && going.1.radius > 0.0, "λ = {lambda}");
+            assert!(coming.radius == 0.0 && going.radius > 0.0, "λ = {lambda}");
         }
     }
 }

@@ -6,9 +6,9 @@
 use crate::common::{case, dry_laws, law, respond};
 use std::f64::consts::PI;
 use stiction::asperity::contact::Contact;
-use stiction::asperity::curve::Curve;
+use stiction::asperity::curve::BranchCurve;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::noncontact::{Branches, Noncontact};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
 use stiction::asperity::{Family, Law, LawParameters, Path, Regime, SolverStats};

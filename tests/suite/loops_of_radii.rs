@@ -2,9 +2,9 @@
 //! radius asperity by asperity, against their integral, and themselves.
 
 use crate::common::{brute_force, case, ensemble, flattening, one, respond, separations};
-use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{ContactHistory, Family, LawParameters, Loop, Path, Quantity, SurfaceLaws};
+use stiction::asperity::{Model, model};
 use stiction::engine::{Job, Loading, Protocol};
 use stiction::integral::{Expectations, RetractionModel};
 use stiction::surface::nayak::Spectrum;
@@ -179,7 +179,7 @@ fn the_retraction_is_the_sum_over_loops_of_each_radius() {
             let recovery = cycle.recovery(largest);
             let history = cycle.history(largest);
             let kinks = match history {
-                ContactHistory::Flowed => cycle.flattened_kinks(largest).to_vec(),
+                ContactHistory::Yielded => cycle.flattened_kinks(largest).to_vec(),
                 own => cycle.kinks()[own as usize].clone(),
             };
             events.extend(kinks.iter().map(|kink| separations[0] + recovery - kink));

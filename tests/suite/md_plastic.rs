@@ -2,7 +2,7 @@
 
 use crate::common::{case, respond};
 use std::f64::consts::PI;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::scale::{Asperity, pressure_factor};
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime};
 

@@ -2,7 +2,7 @@
 //! gap that inverts nothing, for the three cases of the published Table 2.
 
 use crate::common::{case, dry_laws, law};
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{
     Facing, Law, LawParameters, Loop, Path, PlasticContact, Quantity, Responses, Scratch, SolverStats,

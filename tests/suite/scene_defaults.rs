@@ -2,7 +2,7 @@
 
 use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, unbroken};
 use stiction::Scene;
-use stiction::asperity::models::{MODELS, Plasticity};
+use stiction::asperity::{MODELS, Plasticity};
 
 const SMALLEST: &str = "[material]\nyoungs_modulus = \"160 GPa\"\npoisson_ratio = 0.22\nhardness = \"11 GPa\"\n\
                         work_of_adhesion = \"20 mJ/m^2\"\n[surface]\nasperity_radius = \"100 nm\"\nasperity_density = \"50 /um^2\"\n\

@@ -6,7 +6,7 @@ use crate::common::{dry_laws, for_each_instruction_set};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use stiction::asperity::branch::MOST_EVALUATIONS;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::scale::pressure_factor;
 use stiction::asperity::{BLOCK, Facing, Lanes, Law, LawParameters, Path, Responses, Scratch, SolverStats};
 

@@ -3,9 +3,9 @@
 
 use crate::common::{case, dry_laws, flattening, respond};
 use std::f64::consts::PI;
-use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Quantity, Regime};
+use stiction::asperity::{Model, model};
 use stiction::integral::RetractionModel;
 use stiction::math::quadrature::{NODES, Rule};
 use stiction::surface::{Heights, Surface};
@@ -106,8 +106,8 @@ fn elastic_asperities_go_back_along_the_laws() {
             let law = |path| crate::common::law(model.name, &asperity, path, (-60e-9, 60e-9));
             let [approach, retraction] = [law(Path::Approach), law(Path::Retraction)];
             let cycle = cycle(model, &asperity).unwrap();
-            assert_eq!(cycle.flows(), model.contact().is_some(), "{}", model.name);
-            let plastic = |regime: &Regime| cycle.flows() && regime.is_plastic();
+            assert_eq!(cycle.yields(), model.contact().is_some(), "{}", model.name);
+            let plastic = |regime: &Regime| cycle.yields() && regime.is_plastic();
             let yields = cycle.approach().regimes().iter().position(plastic);
             let end = yields.map_or(f64::INFINITY, |first| approach.boundaries()[first - 1].interference);
             let capture = approach.capture(None).unwrap_or(f64::INFINITY).min(cycle.touch());
@@ -116,7 +116,7 @@ fn elastic_asperities_go_back_along_the_laws() {
                 let deeper = (0..20).map(|i| 2.1e-9 * 1.2_f64.powi(i));
                 let places = (0..200).map(|i| -8e-9 + 10e-9 * f64::from(i) / 199.0).chain(deeper);
                 for largest in places.filter(|largest| *largest <= end) {
-                    assert!(!cycle.has_flowed(largest) && cycle.recovery(largest) == largest);
+                    assert!(!cycle.has_yielded(largest) && cycle.recovery(largest) == largest);
                     let law = if largest < capture { approach.as_ref() } else { retraction.as_ref() };
                     let expected = respond(law, largest - distance);
                     let found = respond(&back, largest);

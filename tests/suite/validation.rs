@@ -5,7 +5,7 @@ use crate::common::{case, law, separations};
 use std::ops::Range;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::{
     Boundary, Family, Lane, Lanes, Law, Laws, Path, Piece, Quantity, Regime, Responses, SolverStats,
     SurfaceLaws,

@@ -3,7 +3,7 @@
 
 use crate::common::program::{Folder, QUICK, assert_exit, labelled, small, text};
 use std::path::Path;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 
 /// The lines of warnings, each with the one behind it.
 fn warnings(check: &str) -> Vec<String> {

@@ -3,7 +3,7 @@
 use crate::common::respond;
 use crate::md_plastic::{assert_rows_are_met, dissipated, onset, state};
 use std::f64::consts::PI;
-use stiction::asperity::models::model;
+use stiction::asperity::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime};
 use stiction::liquid::{Bridges, Liquid, Meniscus};

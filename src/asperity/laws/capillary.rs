@@ -3,7 +3,7 @@
 //! # Formula
 //! The liquid pulls with the tension p_c = γ/r_K wherever the gap is below h₀ = s r_K. That is Dugdale's zone, with σ₀ = p_c
 //! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress, in contact and before it
-//! (`asperity::bridge`, which has the curvature of the meniscus around the circle too). The bridge bends the faces towards
+//! (`asperity::bridge`, which has the curvature of the meniscus around the circle too). The bridge bends the surfaces towards
 //! each other: within it they are as near as an asperity without bridge at the interference
 //!
 //! δ₁ = a₀²/R in contact, a₀ the radius of contact under the bridge alone, and δ₁ = −g before it, g the gap in the middle.
@@ -13,18 +13,18 @@
 //! the area are those at δ₁. γs is thus not counted twice: a stiff asperity has 2πR(γs + W_SLS) = 2πRΔγ. Where W_SLS is not
 //! above 0 the liquid comes between the solids, which are then without adhesion of their own.
 //!
-//! A liquid is one only in gaps that are wider than the range of the attraction of dry solids, Z₀/1.03. Up to there nothing
-//! is left of γs and p_c, from twice that range on all, and between them a share that is linear in h₀; so the limit of dry
-//! air is the dry asperity, whichever of Δγ and γs is larger.
+//! Liquid condenses only in gaps wider than the range of the attraction of dry solids, Z₀/1.03. For h₀ up to that range γs and p_c
+//! are 0, from twice that range on they act fully, and between these a fraction that is linear in h₀ acts. So the limit of dry air
+//! is the dry asperity, whichever of Δγ and γs is larger.
 //!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
 //! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
 //! | bridge | solids apart | bridge, and solids across it | 0 |
 //! | elastic | up to the onset | bridge, and solids in it | K a³/R at δ₁ |
-//! | elastoplastic1, elastoplastic2, plastic | above | bridge, and solids around the outline of the top | P(ω) |
+//! | elastoplastic1, elastoplastic2, plastic | above | bridge, and solids around the outline of the summit | P(ω) |
 //!
-//! Above the onset the asperity is at every moment the elastic wet contact of the outline of its flattened top, with the load
+//! Above the onset the asperity is at every moment the elastic wet contact of the outline of its flattened summit, with the load
 //! P and the contact radius a of a plastic contact without adhesion that is reached at ω, as in [`super::md_plastic`]. With the
 //! interference g(a) of the outline without adhesion and the radius ρ of its apex
 //!
@@ -32,7 +32,7 @@
 //!
 //! with the stress σ₁ and the zone m of the solids in the liquid around a, and c and φ of the bridge of a sphere of ρ around
 //! a₀; where δ₁ < 0 the bridge is around the gap −δ₁. Nothing jumps at the onset. Without W_SLS δ₁ = g(a), without liquid
-//! the law is `md_plastic`. It unloads as the elastic wet contact of the outline, which is a wet sphere of ρ once it has parted.
+//! the law is `md_plastic`. It unloads as the elastic wet contact of the outline, which is a wet sphere of ρ once it has detached.
 //!
 //! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
 //! unstable; reversible ones form and break where their energy equals that without them. A bridge breaks with
@@ -49,22 +49,22 @@
 
 use super::idmt::across;
 use super::md::MaugisContact;
-use super::md_plastic::{Flow, PlasticContact, contact_rows, flow};
+use super::md_plastic::{PlasticContact, PlasticLoading, contact_rows, plastic_loading};
 use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::bridge::{Bridge, Closed, Last};
 use crate::asperity::elastic::{self, Elastic};
 use crate::asperity::error::LawError;
-use crate::asperity::flattened::Around;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes, Numbered};
-use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
+use crate::asperity::loading::Around;
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::liquid::{Bridges, Meniscus, Volume};
 use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
@@ -134,7 +134,7 @@ pub struct Parts {
     volume: Volume,
     /// The mean of both contact angles, rad.
     contact_angle: f64,
-    /// n t of the films on the faces, m.
+    /// n t of the films on the surfaces, m.
     films: f64,
 }
 
@@ -179,16 +179,16 @@ impl Parts {
         Ok(Self { bridge: Bridge { stress: 0.0, compliance: 0.0, ..parts.bridge }, ..parts })
     }
 
-    /// The contact that flows of wet asperities.
+    /// The plastic loading of wet asperities.
     ///
     /// # Errors
     /// As [`capillary`].
-    pub(in crate::asperity) fn flow(
+    pub(in crate::asperity) fn plastic_loading(
         self,
         parameters: &LawParameters,
         contact: PlasticContact,
-    ) -> Result<Arc<Flow>, LawError> {
-        flow((parameters, contact), self.around(&parameters.scale), &self.boundaries()[1])
+    ) -> Result<Arc<PlasticLoading>, LawError> {
+        plastic_loading((parameters, contact), self.around(&parameters.scale), &self.boundaries()[1])
     }
 
     /// Where bridges form or break, and where contact begins or ends.
@@ -200,7 +200,7 @@ impl Parts {
         })
     }
 
-    /// Adhesion and liquid around flattened tops, whose dry solids have the units `dry`.
+    /// Adhesion and liquid around flattened summits, whose dry solids have the units `dry`.
     fn around(&self, dry: &Scale) -> Around {
         let scale = self.solid.unwrap_or(Scale { lambda: 0.0, ..*dry });
         Around { scale, bridge: Some(self.bridge).filter(|bridge| bridge.stress > 0.0) }
@@ -263,7 +263,7 @@ impl Parts {
                 let rupture = bridge.rupture();
                 let contact = match (solids, touches) {
                     (_, Some(end)) if end.circle > rupture.circle => -end.distance,
-                    // Solids that hold on for longer than a bridge keep it.
+                    // Solids that adhere for longer than a bridge keep it.
                     (Some(solids), _) if bridge.at_gap(0.0).circle > rupture.circle => {
                         solids.min(-rupture.distance)
                     }
@@ -338,26 +338,22 @@ impl Spanned {
     }
 }
 
-impl Interaction for Spanned {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
+impl Law for Spanned {
+    fn radius_dependence(&self) -> RadiusDependence {
+        self.parts.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![self.parts.spanned(lane.map_or(1.0, |lane| lane.ratio))])
-    }
-
-    fn method(&self) -> Method {
-        Method::ClosedForm
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        Piece::cut(within, [], [self.parts.spanned(lane.map_or(1.0, |lane| lane.ratio))])
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
         self.parts.capture(lane.unwrap_or(&self.typical))
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let count = interference.len();
-        let forces = out.adhesion.iter_mut().zip(interference);
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let count = at.len();
+        let forces = out.adhesion.iter_mut().zip(at);
         match lanes {
             Lanes::Own => {
                 let closed = self.closed(&self.typical);
@@ -405,14 +401,14 @@ impl WetContact {
 
     /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
     /// after that of the solids.
-    fn smoothness_in(end: f64, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_in(end: f64, within: Range<f64>) -> Vec<Piece> {
         let Range { start: lower, end: upper } = within;
         let root = |place| Smoothness::Root { end: End::Lower, place, order: 2 };
         // Where both begin at once the two places are one but for rounding.
         if lower < end - 1e-14 * end.abs() && end < upper {
-            (vec![end], vec![root(lower), root(end)])
+            Piece::cut(within, [end], [root(lower), root(end)])
         } else {
-            (Vec::new(), vec![root(end)])
+            Piece::cut(within, [], [root(end)])
         }
     }
 
@@ -451,10 +447,33 @@ impl WetContact {
         inner
     }
 
-    /// The contacts at δ₁, m, of tops without adhesion of their own.
+    /// Responses under bridges alone, and δ₁, of a block of asperities at interferences δ, m.
+    fn bent(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses) -> [f64; BLOCK] {
+        let count = interference.len();
+        match lanes {
+            Lanes::Own => {
+                let (mut starts, mut roots) = ([f64::NAN; BLOCK], [0.0; BLOCK]);
+                for (root, delta) in roots.iter_mut().zip(interference) {
+                    *root = (delta - self.last.interference).max(0.0).sqrt();
+                }
+                self.starts.values(&roots[..count], &mut starts[..count]);
+                let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
+                self.bridges(|_| (1.0, self.last), start, interference, out)
+            }
+            Lanes::Each(lanes) => {
+                let of = |i: usize| {
+                    let ratio = lanes.at(i).ratio;
+                    (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
+                };
+                self.bridges(of, |_| None, interference, out)
+            }
+        }
+    }
+
+    /// The contacts at δ₁, m, of summits without adhesion of their own.
     fn bare(&self, lanes: Numbered<'_>, inner: &[f64], out: &mut Responses) {
         for (i, inner) in inner.iter().enumerate() {
-            let (lane, outline) = (lanes.at(i), &lanes.top(i).outline);
+            let (lane, outline) = (lanes.at(i), &lanes.summit(i).outline);
             let length = self.dry.length * lane.cube_root;
             let radius = outline.radius_at((inner / length).max(0.0));
             let own = self.dry.radius * (lane.cube_root * lane.cube_root) * radius;
@@ -473,51 +492,33 @@ impl WetContact {
     }
 }
 
-impl Interaction for WetContact {
-    fn lambda(&self) -> Option<f64> {
-        self.parts.lambda()
+impl Law for WetContact {
+    fn radius_dependence(&self) -> RadiusDependence {
+        self.parts.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let own = |lane: &Lane| self.parts.bridge.of_ratio(lane.ratio).last_contact();
-        Self::smoothness_in(lane.map_or(self.last, own).interference, within)
+        Self::pieces_in(lane.map_or(self.last, own).interference, within)
     }
 
-    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let bridge = self.parts.bridge.of_ratio(lane.ratio);
         let of_bridge = bridge.last_contact().interference;
-        let of_solid = self.parts.solid.map(|scale| top.ends.edge * (scale.length * lane.cube_root));
+        let of_solid = self.parts.solid.map(|scale| summit.ends.edge * (scale.length * lane.cube_root));
         let edge = of_solid.filter(|edge| edge.is_finite());
         vec![of_bridge, edge.map_or(f64::NAN, |edge| bridge.around(edge, 0.0).interference)]
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let count = interference.len();
-        let mut inner = match lanes {
-            Lanes::Own => {
-                let (mut starts, mut roots) = ([f64::NAN; BLOCK], [0.0; BLOCK]);
-                for (root, delta) in roots.iter_mut().zip(interference) {
-                    *root = (delta - self.last.interference).max(0.0).sqrt();
-                }
-                self.starts.values(&roots[..count], &mut starts[..count]);
-                let start = |i: usize| Some(starts[i]).filter(|start| *start > 0.0);
-                self.bridges(|_| (1.0, self.last), start, interference, out)
-            }
-            Lanes::Each(lanes) => {
-                let of = |i: usize| {
-                    let ratio = lanes.at(i).ratio;
-                    (ratio, self.parts.bridge.of_ratio(ratio).last_contact())
-                };
-                self.bridges(of, |_| None, interference, out)
-            }
-        };
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let (count, mut inner) = (at.len(), self.bent(lanes, at, out));
         let (Some(contact), Some(scale)) = (&self.solid, self.parts.solid) else {
             if let Lanes::Each(each) = lanes
-                && each.have_tops()
+                && each.have_summits()
             {
                 self.bare(each, &inner[..count], out);
             }
@@ -525,14 +526,14 @@ impl Interaction for WetContact {
         };
         let mut solid = Responses::default();
         match lanes {
-            Lanes::Own => contact.evaluate(lanes, &inner[..count], &mut solid, stats),
+            Lanes::Own => contact.evaluate(0, lanes, &inner[..count], &mut solid, stats),
             Lanes::Each(each) => {
                 for (i, inner) in inner[..count].iter_mut().enumerate() {
                     *inner /= scale.length * each.at(i).cube_root;
                 }
                 let (mut radius, adhesion) = ([0.0; BLOCK], &mut solid.adhesion);
-                if each.have_tops() {
-                    outline::contacts(|i| each.top(i), &inner[..count], adhesion, &mut radius, stats);
+                if each.have_summits() {
+                    outline::contacts(|i| each.summit(i), &inner[..count], adhesion, &mut radius, stats);
                 } else {
                     elastic::contact(|i| &each.at(i).elastic, &inner[..count], adhesion, &mut radius, stats);
                 }

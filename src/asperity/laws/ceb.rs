@@ -11,7 +11,7 @@
 //! | 0..1 | x^1.5 | x | the Lennard-Jones stress over the Hertz gap around the contact |
 //! | above | 3x − 1.5 | 2x − 1 | 2πRΔγ |
 //!
-//! The volume of the asperity that flows is conserved, so the area is πRω(2 − ω_c/ω), under the mean pressure
+//! The volume of the asperity that yields is conserved, so the area is πRω(2 − ω_c/ω), under the mean pressure
 //! KH. The attraction around an elastic contact is that of [`super::sbl`]. Around a plastic contact of the
 //! radius a the gap is taken as that of the undeformed sphere, z = Z₀ + (r² − a²)/2R, over which the stress
 //! integrates to 2πRΔγ exactly, DMT's force. That gap is an assumption of this program, made without the print
@@ -48,7 +48,7 @@ pub fn ceb(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     Ok(Box::new(Table::new(below.into_iter().chain([Row::last(Regime::Plastic, plastic)]))))
 }
 
-/// The rows up to the interference `end`, m, where a dry asperity begins to flow that is Hertz's below, with the attraction
+/// The rows up to the interference `end`, m, where a dry asperity begins to yield that is Hertz's below, with the attraction
 /// around it.
 pub fn rows_below(parameters: &LawParameters, end: f64) -> [Row; 2] {
     let elastic =
@@ -59,7 +59,7 @@ pub fn rows_below(parameters: &LawParameters, end: f64) -> [Row; 2] {
     ]
 }
 
-/// The attraction around a contact that flows, 2πRΔγ.
+/// The attraction around a contact that yields, 2πRΔγ.
 pub fn attraction_around(parameters: &LawParameters) -> impl Formula + use<> {
     let pull = 2.0 * parameters.scale.force;
     (move |_: f64| pull).following(Similarity::new(0.0, 1.0))

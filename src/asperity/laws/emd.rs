@@ -22,14 +22,13 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
-use crate::asperity::law::Method;
-use crate::asperity::law::{End, Law, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::{InnerState, LawParameters};
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -85,7 +84,7 @@ impl Attraction {
         let LawParameters { scale, path, lubricant_thickness: thickness, inner_state, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
         if inner_state == InnerState::Held {
-            emd = emd.holding();
+            emd = emd.staying();
         }
         if let (Some((lowest, _)), Some(deepest)) =
             (parameters.table_range, parameters.deepest(parameters.critical_interference))
@@ -105,12 +104,12 @@ impl Attraction {
     }
 }
 
-impl Interaction for Attraction {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
+impl Law for Attraction {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Elastic(self.scale.lambda)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let (split, behind) = match lane.map(|lane| &lane.elastic) {
             None => (self.emd.noncontact_fold(), self.emd.fold_behind()),
             Some(elastic) => match elastic.inner_fold().filter(|_| self.is_held()) {
@@ -120,15 +119,15 @@ impl Interaction for Attraction {
         };
         let place = |displacement: f64| displacement * self.length(lane) - self.thickness;
         let second = lane.and_then(|lane| lane.elastic.second_fold(self.path)).filter(|_| behind.is_none());
-        smoothness([split, second].map(|end| end.map(place)), behind.map(place), within)
+        pieces([split, second].map(|end| end.map(place)), behind.map(place), within)
     }
 
-    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
         let elastic = &lane.elastic;
-        let held = top.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
+        let held = summit.ends.inner.filter(|_| self.is_held()).map(|fold| fold.displacement);
         let jumps = [held, elastic.noncontact_fold(self.path), elastic.second_fold(self.path)];
         let place = |displacement: f64| displacement * self.length(Some(lane)) - self.thickness;
-        jumps.into_iter().chain(top.ends.edges_before).map(|kink| kink.map_or(f64::NAN, place)).collect()
+        jumps.into_iter().chain(summit.ends.edges_before).map(|kink| kink.map_or(f64::NAN, place)).collect()
     }
 
     fn capture(&self, lane: Option<&Lane>) -> Option<f64> {
@@ -147,17 +146,17 @@ impl Interaction for Attraction {
         }
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Noncontact { far: self.emd.far().map(|far| far * self.scale.length - self.thickness) }
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let count = at.len();
         let Responses { adhesion, contact, area } = out;
         area[..count].fill(0.0);
         // Where there is no load, its memory has the displacements.
         let displacements = &mut contact[..count];
-        lanes.displacements(&self.scale, self.thickness, interference, displacements);
+        lanes.displacements(&self.scale, self.thickness, at, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
@@ -166,16 +165,16 @@ impl Interaction for Attraction {
                     adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 },
             ),
-            Lanes::Each(each) if each.have_tops() => {
+            Lanes::Each(each) if each.have_summits() => {
                 let displacements = (&*displacements, self.is_held());
-                outline::attractions(|i| each.top(i), displacements, adhesion, stats);
+                outline::attractions(|i| each.summit(i), displacements, adhesion, stats);
                 for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {
                     *adhesion *= self.scale.force * each.at(i).ratio;
                 }
             }
             Lanes::Each(each) => {
                 let per_spacing = 1.0 / self.scale.equilibrium_spacing();
-                let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
+                let gap = |i: usize| 1.0 - (at[i] + self.thickness) * per_spacing;
                 let displacements = (&*displacements, self.is_held());
                 elastic::noncontact(|i| &each.at(i).elastic, gap, displacements, adhesion, stats);
                 for (i, adhesion) in adhesion[..count].iter_mut().enumerate() {
@@ -187,21 +186,17 @@ impl Interaction for Attraction {
     }
 }
 
-/// Smoothness of the attraction within an interval, m: it may be left there for another branch at the ends of some, which are
-/// folds, or for the outer branch, whose fold is `behind`.
-fn smoothness(
-    split: [Option<f64>; 2],
-    behind: Option<f64>,
-    within: Range<f64>,
-) -> (Vec<f64>, Vec<Smoothness>) {
+/// The pieces of the attraction within an interval, m. It jumps from one branch to another at folds, the `split`s; if it jumps to the
+/// outer branch, the fold of that is `behind`.
+fn pieces(split: [Option<f64>; 2], behind: Option<f64>, within: Range<f64>) -> Vec<Piece> {
     let root = |end, place| Smoothness::Root { end, place, order: 2 };
     let splits = split.into_iter().flatten().filter(|place| within.start < *place && *place < within.end);
     let mut ends: Vec<f64> = splits.collect();
     ends.sort_by(f64::total_cmp);
-    let mut pieces: Vec<Smoothness> = ends.iter().map(|place| root(End::Upper, *place)).collect();
-    pieces.push(Smoothness::Smooth);
+    let mut smoothness: Vec<Smoothness> = ends.iter().map(|place| root(End::Upper, *place)).collect();
+    smoothness.push(Smoothness::Smooth);
     if let (Some(behind), [place]) = (behind, ends.as_slice()) {
-        pieces = vec![root(End::Upper, behind), root(End::Lower, *place)];
+        smoothness = vec![root(End::Upper, behind), root(End::Lower, *place)];
     }
-    (ends, pieces)
+    Piece::cut(within, ends, smoothness)
 }

@@ -12,7 +12,7 @@ use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Similarity;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use std::f64::consts::PI;
 
 /// The law `hertz`, which is that of the rough surface `gw`.
@@ -27,7 +27,7 @@ pub fn hertz(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// The contact of Hertz under a constant adhesion force of `pull` πΔγR.
-pub fn contact(parameters: &LawParameters, pull: f64) -> impl Interaction + use<> {
+pub fn contact(parameters: &LawParameters, pull: f64) -> impl Law + use<> {
     let pull = pull * parameters.scale.force;
     let pull = (move |_: f64| pull).following(Similarity::new(0.0, 1.0));
     ClosedForm::new(pull, load(parameters), area(parameters)).with_root(0.0, 2)

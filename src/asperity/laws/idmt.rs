@@ -14,7 +14,7 @@ use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Similarity;
 use crate::asperity::scale::Scale;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 
 /// The law `idmt`.
 ///
@@ -28,13 +28,13 @@ pub fn idmt(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// The attraction of an undeformed sphere across the gap, Z₀ − δ less the `thickness` of a lubricant, m.
-pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interaction + use<> {
+pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Law + use<> {
     let of_gap = across(&parameters.scale);
     let force = move |delta: f64| of_gap(-(delta + thickness));
     ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))
 }
 
-/// F_s, N, of an undeformed sphere whose distance of faces is larger than at equilibrium by a gap ≥ 0, m.
+/// F_s, N, of an undeformed sphere whose distance of surfaces is larger than at equilibrium by a gap ≥ 0, m.
 pub fn across(scale: &Scale) -> impl Fn(f64) -> f64 + Clone + Send + Sync + use<> {
     let factor = 8.0 / 3.0 * scale.force;
     let per_spacing = 1.0 / scale.equilibrium_spacing();

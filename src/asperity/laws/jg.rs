@@ -35,7 +35,7 @@ const FIRST_END: f64 = 1.9;
 /// H/Y (Tabor 1951).
 pub(super) const HARDNESS: f64 = 2.84;
 /// Largest H/E_r that B is taken of, where it is 8: the powers of what is harder are no numbers, and contacts are as wide as
-/// their asperities before they flow.
+/// their asperities before they yield.
 const HARDEST: f64 = 0.5;
 /// x up to which there are tables.
 const TABULATED: f64 = 1e3;
@@ -74,11 +74,11 @@ pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         libm::exp(-0.25 * libm::pow(x, 5.0 / 12.0)) * x * x.sqrt() + plastic
     };
     let x = (FIRST_END, TABULATED);
-    let flowing = ClosedForm::new(
+    let plastic = ClosedForm::new(
         attraction_around(&own),
         critical.tabulated(move |x| load * force(x), TABLE_TOLERANCE, x).following(OF_CRITICAL),
         critical.tabulated(move |x| disc * area(x), TABLE_TOLERANCE, x).following(OF_CRITICAL),
     );
     let below = rows_below(&own, FIRST_END * own.critical_interference);
-    Ok(Box::new(Table::new(below.into_iter().chain([Row::last(Regime::Elastoplastic1, flowing)]))))
+    Ok(Box::new(Table::new(below.into_iter().chain([Row::last(Regime::Elastoplastic1, plastic)]))))
 }

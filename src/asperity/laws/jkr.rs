@@ -16,18 +16,17 @@
 
 use crate::asperity::block::{BLOCK, Responses};
 use crate::asperity::branch::Branch;
-use crate::asperity::curve::{Anchor, Curve, CurvePoint};
+use crate::asperity::curve::{Anchor, BranchCurve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
-use crate::asperity::law::Method;
-use crate::asperity::law::{End, Law, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use std::ops::Range;
 
 /// The law `jkr`.
@@ -62,7 +61,7 @@ impl JkrCurve {
     }
 }
 
-impl Curve for JkrCurve {
+impl BranchCurve for JkrCurve {
     #[inline(always)]
     fn terms(&self, x: f64) -> [f64; 4] {
         [1.0 / x, 0.0, 0.0, 0.0]
@@ -120,14 +119,18 @@ impl JkrContact {
     }
 }
 
-impl Interaction for JkrContact {
-    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
-        let own = self.end();
-        let place = lane.map_or(own, |lane| Similarity::new(LENGTH, 0.0).interference(own, lane));
-        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
+impl Law for JkrContact {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Formulas
     }
 
-    fn method(&self) -> Method {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        let own = self.end();
+        let place = lane.map_or(own, |lane| Similarity::new(LENGTH, 0.0).interference(own, lane));
+        Piece::cut(within, [], [Smoothness::Root { end: End::Lower, place, order: 2 }])
+    }
+
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
@@ -136,11 +139,11 @@ impl Interaction for JkrContact {
         0.4 * end * end * self.scale.energy()
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let (lowest, count) = (self.branch.anchor().displacement, interference.len());
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let (lowest, count) = (self.branch.anchor().displacement, at.len());
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
-        lanes.displacements(&self.scale, 0.0, interference, displacements);
+        lanes.displacements(&self.scale, 0.0, at, displacements);
         displacements.iter_mut().for_each(|displacement| *displacement = displacement.max(lowest));
         self.branch.solve_block(displacements, &mut out.adhesion, radius, stats);
         lanes.scale_contacts(&self.scale, radius, out);

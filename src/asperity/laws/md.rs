@@ -14,14 +14,13 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
-use crate::asperity::law::Method;
-use crate::asperity::law::{End, Law, Regime, Smoothness};
-use crate::asperity::outline::{self, OutlinedTop};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
+use crate::asperity::outline::{self, OutlinedSummit};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -75,24 +74,24 @@ impl MaugisContact {
     }
 }
 
-impl Interaction for MaugisContact {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
+impl Law for MaugisContact {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Elastic(self.scale.lambda)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, _: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let place = match lane {
             None => self.emd.contact_fold() * self.scale.length,
             Some(lane) => lane.elastic.contact_fold() * (self.scale.length * lane.cube_root),
         };
-        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
+        Piece::cut(within, [], [Smoothness::Root { end: End::Lower, place, order: 2 }])
     }
 
-    fn kinks_of_top(&self, lane: &Lane, top: &OutlinedTop) -> Vec<f64> {
-        vec![top.ends.edge * (self.scale.length * lane.cube_root)]
+    fn kinks_of_summit(&self, _: usize, lane: &Lane, summit: &OutlinedSummit) -> Vec<f64> {
+        vec![summit.ends.edge * (self.scale.length * lane.cube_root)]
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
@@ -100,11 +99,11 @@ impl Interaction for MaugisContact {
         self.emd.unstable_work() * self.scale.energy()
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let count = interference.len();
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let count = at.len();
         let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (displacements, radius) = (&mut displacements[..count], &mut radius[..count]);
-        lanes.displacements(&self.scale, 0.0, interference, displacements);
+        lanes.displacements(&self.scale, 0.0, at, displacements);
         match lanes {
             Lanes::Own => InstructionSet::current().run(
                 #[inline(always)]
@@ -113,8 +112,8 @@ impl Interaction for MaugisContact {
                     lanes.scale_contacts(&self.scale, radius, out);
                 },
             ),
-            Lanes::Each(each) if each.have_tops() => {
-                outline::contacts(|i| each.top(i), displacements, &mut out.adhesion, radius, stats);
+            Lanes::Each(each) if each.have_summits() => {
+                outline::contacts(|i| each.summit(i), displacements, &mut out.adhesion, radius, stats);
                 lanes.scale_contacts(&self.scale, radius, out);
             }
             Lanes::Each(each) => {

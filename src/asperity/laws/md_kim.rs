@@ -21,12 +21,12 @@ use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
 use crate::asperity::history::Path;
 use crate::asperity::lane::{Lane, Lanes};
-use crate::asperity::law::{End, Law, Method, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Piece, RadiusDependence, Regime, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -95,15 +95,15 @@ impl ConstantStress {
     }
 
     /// From where it acts it varies like a root.
-    fn smoothness_in(zone: Zone, length: f64, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_in(zone: Zone, length: f64, within: Range<f64>) -> Vec<Piece> {
         let root = Smoothness::Root { end: End::Lower, place: zone.fold * length, order: 2 };
         let begin = zone.begin * length;
         // Where contact begins at once, the two places are one but for rounding.
         let rounding = 1e-14 * begin.abs();
         match begin {
-            begin if begin <= within.start => (Vec::new(), vec![root]),
-            begin if begin + rounding < within.end => (vec![begin], vec![Smoothness::Smooth, root]),
-            _ => (Vec::new(), vec![Smoothness::Smooth]),
+            begin if begin <= within.start => Piece::cut(within, [], [root]),
+            begin if begin + rounding < within.end => Piece::cut(within, [begin], [Smoothness::Smooth, root]),
+            _ => Piece::cut(within, [], [Smoothness::Smooth]),
         }
     }
 }
@@ -117,21 +117,17 @@ impl Zone {
     }
 }
 
-impl Interaction for ConstantStress {
-    fn lambda(&self) -> Option<f64> {
-        Some(self.scale.lambda)
+impl Law for ConstantStress {
+    fn radius_dependence(&self) -> RadiusDependence {
+        RadiusDependence::Elastic(self.scale.lambda)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let (zone, length) = match lane {
             None => (self.zone(self.scale.lambda), self.scale.length),
             Some(lane) => (self.zone(lane.elastic.lambda), self.scale.length * lane.cube_root),
         };
-        Self::smoothness_in(zone, length, within)
-    }
-
-    fn method(&self) -> Method {
-        Method::ClosedForm
+        Self::pieces_in(zone, length, within)
     }
 
     fn capture(&self, _: Option<&Lane>) -> Option<f64> {
@@ -146,8 +142,8 @@ impl Interaction for ConstantStress {
         0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0) * self.scale.energy()
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let forces = out.adhesion.iter_mut().zip(interference);
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let forces = out.adhesion.iter_mut().zip(at);
         match lanes {
             Lanes::Own => {
                 let (zone, per_length) = (self.zone(self.scale.lambda), 1.0 / self.scale.length);
@@ -168,7 +164,7 @@ impl Interaction for ConstantStress {
                 }
             }
         }
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
+        out.contact[..at.len()].fill(0.0);
+        out.area[..at.len()].fill(0.0);
     }
 }

@@ -1,14 +1,14 @@
-//! Elastic-plastic adhesion that is continuous in λ and in the interference: Maugis-Dugdale around a flattened top.
+//! Elastic-plastic adhesion that is continuous in λ and in the interference: Maugis-Dugdale around a flattened summit.
 //!
 //! # Formula
-//! One assumption: at every moment a contact is an elastic Maugis-Dugdale contact of the outline that its flattened top has.
+//! One assumption: at every moment a contact is an elastic Maugis-Dugdale contact of the outline that its flattened summit has.
 //! With the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion ([`PlasticContact`]), whose interference
 //! ω is the parameter of the states, it leaves ([`crate::asperity::outline`])
 //!
 //! f(r) = r²/2ρ + br⁴ up to a, the paraboloid of R beyond, ρ = max{R[1 + 1.275 (E/Y)^−0.216 (ω/ω_c − 1)], Ka³/P}
 //!
-//! with ω_c of Jackson and Green and the first term R below it, and b by which its load at a is P. ρ, the residual depth and δ are
-//! taken at the ω at which the contact is reached (below). By δ, with δ_A of the history and δ_y, the δ at which the plastic contact begins to flow:
+//! with ω_c of Jackson and Green. The first term is R below ω_c, and b gives the outline the load P at a. ρ, the residual depth and δ
+//! are those at the ω at which the contact is reached (below). With δ_A of the history and δ_y, the δ at which yielding begins:
 //!
 //! | regime | interval | F_s | P |
 //! |---|---|---|---|
@@ -16,13 +16,13 @@
 //! | elastic | −δ_A ≤ δ ≤ δ_y | Maugis-Dugdale | K a³/R of Maugis-Dugdale |
 //! | elastoplastic1, elastoplastic2, plastic | as the plastic contact has them, at their δ | that of the outline | P(ω) |
 //!
-//! Where adhesion alone makes a contact flow, δ_y is below first touch and there is no elastic regime. Of several states at one
+//! Where adhesion alone makes a contact yield, δ_y is below first touch and there is no elastic regime. Of several states at one
 //! δ the one of the largest ω acts, which is the stable one. Unloading is that of the elastic contact of the outline
 //! ([`crate::asperity::Loop`]).
 //!
-//! Loops give out no energy with four conditions, which the plastic contacts were not made for. a is at least √(Rω). P is at most
-//! K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4). The contact of a and P is reached
-//! at ω or before, so that the sphere around it does not sink: what the solids attract there would be lost. Loads of Kogut and
+//! Four conditions, which the plastic contacts do not meet by themselves, keep loops from gaining energy. a is at least √(Rω). P is
+//! at most K a³/R, since a flattened summit is not sharper than before, and at most K R^(1/4) a^(1/2) ω^(5/4). The contact of a and
+//! P is reached at ω or at a smaller interference, so that the sphere around it does not sink and lose attraction. Loads of Kogut and
 //! Etsion pass from one fit to the next where both are equal. The load of Jackson and Green is above the second limit of P by
 //! 0.5 % where it begins, for a fortieth of ω, and the sphere around its contact does not sink for ν ≤ 0.35 and H/E from 0.005 to
 //! 0.09. The area of Kogut and Etsion jumps from one fit to the next.
@@ -37,43 +37,43 @@ use super::md::MaugisContact;
 use super::{emd, jg, kogut_etsion, tn, zmc};
 use crate::asperity::block::Responses;
 use crate::asperity::error::LawError;
-use crate::asperity::flattened::{Around, State};
 use crate::asperity::lane::{Lane, Lanes, Numbered};
-use crate::asperity::law::{End, Law, Method, Piece, Regime, Smoothness};
+use crate::asperity::law::{End, Law, Method, Piece, RadiusDependence, Regime, Smoothness};
+use crate::asperity::loading::{Around, State};
 use crate::asperity::outline::Pressed;
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::response_table::ResponseTable;
 use crate::asperity::scale::{Asperity, poisson_ratio};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
-use crate::asperity::top::Top;
+use crate::asperity::summit::FlattenedSummit;
+use crate::asperity::table::{Row, Table};
 use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Steps of the search for a state at most. Most take six.
+/// Largest number of steps of the search for a state. Most searches take six.
 const MOST_STEPS: usize = 100;
 /// Relative accuracy of tables, a few roundings of what is tabulated.
 const TABLE_TOLERANCE: f64 = 2e-14;
-/// Halvings of a stretch in the tables, at most.
+/// Largest number of halvings of an interval of the tables.
 const TABLE_HALVINGS: u32 = 10;
 /// Halvings of an interval of ω.
 const HALVINGS: usize = 60;
-/// Relative step of ω over which slopes are looked at.
+/// Relative step of ω over which slopes are taken.
 const SHORT: f64 = 1e-5;
 /// Coefficient and exponent of E/Y by which ρ/R − 1 grows with ω/ω_c − 1 (Etsion, Kligerman and Kadin 2005).
 const FLATTENING: (f64, f64) = (1.275, -0.216);
-/// Places of a regime at which its formulas are looked at, and the ω over that where the last regime begins up to which they
-/// are.
+/// Number of places of a regime at which changes of its formulas are searched for, and the end of that search in the last regime,
+/// in multiples of its beginning.
 const LOOKS: usize = 400;
 const LAST_JOINT: f64 = 1e4;
-/// Relative difference from a Hertz contact that is rounding.
+/// Largest relative difference from a Hertz contact that counts as rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
-/// Steps of a search after which an interval is halved: where the area of Kogut and Etsion jumps, secants do not come to an end.
+/// Steps of a search after which intervals are halved, because secants do not converge where the area of Kogut and Etsion jumps.
 const SECANTS: u32 = 24;
 /// Asperities that are solved together.
 const TOGETHER: usize = 16;
@@ -83,7 +83,7 @@ thread_local! {
     static BARE: RefCell<Box<Responses>> = RefCell::default();
 }
 
-/// The contact without adhesion that an asperity has once it flows.
+/// The contact without adhesion of an asperity that yields.
 ///
 /// # Examples
 /// ```
@@ -151,38 +151,38 @@ pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result
     Ok(Box::new(Table::new(before.into_iter().chain(contact))))
 }
 
-/// What acts around the tops of dry asperities.
+/// The surroundings of the contacts of dry asperities.
 fn dry(parameters: &LawParameters) -> Around {
     Around { scale: parameters.scale, bridge: None }
 }
 
-/// The contact that flows of dry asperities.
+/// The plastic loading of dry asperities.
 ///
 /// # Errors
 /// As [`md_plastic`].
-pub(in crate::asperity) fn dry_flow(
+pub(in crate::asperity) fn dry_loading(
     parameters: &LawParameters,
     contact: PlasticContact,
-) -> Result<Arc<Flow>, LawError> {
+) -> Result<Arc<PlasticLoading>, LawError> {
     let maugis = MaugisContact::new(&LawParameters { table_range: None, ..*parameters }, f64::INFINITY)?;
-    flow((parameters, contact), dry(parameters), &maugis.begins(0.0))
+    plastic_loading((parameters, contact), dry(parameters), &maugis.begins(0.0))
 }
 
-/// The contact that flows of asperities, with what acts around them, which begins or ends by the history at `begin`.
+/// The plastic loading of asperities with `around` their contacts, which begin or end by the history at `begin`.
 ///
 /// # Errors
 /// As [`md_plastic`].
-pub(in crate::asperity) fn flow(
+pub(in crate::asperity) fn plastic_loading(
     (parameters, contact): (&LawParameters, PlasticContact),
     around: Around,
     begin: &Place,
-) -> Result<Arc<Flow>, LawError> {
+) -> Result<Arc<PlasticLoading>, LawError> {
     let law = contact.law(parameters)?;
-    Ok(Arc::new(Flow::new((parameters, law), around, begin)?))
+    Ok(Arc::new(PlasticLoading::new((parameters, law), around, begin)?))
 }
 
-/// The rows of contact, which begins or ends by the history at `begin`: as `elastic` has it until it flows, and then with what
-/// acts around flattened tops.
+/// The rows of contact, which begins or ends by the history at `begin`: the law `elastic` up to the onset of yielding, and plastic
+/// loading with `around` the contacts from there on.
 ///
 /// # Errors
 /// As [`md_plastic`].
@@ -190,21 +190,22 @@ pub(super) fn contact_rows(
     (parameters, contact): (&LawParameters, PlasticContact),
     around: Around,
     begin: Place,
-    elastic: impl Interaction + 'static,
+    elastic: impl Law + 'static,
 ) -> Result<Vec<Row>, LawError> {
-    // Tables are made of what has none.
-    let exact = flow((&LawParameters { table_range: None, ..*parameters }, contact), around, &begin)?;
-    let fast = flow((parameters, contact), around, &begin)?;
+    // Tables are made from solves without tables.
+    let exact =
+        plastic_loading((&LawParameters { table_range: None, ..*parameters }, contact), around, &begin)?;
+    let fast = plastic_loading((parameters, contact), around, &begin)?;
     let place = |regime: usize| {
-        let flow = Arc::clone(&exact);
+        let loading = Arc::clone(&exact);
         let own = exact.end(regime, &exact.lane()).max(begin.interference);
-        Place::following(own, move |lane| flow.end(regime, lane))
+        Place::following(own, move |lane| loading.end(regime, lane))
     };
     let mut rows = vec![Row::up_to(Regime::Elastic, place(exact.onset), elastic)];
     let deepest = parameters.table_range.map(|(_, deepest)| deepest);
     for (regime, name) in exact.law.regimes().iter().enumerate().skip(exact.onset + 1) {
         let lower = exact.end(regime - 1, &exact.lane());
-        let part = Flowing::new([&exact, &fast], regime, lower, deepest);
+        let part = PlasticRegime::new([&exact, &fast], regime, lower, deepest);
         rows.push(if regime < exact.law.boundaries().len() {
             Row::up_to(*name, place(regime), part)
         } else {
@@ -215,7 +216,7 @@ pub(super) fn contact_rows(
 }
 
 /// The states of an asperity on loading, by ω/s_δ.
-pub(in crate::asperity) struct Flow {
+pub(in crate::asperity) struct PlasticLoading {
     /// The plastic contact without adhesion.
     law: Box<dyn Law>,
     /// The last elastic regime of that contact.
@@ -229,14 +230,14 @@ pub(in crate::asperity) struct Flow {
     flattening: f64,
 }
 
-impl Flow {
+impl PlasticLoading {
     fn new(
         (parameters, law): (&LawParameters, Box<dyn Law>),
         around: Around,
         begin: &Place,
     ) -> Result<Self, LawError> {
-        let flows = law.regimes().iter().position(|regime| regime.is_plastic());
-        let onset = flows.expect("a plastic contact flows") - 1;
+        let plastic = law.regimes().iter().position(|regime| regime.is_plastic());
+        let onset = plastic.expect("a plastic contact yields") - 1;
         let hardness = parameters.hardness_ratio.ok_or(LawError::Hardness("md_plastic"))?;
         let poisson = poisson_ratio(parameters.pressure_factor);
         let yielding = (1.0 - poisson * poisson) * jg::HARDNESS / hardness;
@@ -260,7 +261,7 @@ impl Flow {
         self.law.boundaries()[regime].interference * lane.ratio / self.around.scale.length
     }
 
-    /// ω/s_δ at which an asperity begins to flow: at ω_c, or where the plastic contact does before it.
+    /// ω/s_δ at which an asperity begins to yield: at ω_c, or where the plastic contact does before it.
     fn onset(&self, lane: &Lane) -> f64 {
         self.joint(self.onset, lane).min(self.critical * lane.ratio)
     }
@@ -270,8 +271,7 @@ impl Flow {
         if regime == self.onset + 1 { self.onset(lane) } else { self.joint(regime - 1, lane) }
     }
 
-    /// The states of asperities at ω/s_δ in a regime of the plastic contact; zones are searched for from those that there
-    /// are.
+    /// The states of asperities at ω/s_δ in a regime of the plastic contact; adhesive zones are searched for from the states in `out`.
     fn states(&self, regime: usize, lanes: Numbered<'_>, places: &[f64], out: &mut [State]) {
         let mut interference = [0.0; TOGETHER];
         let interference = &mut interference[..places.len()];
@@ -301,8 +301,8 @@ impl Flow {
         }
     }
 
-    /// The contact without adhesion of an asperity at ω/s_δ, and the formulas that it is by, from the area and the load that the
-    /// plastic contact has there.
+    /// The contact without adhesion of an asperity at ω/s_δ, from the area and the load of the plastic contact, and the numbers of
+    /// the formulas that give it.
     fn pressed(
         &self,
         regime: usize,
@@ -331,9 +331,9 @@ impl Flow {
         ((pressed, place - interference), [by[0], by[1], of_apex, u8::from(beyond > 0.0)])
     }
 
-    /// ω/s_δ at which a contact of a radius and a load is reached, `place` or less, so that the sphere around it does not sink, and
-    /// by which formula: 0 for `place`, 2 with ρ = a³/p, 4 with the fitted ρ. Contacts of a radius a and a load p lower the sphere at their edge by
-    /// ω − a²/2R − (25/48)p/a + a²/48ρ, with the larger ρ of the fit and a³/p.
+    /// ω/s_δ at which a contact of a radius and a load is reached: `place`, or less if the sphere around the contact would sink. And
+    /// the number of the formula: 0 for `place`, 2 with ρ = a³/p, 4 with the fitted ρ. A contact of a radius a and a load p lowers the
+    /// sphere at its edge by ω − a²/2R − (25/48)p/a + a²/48ρ, with ρ the larger of the fit and a³/p.
     fn least_sunk(&self, ratio: f64, place: f64, radius: f64, load: f64) -> (f64, u8) {
         let (square, per_radius) = (radius * radius, load / radius);
         let least = place * (1.0 - ROUNDING);
@@ -370,8 +370,8 @@ impl Flow {
         place - self.state(regime, lane, place).short()
     }
 
-    /// δ, m, at which a regime of the plastic contact ends: where the elastic contact begins to flow, or where one regime of
-    /// flow passes into the next; where contact begins, if no stable state is there.
+    /// δ, m, at which a regime of the plastic contact ends: the onset of yielding, or the boundary of two plastic regimes. It is where
+    /// contact begins if there is no stable state.
     fn end(&self, regime: usize, lane: &Lane) -> f64 {
         let begin = self.begin.of(lane);
         let place = if regime == self.onset { self.onset(lane) } else { self.joint(regime, lane) };
@@ -382,7 +382,7 @@ impl Flow {
         if is_stable { begin.max(end * self.around.scale.length) } else { begin }
     }
 
-    /// ω/s_δ within a regime, rising, at which one formula takes the place of another, of the law's own radius.
+    /// ω/s_δ within a regime, rising, at which one formula replaces another, for the law's own radius.
     fn joints(&self, regime: usize) -> Vec<f64> {
         let lane = self.lane();
         let from = self.lower(regime, &lane).next_up();
@@ -416,7 +416,7 @@ impl Flow {
         joints
     }
 
-    /// δ/s_δ at the fold of a regime, the least that a stable state of it has, if that is not where the regime begins.
+    /// δ/s_δ at the fold of a regime, which is the least δ/s_δ of its stable states, unless the regime begins with that.
     fn fold(&self, regime: usize, lane: &Lane) -> Option<f64> {
         let at = |place: f64| self.displacement(regime, lane, place);
         let begin = self.lower(regime, lane);
@@ -447,8 +447,8 @@ impl Flow {
         })
     }
 
-    /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact: of several
-    /// states the outermost. Secants go there from above, and an interval is halved where they do not end.
+    /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact; of several states, the one of
+    /// the largest ω. Secants approach it from above, and intervals are halved where they do not converge.
     fn solve(
         &self,
         regime: usize,
@@ -467,20 +467,20 @@ impl Flow {
         }
     }
 
-    /// Visits the tops that asperities of lanes leave at interferences ω_max, m, in one of the regimes of flow.
-    pub(in crate::asperity) fn tops(
+    /// Visits the flattened summits of asperities of lanes at interferences ω_max, m, in one of the plastic regimes.
+    pub(in crate::asperity) fn summits(
         &self,
         number: usize,
         lanes: Numbered<'_>,
         largest: &[f64],
         stats: &mut SolverStats,
-        mut visit: impl FnMut(Top),
+        mut visit: impl FnMut(FlattenedSummit),
     ) {
         for (chunk, largest) in largest.chunks(TOGETHER).enumerate() {
             let lanes = lanes.from(chunk * TOGETHER);
             let states = self.solve_few(self.onset + 1 + number, lanes, largest, stats);
             for state in &states[..largest.len()] {
-                visit(Top::new(state, self.around.scale.length));
+                visit(FlattenedSummit::new(state, self.around.scale.length));
             }
         }
     }
@@ -515,7 +515,7 @@ impl Flow {
     }
 }
 
-/// The search for the outermost state at a displacement.
+/// The search for the state of the largest ω at a displacement.
 #[derive(Clone, Copy, Default)]
 struct Search {
     /// δ/s_δ that is searched for.
@@ -530,8 +530,8 @@ struct Search {
 }
 
 impl Search {
-    /// Takes a step from a place ω/s_δ of which the displacement is short by `short`, and says whether the search is
-    /// done. Where the displacement jumps over what is wanted, it ends above the jump.
+    /// Takes a step from a place ω/s_δ whose displacement is less by `short`, and returns whether the search is done. If the
+    /// displacement jumps over the wanted one, the search ends above the jump.
     fn step(&mut self, place: &mut f64, short: f64) -> bool {
         let (here, off) = (*place, *place - short - self.wanted);
         self.steps += 1;
@@ -571,13 +571,14 @@ impl Search {
     }
 }
 
-/// The loads p that a contact of radius r may bear at ω/s_δ: that of its sphere, and that of which a loop gives out nothing.
+/// The largest loads p of a contact of radius r at ω/s_δ: the load of the elastic sphere, and the load with which a loop gains no
+/// energy.
 fn most(ratio: f64, place: f64, radius: f64) -> [f64; 2] {
     let energy = (ratio.sqrt().sqrt() * radius.sqrt()) * (place * place.sqrt().sqrt());
     [radius * radius * radius / ratio, energy]
 }
 
-/// The least of a load and two others, and which that is.
+/// The least of a load and two others, and its number.
 fn at_most(load: f64, [first, second]: [f64; 2]) -> (f64, u8) {
     if load <= first && load <= second {
         (load, 0)
@@ -588,19 +589,24 @@ fn at_most(load: f64, [first, second]: [f64; 2]) -> (f64, u8) {
     }
 }
 
-/// The contact that flows, in one regime.
-struct Flowing {
-    exact: Arc<Flow>,
-    fast: Arc<Flow>,
+/// The plastic loading in one regime.
+struct PlasticRegime {
+    exact: Arc<PlasticLoading>,
+    fast: Arc<PlasticLoading>,
     regime: usize,
-    /// ω/s_δ at which one formula takes the place of another, of the law's own radius, and δ there, m.
+    /// ω/s_δ at which one formula replaces another, for the law's own radius, and δ there, m.
     joints: Vec<[f64; 2]>,
-    /// The responses of asperities of the law's own radius, between these.
+    /// The responses of asperities of the law's own radius between these joints.
     table: ResponseTable,
 }
 
-impl Flowing {
-    fn new([exact, fast]: [&Arc<Flow>; 2], regime: usize, lower: f64, deepest: Option<f64>) -> Self {
+impl PlasticRegime {
+    fn new(
+        [exact, fast]: [&Arc<PlasticLoading>; 2],
+        regime: usize,
+        lower: f64,
+        deepest: Option<f64>,
+    ) -> Self {
         let lane = exact.lane();
         let at = |place: f64| [place, exact.displacement(regime, &lane, place) * exact.around.scale.length];
         let is_last = regime == exact.law.boundaries().len();
@@ -627,35 +633,36 @@ impl Flowing {
     }
 }
 
-impl Interaction for Flowing {
-    fn lambda(&self) -> Option<f64> {
-        self.exact.lambda()
+impl Law for PlasticRegime {
+    fn radius_dependence(&self) -> RadiusDependence {
+        self.exact.lambda().map_or(RadiusDependence::Formulas, RadiusDependence::Elastic)
     }
 
-    fn smoothness(&self, lane: Option<&Lane>, within: Range<f64>) -> (Vec<f64>, Vec<Smoothness>) {
-        let (flow, regime, own) = (&self.exact, self.regime, self.exact.lane());
+    fn pieces_within(&self, _: usize, lane: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
+        let (loading, regime, own) = (&self.exact, self.regime, self.exact.lane());
         let place = |[place, joint]: &[f64; 2]| match lane {
             None => *joint,
             // ω is proportional to the radius.
-            Some(lane) => flow.displacement(regime, lane, place * lane.ratio) * flow.around.scale.length,
+            Some(lane) => {
+                loading.displacement(regime, lane, place * lane.ratio) * loading.around.scale.length
+            }
         };
         let mut joints: Vec<f64> = self.joints.iter().map(place).collect();
         joints.retain(|joint| within.start < *joint && *joint < within.end);
         joints.sort_by(f64::total_cmp);
-        let first = flow.first_smoothness(regime, lane.unwrap_or(&own), within.start);
-        let smoothness = std::iter::once(first).chain(joints.iter().map(|_| Smoothness::Smooth)).collect();
-        (joints, smoothness)
+        let first = loading.first_smoothness(regime, lane.unwrap_or(&own), within.start);
+        Piece::cut(within, joints, std::iter::once(first).chain(std::iter::repeat(Smoothness::Smooth)))
     }
 
-    fn method(&self) -> Method {
+    fn method(&self, _: usize) -> Method {
         Method::Contact
     }
 
-    fn evaluate(&self, lanes: Lanes<'_>, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+    fn evaluate(&self, _: usize, lanes: Lanes<'_>, at: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         if let Lanes::Each(lanes) = lanes {
-            return self.fast.solve(self.regime, lanes, interference, out, stats);
+            return self.fast.solve(self.regime, lanes, at, out, stats);
         }
-        self.table.respond(interference, out, |missing, out| {
+        self.table.respond(at, out, |missing, out| {
             let lane = [self.exact.lane()];
             self.exact.solve(self.regime, Numbered::alike(&lane), missing, out, stats);
         });

@@ -20,15 +20,15 @@ pub mod tn;
 pub mod zmc;
 
 use super::models::Adhesion;
-use super::models::Plasticity::{FlattenedTop, Loading, Without};
-use super::models::{Model, PUBLISHED_FITS, flowing, law, validity, wet};
+use super::models::Plasticity::{Loading, LoadingAndUnloading, Without};
+use super::models::{Model, PUBLISHED_FITS, law, plastic, validity, wet};
 use md_plastic::PlasticContact::{JacksonGreen, KogutEtsion, ThorntonNing, ZhaoMaiettaChang};
 
 /// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
 #[rustfmt::skip]
 pub const MODELS: &[Model] = &[
-    flowing("md_plastic", "extended Maugis-Dugdale, also around the flattened tops of contacts that have flowed",
-        validity(Adhesion::Any, FlattenedTop, false), md_plastic::md_plastic),
+    plastic("md_plastic", "extended Maugis-Dugdale, also around the flattened summits of contacts that have yielded",
+        validity(Adhesion::Any, LoadingAndUnloading, false), md_plastic::md_plastic),
     law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
         validity(Adhesion::Any, Loading(KogutEtsion), false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
@@ -53,8 +53,8 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
         validity(Adhesion::Any, Without, true), md_kim::md_kim),
-    wet("capillary", "extended Maugis-Dugdale within bridges of a condensed liquid, also around flattened tops",
-        validity(Adhesion::Any, FlattenedTop, true), capillary::capillary),
+    wet("capillary", "extended Maugis-Dugdale within bridges of a condensed liquid, also around flattened summits",
+        validity(Adhesion::Any, LoadingAndUnloading, true), capillary::capillary),
     law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
         validity(Adhesion::High, Without, true), jkr::jkr),
     law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",
@@ -66,3 +66,8 @@ pub const MODELS: &[Model] = &[
     law("gw", "Greenwood-Williamson: Hertz contacts without adhesion, elastic and dry",
         validity(Adhesion::Without, Without, true), hertz::hertz),
 ];
+
+/// The law of a name.
+pub fn model(name: &str) -> Option<Model> {
+    MODELS.iter().find(|model| model.name == name).copied()
+}

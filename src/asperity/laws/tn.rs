@@ -32,12 +32,12 @@ pub fn tn(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let end = parameters.plastic("tn")?.critical_interference;
     let critical = Critical::new(parameters);
     let load = critical.load;
-    let flowing = ClosedForm::new(
+    let plastic = ClosedForm::new(
         attraction_around(parameters),
         (move |delta: f64| load * (1.5 * (delta / end) - 0.5)).following(OF_CRITICAL),
         critical.multiple(critical.disc),
     );
     Ok(Box::new(Table::new(
-        rows_below(parameters, end).into_iter().chain([Row::last(Regime::Plastic, flowing)]),
+        rows_below(parameters, end).into_iter().chain([Row::last(Regime::Plastic, plastic)]),
     )))
 }

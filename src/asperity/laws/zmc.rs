@@ -26,7 +26,7 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::table::{Row, Table};
 
-/// k, the mean pressure over H where flow begins.
+/// k, the mean pressure over H where plastic deformation begins.
 const FIRST_PRESSURE: f64 = 0.4;
 /// ω₂/ω₁.
 const FULLY_PLASTIC: f64 = 54.0;
@@ -63,9 +63,9 @@ pub fn zmc(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         critical.multiple(2.0 * disc * hardness),
         critical.multiple(2.0 * disc),
     );
-    let flowing = [
+    let plastic = [
         Row::up_to(Regime::Elastoplastic1, Place::proportional(FULLY_PLASTIC * first, 1.0), between),
         Row::last(Regime::Plastic, above),
     ];
-    Ok(Box::new(Table::new(rows_below(&own, first).into_iter().chain(flowing))))
+    Ok(Box::new(Table::new(rows_below(&own, first).into_iter().chain(plastic))))
 }

@@ -1,7 +1,7 @@
 //! Tables of asperities in SI: what each is made of and how far it is pressed, and the forces of that.
 
 use super::{at, field_number, wrong};
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
     InnerState, Law, LawError, LawParameters, Loop, Path, Regime, SolvedAsperity, SolverStats,
@@ -97,7 +97,7 @@ impl Known {
         }
         let onset = cycle.approach().regimes().iter().position(|regime| regime.is_plastic())?;
         let onset = cycle.approach().boundaries()[onset.checked_sub(1)?].interference;
-        (!cycle.flows() && deepest > onset).then(|| {
+        (!cycle.yields() && deepest > onset).then(|| {
             format!(
                 "deepest_interference = `{deepest:e}` m is above {onset:.3e} m, from where on the asperity flows, and {law} \
                  is a law of loading; take --law md_plastic"

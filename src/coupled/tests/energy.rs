@@ -45,7 +45,7 @@ impl Square {
     fn solver(&self) -> Solver<'_> {
         let compliance = 1.0 / (PI * self.modulus * self.side);
         let half_space = HalfSpace::new(self.coupling, self.places.clone(), compliance, 1e-11);
-        let laws = vec![RadiusLaws::new(Memory::Loop(Held::Shared(&self.cycle)), self.units[0])];
+        let laws = vec![RadiusLaws::new(Hysteresis::Loop(MaybeOwned::Shared(&self.cycle)), self.units[0])];
         let asperities = Asperities::new(laws, vec![0; self.heights.len()]);
         Solver::new(asperities, half_space, &self.heights, 1e-11)
     }

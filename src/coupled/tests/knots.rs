@@ -11,7 +11,7 @@ fn influence(of: &Asperity) -> f64 {
 }
 
 /// Two asperities of heights, m, and what remembers for each.
-fn pair<'a>(of: &Asperity, laws: [(Memory<'a>, f64); 2], heights: &'a [f64; 2]) -> Solver<'a> {
+fn pair<'a>(of: &Asperity, laws: [(Hysteresis<'a>, f64); 2], heights: &'a [f64; 2]) -> Solver<'a> {
     let side = 4.0 * DISTANCE;
     let places = vec![[0.25, 0.5], [0.5, 0.5]];
     let half_space = HalfSpace::new(Coupling::Patch, places, 1.0 / (PI * of.reduced_modulus * side), 1e-13);
@@ -43,7 +43,7 @@ fn two_at_jumps_to_either_side_hold_each_other() {
         let influence = influence(&of);
         let heights = [d + reached + influence * expected[1], d + touching + influence * expected[0]];
         let length = parameters.scale.length;
-        let laws = [0, 1].map(|_| (Memory::None(Held::Shared(law)), length));
+        let laws = [0, 1].map(|_| (Hysteresis::None(MaybeOwned::Shared(law)), length));
         let mut solver = pair(&of, laws, &heights);
         solver.begin(d + 1e-9);
         for step in (0..=20).rev() {
@@ -85,8 +85,8 @@ fn one_that_contact_takes_back_out_stays_where_contact_begins() {
         let other = load(neighbour.as_ref(), height - d - influence * expected);
         let heights = [d + begin + influence * other, height];
         let laws = [
-            (Memory::Loop(Held::Shared(&cycle)), length),
-            (Memory::None(Held::Shared(neighbour.as_ref())), length),
+            (Hysteresis::Loop(MaybeOwned::Shared(&cycle)), length),
+            (Hysteresis::None(MaybeOwned::Shared(neighbour.as_ref())), length),
         ];
         let mut solver = pair(&of, laws, &heights);
         solver.begin(d + 1e-9);
@@ -144,7 +144,7 @@ fn near_neighbours_give_way_as_all_do() {
         let places = (0..count).map(|i| [i % 4, i / 4].map(|k| (k as f64 + 0.5) / 16.0)).collect();
         let heights: Vec<f64> = (0..count).map(|i| 1e-10 * ((7 * i) % 16) as f64).collect();
         let half_space = HalfSpace::new(coupling, places, 1.0 / (PI * of.reduced_modulus * side), 1e-10);
-        let laws = vec![RadiusLaws::new(Memory::None(Held::Shared(law.as_ref())), length)];
+        let laws = vec![RadiusLaws::new(Hysteresis::None(MaybeOwned::Shared(law.as_ref())), length)];
         let mut solver = Solver::new(Asperities::new(laws, vec![0; count]), half_space, &heights, 1e-9);
         solver.begin(2e-9);
         for step in 1..=8 {

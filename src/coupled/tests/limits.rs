@@ -68,8 +68,8 @@ impl Surface<'_> {
         let cycle = Loop::new(&model, &parameters).unwrap();
         let law = model.law(&parameters).unwrap();
         let memory = match self.law {
-            "jkr" => Memory::Loop(Held::Shared(&cycle)),
-            _ => Memory::None(Held::Shared(law.as_ref())),
+            "jkr" => Hysteresis::Loop(MaybeOwned::Shared(&cycle)),
+            _ => Hysteresis::None(MaybeOwned::Shared(law.as_ref())),
         };
         let compliance = self.softness / (PI * of.reduced_modulus * self.side);
         let half_space = HalfSpace::new(self.coupling, self.places.clone(), compliance, 1e-13);

@@ -2,7 +2,7 @@
 
 use super::sums::Sums;
 use crate::asperity::ContactHistory;
-use crate::asperity::unloading::TOP_KINKS;
+use crate::asperity::SUMMIT_KINKS;
 use crate::engine::job::Job;
 use crate::engine::kinks::{KINKS, Kink, rounding};
 use crate::engine::search::{Curve, Passing, Stray};
@@ -10,7 +10,7 @@ use crate::engine::state::{Branch, Reversal};
 use std::ops::Range;
 
 /// The index of asperities that have yielded.
-const YIELDED: usize = ContactHistory::Flowed as usize;
+const YIELDED: usize = ContactHistory::Yielded as usize;
 /// Roundings of a recovery and of its inverse, in roundings of a height.
 const ROUNDINGS: f64 = 32.0;
 /// Largest ratio of the strays of asperities that have yielded to these of the typical ones.
@@ -23,7 +23,7 @@ pub struct Retraction<'a> {
     /// Kinks in δ, by the history of an asperity.
     kinks: [Vec<Kink>; 3],
     /// Separations h, m, of the kinks of each asperity that has yielded.
-    yielded: Vec<[f64; TOP_KINKS]>,
+    yielded: Vec<[f64; SUMMIT_KINKS]>,
     /// m, rising.
     heights: &'a [f64],
     /// The number of heights up to each history: the higher an asperity, the later its history.
@@ -62,7 +62,7 @@ impl<'a> Retraction<'a> {
         let mut kinks = kinks.clone();
         kinks[YIELDED].iter_mut().for_each(|kink| kink.stray = kink.stray.times(UNLIKE));
         let offset = from - closest;
-        let place = |kinks: [f64; TOP_KINKS]| kinks.map(|separation| separation + offset);
+        let place = |kinks: [f64; SUMMIT_KINKS]| kinks.map(|separation| separation + offset);
         let reversed = sums.turn(job, reversal, &heights[ends[YIELDED - 1]..]);
         let yielded =
             reversed.map_or_else(Vec::new, |reversed| reversed.kinks_of_yielded().map(place).collect());
@@ -108,7 +108,7 @@ impl<'a> Retraction<'a> {
 }
 
 /// Whether a kink of an asperity that has yielded is in `low..=high`, h in m.
-fn passes(kinks: &[f64; TOP_KINKS], number: usize, low: f64, high: f64) -> bool {
+fn passes(kinks: &[f64; SUMMIT_KINKS], number: usize, low: f64, high: f64) -> bool {
     kinks[number] >= low && kinks[number] <= high
 }
 
@@ -124,8 +124,9 @@ impl Curve for Retraction<'_> {
         let mut found = Vec::new();
         for (history, kinks) in self.kinks.iter().enumerate() {
             if history == YIELDED {
-                let is_near =
-                    |kinks: &[f64; TOP_KINKS]| (0..TOP_KINKS).any(|number| passes(kinks, number, low, high));
+                let is_near = |kinks: &[f64; SUMMIT_KINKS]| {
+                    (0..SUMMIT_KINKS).any(|number| passes(kinks, number, low, high))
+                };
                 let near = self.yielded.iter().enumerate().filter(|(_, kinks)| is_near(kinks));
                 found.extend(near.map(|(i, _)| self.released(self.ends[YIELDED - 1] + i, history)));
                 continue;
@@ -189,7 +190,7 @@ impl Curve for Retraction<'_> {
         for (history, kinks) in self.kinks.iter().enumerate() {
             if history == YIELDED {
                 for (number, kink) in kinks.iter().enumerate() {
-                    let passing = |kinks: &&[f64; TOP_KINKS]| passes(kinks, number, low, high);
+                    let passing = |kinks: &&[f64; SUMMIT_KINKS]| passes(kinks, number, low, high);
                     visit(kink.fall, self.yielded.iter().filter(passing).count());
                 }
                 continue;

@@ -51,11 +51,11 @@ impl Sums {
         };
         let Reversal { cycle, from } = reversal;
         let closest = job.surface.asperity_separation(from);
-        if !cycle.flows() {
+        if !cycle.yields() {
             let law = cycle.at(d - closest);
             return self.over(&law, Some(law.base()), heights, closest);
         }
-        let first = heights.partition_point(|u| !cycle.has_flowed(u - closest));
+        let first = heights.partition_point(|u| !cycle.has_yielded(u - closest));
         let is_own = |separations: &[f64]| separations.binary_search_by(|own| own.total_cmp(&h)).is_ok();
         // Many that have yielded are read from a table, which all surfaces of the job share at this distance; of few
         // the outline of each is found once.
@@ -105,7 +105,7 @@ impl Sums {
     ) -> f64 {
         if heights.is_empty() {
             self.regimes.fill(RegimeSums::default());
-        } else if cycle.flows() {
+        } else if cycle.yields() {
             self.elastic(cycle, heights, (closest, d));
         } else {
             let law = cycle.at(d - closest);

@@ -1,8 +1,8 @@
 //! Sums over asperities that differ in their radii, and so in λ: state by state, in blocks of asperities that are in one
 //! regime, each lane with the radius of its asperity.
 
-use crate::asperity::unloading::TOP_KINKS;
-use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, Turned};
+use crate::asperity::SUMMIT_KINKS;
+use crate::asperity::{BLOCK, ContactHistory, Family, Loop, Responses, SolverStats, UnloadingLanes};
 use crate::asperity::{Lane, Lanes};
 use crate::engine::curves::{Curves, RegimeSums};
 use crate::engine::job::Job;
@@ -29,7 +29,7 @@ pub struct Reversed {
     closest: f64,
     /// Whether a second approach follows.
     is_repeated: bool,
-    turned: Turned,
+    turned: UnloadingLanes,
 }
 
 /// Memory for the sums of some asperities after the other.
@@ -155,7 +155,7 @@ impl Reversed {
     ) -> Self {
         let closest = job.surface.asperity_separation(from);
         let largest = heights.iter().map(|height| height - closest).collect();
-        let turned = Turned::new(cycle, lanes, largest, stats);
+        let turned = UnloadingLanes::new(cycle, lanes, largest, stats);
         Self { from, closest, is_repeated: cycle.again().is_some(), turned }
     }
 
@@ -197,8 +197,9 @@ impl Reversed {
     }
 
     /// The separations d, m, of the kinks of asperities, all of which have yielded; NaN where an asperity lacks one.
-    pub fn kinks_of_yielded(&self) -> impl Iterator<Item = [f64; TOP_KINKS]> + use<'_> {
-        (0..self.turned.count()).map(|i| self.turned.kinks_of_top(i).map(|distance| self.closest + distance))
+    pub fn kinks_of_yielded(&self) -> impl Iterator<Item = [f64; SUMMIT_KINKS]> + use<'_> {
+        (0..self.turned.count())
+            .map(|i| self.turned.kinks_of_summit(i).map(|distance| self.closest + distance))
     }
 
     /// The history of an asperity.

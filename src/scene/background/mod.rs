@@ -8,7 +8,7 @@ use super::error::{SceneError, all};
 use super::keys::Key;
 use super::reader::Section;
 use super::warning::Warning;
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::Asperity;
 use crate::background::{Background, MeanPlaneForce};
 use crate::surface::Surface;

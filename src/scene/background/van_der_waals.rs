@@ -1,7 +1,7 @@
 //! Van der Waals forces between the mean planes: `[van_der_waals]`.
 
 use super::{ForceTable, GivenForce, Setting};
-use crate::asperity::models::Model;
+use crate::asperity::Model;
 use crate::asperity::scale::Asperity;
 use crate::background::{Cap, CapRetardation, Caps, Dispersion, MeanPlaneForce, VanDerWaals};
 use crate::scene::error::{SceneError, Together};

@@ -30,7 +30,7 @@ use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Place;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Row, Table};
 use direct::Direct;
 use std::f64::consts::PI;
 
@@ -82,11 +82,7 @@ pub fn paper(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// f_sel and f_f from tables of their powers, from the scaled displacement `begin` on.
-fn fitted_contact(
-    parameters: &LawParameters,
-    coefficients: Coefficients,
-    begin: f64,
-) -> impl Interaction + use<> {
+fn fitted_contact(parameters: &LawParameters, coefficients: Coefficients, begin: f64) -> impl Law + use<> {
     let scale = parameters.scale;
     let critical = parameters.critical_interference / scale.length;
     let deepest = parameters.deepest(parameters.critical_interference).map_or(begin, |end| end.min(critical));

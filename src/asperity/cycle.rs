@@ -1,4 +1,4 @@
-//! One asperity that is brought close and pulled back: each with its own history.
+//! The loop of one asperity: loading to an interference ω_max, and unloading.
 //!
 //! # Formula
 //! When the surfaces turn, an asperity has the interference ω_max; at a distance s ≥ 0 from there it has δ =
@@ -8,59 +8,55 @@
 //! | ω_max | what acts |
 //! |---|---|
 //! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
-//! | up to ω_c, or any of a law of loading alone | the law on retraction at δ: contact lasts to the end of its stable branch |
-//! | above ω_c | the elastic contact of the outline of the top, `asperity::top` |
+//! | up to ω_c, or any for a law of loading alone | the law on retraction at δ: contact lasts to the end of its stable branch |
+//! | above ω_c | the elastic contact of the outline of the summit, `asperity::summit` |
 //!
-//! After plastic flow the apex is lower by its residual depth ω_r, springs back by its recovery ω_max − ω_r only, and has a
-//! radius ρ of its own. Contact lasts to the interference at which that of its outline ends, counted from the lowered apex; from
-//! there on the asperity is one whose apex is lower by ω_r: attraction across the gap by its outline, and all that does not know
-//! the outline, such as a lubricant or a bridge, by the radius ρ.
+//! After plastic deformation the apex is lowered by the residual depth ω_r, recovers by ω_max − ω_r only, and has a radius ρ of its
+//! own. Contact lasts to the interference, counted from the lowered apex, at which the contact of the outline ends. Then the summit
+//! is an asperity whose apex is lowered by ω_r: its attraction across the gap follows from the outline; a lubricant or a bridge
+//! follows from the radius ρ.
 //!
 //! # Validity
-//! Cycles from a fresh surface to one depth. On the second approach ([`Loop::repeated`]) what has flowed is a lowered top that
-//! comes into contact as on approach, at δ − ω_r, and is loaded along its unloading up to ω_max: the second retraction, and
-//! every further cycle, repeat. Laws that know no outline of a top that has flowed are laws of loading: their asperities go back
-//! along their approach, so that a loop of theirs is one only where no top flows. Where the attraction across the gap has two
-//! states, for λ from 0.888 on, approach takes the outermost one to its fold. Where contact leads to the innermost one without a
-//! jump, of spheres to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; else it is on
-//! the outermost one again, as the laws are. Source: the contact of a known outline is that of Sneddon, Int. J. Eng. Sci. 3
+//! Cycles from a fresh surface to one depth. On the second approach ([`Loop::repeated`]) an asperity that has yielded is a lowered
+//! summit. It comes into contact as on approach, at δ − ω_r, and reloads along its unloading branch up to ω_max. The second
+//! retraction and every further cycle repeat. Laws without an outline of flattened summits are laws of loading alone: their
+//! asperities retrace the approach, so that their loops are valid only where no asperity yields. Where the attraction across the
+//! gap has two states, for λ from 0.888 on, approach follows the outermost one to its fold. Where contact leads to the innermost
+//! state without a jump, for spheres up to λ = 0.938, an asperity that has reached that state stays on it to its own fold, whether
+//! it has yielded or not; else it returns to the outermost one. Source: the contact of a known outline is that of Sneddon, Int. J. Eng. Sci. 3
 //! (1965) 47, under the adhesion of Maugis and Dugdale.
 
 use super::block::Responses;
+use super::condition::AtDistance;
 use super::error::LawError;
 use super::history::{ContactHistory, Path};
 use super::lane::{Lane, Numbered};
 use super::law::Law;
-use super::laws::md_plastic::Flow;
+use super::laws::md_plastic::PlasticLoading;
 use super::models::Model;
 use super::parameters::{InnerState, LawParameters};
 use super::radius::RadiusLaw;
-use super::retraction::AtDistance;
 use super::scale::Scale;
 use super::solved::SolvedAsperity;
 use super::stats::SolverStats;
-use super::top::{Top, Tops, first_contact};
-use super::top_table::TopTable;
+use super::summit::{FlattenedSummit, FlattenedSummits, SUMMIT_KINKS};
+use super::summit_table::SummitTable;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Kinks of a top that has flowed, at most: where its attraction jumps, where its adhesive zone ends at the edge of its outline,
-/// and, the last two, where the film or bridge breaks, and where contact ends.
-pub const TOP_KINKS: usize = 10;
-
-/// A stretch of ω_max between two joints of the law on approach, and the distances at which tops pass their kinks at some places of it.
+/// An interval of ω_max between two joints of the law on approach, with the distances at which some summits in it pass their kinks.
 pub(super) struct Stretch {
     /// ω_max, m, rising.
     pub places: [f64; PLACES],
-    /// Distances, m.
-    pub kinks: [[f64; TOP_KINKS]; PLACES],
+    /// Distances of the kinks from the closest approach, m.
+    pub kinks: [[f64; SUMMIT_KINKS]; PLACES],
 }
 
 /// Joints closer than this share are one.
 const SAME: f64 = 1e-12;
-/// Tops from which on a table of them is worth its making.
+/// Least number of summits for which a table of them pays.
 const MANY: usize = 8;
-/// Places of a stretch, and the end of the last in multiples of its beginning where nothing is known of it.
+/// Places of a stretch, and the length of the last stretch in multiples of ω_c or s_δ.
 pub(super) const PLACES: usize = 33;
 const LAST_STRETCH: f64 = 100.0;
 
@@ -81,26 +77,26 @@ const LAST_STRETCH: f64 = 100.0;
 pub struct Loop {
     pub(super) approach: Arc<dyn Law>,
     pub(super) retraction: Arc<dyn Law>,
-    /// Interference, m, from which retraction does not retrace the approach.
+    /// Interference, m, from which retraction differs from the approach.
     pub(super) capture: f64,
     /// Index of the first regime of contact, and of the first above ω_c.
     pub(super) first_contact: usize,
     pub(super) first_plastic: usize,
-    /// The contact that flows, of a law that knows the outlines of tops that have flowed.
-    flow: Option<Arc<Flow>>,
+    /// The plastic loading, of a law with outlines of flattened summits.
+    loading: Option<Arc<PlasticLoading>>,
     /// The loop of a second approach, if there is one.
     again: Option<Box<Loop>>,
-    /// Interference up to which tops are looked at beforehand, m, and what is known of them, when it has been asked for.
+    /// Largest ω_max, m, for which kinks of summits are sampled, and these samples once they are needed.
     deepest: f64,
     known: OnceLock<Vec<Stretch>>,
-    /// The table of tops, of a loop that has one, when it has been asked for.
-    table: OnceLock<TopTable>,
+    /// The table of summits, of a loop that has one, once it is needed.
+    table: OnceLock<SummitTable>,
     is_tabulated: bool,
-    /// The law at distances that many surfaces are at, by the bits of these.
+    /// The laws at distances that surfaces share, by the bits of the distance.
     pub(super) at_distances: Mutex<HashMap<u64, Arc<AtDistance>>>,
     /// The asperity of the own radius.
     lane: [Lane; 1],
-    /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
+    /// The radius over that of the laws that follow it, and their λ, if they solve elastic branches.
     ratio: f64,
     lambda: Option<f64>,
     pub(super) scale: Scale,
@@ -115,8 +111,8 @@ impl Loop {
         Self::back_along(Path::Retraction, model, parameters)
     }
 
-    /// The loop with the second approach of surfaces that were parted until no contact was left: what has flowed is a lowered top
-    /// there, and contact begins as on approach.
+    /// The loop with a second approach, after the surfaces were separated until no contact was left. Asperities that have yielded are
+    /// lowered summits there, and contact begins as on approach.
     ///
     /// # Errors
     /// As [`Loop::new`].
@@ -135,15 +131,15 @@ impl Loop {
         let [approach, retraction] = [(Path::Approach, parameters.inner_state), (path, back)]
             .map(|(path, inner_state)| model.law(&LawParameters { path, inner_state, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
-        let first_contact = first_contact(approach.as_ref());
+        let first_contact = approach.first_contact();
         let regimes = approach.regimes();
-        let lambda = retraction.lambda().filter(|_| retraction.follows_radius());
-        let flows = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.unloads_flow());
+        let lambda = retraction.radius_dependence().lambda();
+        let plastic = regimes.iter().position(|regime| regime.is_plastic()).filter(|_| model.has_unloading());
         Ok(Self {
             capture: capture_of(approach.as_ref(), first_contact),
             first_contact,
-            first_plastic: flows.unwrap_or(regimes.len()),
-            flow: flows.map(|_| model.flow(parameters)).transpose()?,
+            first_plastic: plastic.unwrap_or(regimes.len()),
+            loading: plastic.map(|_| model.plastic_loading(parameters)).transpose()?,
             again: None,
             deepest: parameters.table_range.map_or(f64::NEG_INFINITY, |(_, deepest)| deepest),
             known: OnceLock::new(),
@@ -171,7 +167,7 @@ impl Loop {
             capture: capture_of(&approach, self.first_contact),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
-            flow: self.flow.clone(),
+            loading: self.loading.clone(),
             again: self.again.as_ref().map(|again| Box::new(again.of(lane))),
             deepest: self.deepest,
             known: OnceLock::new(),
@@ -187,7 +183,7 @@ impl Loop {
         }
     }
 
-    /// The loop with a table of its tops, which pays where many are asked for.
+    /// The loop with a table of its summits, which pays for many summits.
     #[doc(hidden)]
     pub fn tabulated(self) -> Self {
         Self { is_tabulated: true, ..self }
@@ -212,39 +208,33 @@ impl Loop {
         self.approach.as_ref()
     }
 
-    /// Whether its asperities flow, and unload from there.
-    pub fn flows(&self) -> bool {
-        self.flow.is_some()
+    /// Whether its asperities yield, and unload along another branch.
+    pub fn yields(&self) -> bool {
+        self.loading.is_some()
     }
 
-    /// The law on retraction, of an asperity that has not flowed.
+    /// The law on retraction, of an asperity that has not yielded.
     pub fn retraction(&self) -> &dyn Law {
         self.retraction.as_ref()
     }
 
     /// The history of an asperity of the interference ω_max, m.
     pub fn history(&self, largest: f64) -> ContactHistory {
-        if largest < self.capture {
-            ContactHistory::Untouched
-        } else if self.flows() && largest > self.critical() {
-            ContactHistory::Flowed
-        } else {
-            ContactHistory::Touched
-        }
+        ContactHistory::of(largest, self.capture, self.onset())
     }
 
-    /// The loop of the second approach, if there is one: its retraction is the way of asperities that come close again.
+    /// The loop of the second approach, if there is one: its law on retraction is that of asperities that approach again.
     pub fn again(&self) -> Option<&Self> {
         self.again.as_deref()
     }
 
-    /// Whether an asperity of the interference ω_max, m, has flowed.
-    pub fn has_flowed(&self, largest: f64) -> bool {
-        self.history(largest) == ContactHistory::Flowed
+    /// Whether an asperity of the interference ω_max, m, has yielded.
+    pub fn has_yielded(&self, largest: f64) -> bool {
+        self.history(largest) == ContactHistory::Yielded
     }
 
-    /// Interferences, m, rising, at which the force on retraction is not smooth, of asperities that have not touched and of these
-    /// that have and are elastic.
+    /// Interferences, m, rising, at which the force on retraction is not smooth: of asperities that have not touched, and of elastic
+    /// asperities that have.
     pub fn kinks(&self) -> [Vec<f64>; 2] {
         let ends = |law: &dyn Law, regimes: usize| {
             let ends = (0..regimes).flat_map(|regime| law.pieces_of(regime, None)).map(|piece| piece.upper);
@@ -256,12 +246,13 @@ impl Loop {
         [untouched.collect(), elastic]
     }
 
-    /// Kinks of a top that has flowed, at the interference ω_max, m, of [`TOP_KINKS`]; NaN where it has none.
-    pub fn flattened_kinks(&self, largest: f64) -> [f64; TOP_KINKS] {
-        self.kinks_of(&self.top_of(largest))
+    /// The kinks ([`SUMMIT_KINKS`]) of the summit of an asperity that has yielded to ω_max, m: interferences, m, from the lowered apex,
+    /// NaN for a kink that it does not have.
+    pub fn flattened_kinks(&self, largest: f64) -> [f64; SUMMIT_KINKS] {
+        self.kinks_of(&self.summit_of(largest))
     }
 
-    /// What is known of the tops of the stretches between the joints of the law on approach, rising.
+    /// The stretches of ω_max between the joints of the law on approach, rising.
     pub(super) fn stretches(&self) -> &[Stretch] {
         self.known.get_or_init(|| {
             let stretch = |ends: &[f64]| {
@@ -270,10 +261,10 @@ impl Loop {
                 let place = |i: usize| from + width * share(i) * share(i);
                 let places: [f64; PLACES] =
                     std::array::from_fn(|i| place(i).max(from + SAME * from.abs()).min(ends[1].next_down()));
-                let mut kinks = [[f64::NAN; TOP_KINKS]; PLACES];
+                let mut kinks = [[f64::NAN; SUMMIT_KINKS]; PLACES];
                 let mut rows = kinks.iter_mut();
-                self.tops(&places, &mut SolverStats::default(), |top| {
-                    rows.next().into_iter().for_each(|row| *row = top.passes());
+                self.summits(&places, &mut SolverStats::default(), |summit| {
+                    rows.next().into_iter().for_each(|row| *row = summit.passes());
                 });
                 Stretch { places, kinks }
             };
@@ -281,12 +272,12 @@ impl Loop {
         })
     }
 
-    /// The external forces, N, of an asperity that has flowed to ω_max, m, at interferences from its lowered apex, m, on the way
-    /// back; deeper than ω_max on approach.
+    /// The external forces, N, of an asperity that has yielded to ω_max, m, at interferences from its lowered apex, m: on unloading,
+    /// and above ω_max on loading.
     pub fn forces_after(&self, largest: f64, interferences: &[f64]) -> Vec<f64> {
-        let (top, mut tops) = (self.top_of(largest), Tops::default());
-        let (kinks, recovery) = (top.kinks, top.recovery);
-        tops.push(top);
+        let (summit, mut summits) = (self.summit_of(largest), FlattenedSummits::default());
+        let (kinks, recovery) = (summit.kinks, summit.recovery);
+        summits.push(summit);
         let ends: Vec<f64> = (0..self.first_contact).map(|regime| kinks[self.end_kink(regime)]).collect();
         let (mut out, mut stats) = (Responses::default(), SolverStats::default());
         let force = |own: &f64| {
@@ -294,27 +285,27 @@ impl Loop {
                 return SolvedAsperity::new(self.approach(), largest + (own - recovery)).external_force();
             }
             let law = (self.retraction(), ends.iter().filter(|end| **end <= *own).count());
-            tops.respond_all(law, recovery - own, &mut out, &mut stats);
+            summits.respond_all(law, recovery - own, &mut out, &mut stats);
             out.contact[0] - out.adhesion[0]
         };
         interferences.iter().map(force).collect()
     }
 
-    /// The interferences, m, from the lowered apex, of the kinks of a top.
-    pub(super) fn kinks_of(&self, top: &Top) -> [f64; TOP_KINKS] {
-        let lane = top.lane();
-        let mut kinks = [f64::NAN; TOP_KINKS];
+    /// The interferences, m, from the lowered apex, of the kinks of a summit.
+    pub(super) fn kinks_of(&self, summit: &FlattenedSummit) -> [f64; SUMMIT_KINKS] {
+        let lane = summit.lane();
+        let mut kinks = [f64::NAN; SUMMIT_KINKS];
         let mut lower = f64::NEG_INFINITY;
         let mut count = 0;
         for regime in 0..=self.first_contact {
             let is_contact = regime == self.first_contact;
-            let upper = if is_contact { top.recovery } else { self.leaves(regime, &lane) };
-            let own = self.retraction.kinks_of_top(regime, &lane, &top.outlined).into_iter();
+            let upper = if is_contact { summit.recovery } else { self.leaves(regime, &lane) };
+            let own = self.retraction.kinks_of_summit(regime, &lane, &summit.outlined).into_iter();
             for kink in own {
                 if kink.is_finite() && lower < kink && kink < upper {
                     kinks[count] = kink;
                 }
-                count = (count + 1).min(TOP_KINKS - 3);
+                count = (count + 1).min(SUMMIT_KINKS - 3);
             }
             lower = upper;
         }
@@ -324,18 +315,18 @@ impl Loop {
         kinks
     }
 
-    /// The kink of a top at which it comes into a regime before contact from above.
+    /// The number of the kink at which an unloading summit enters a regime before contact.
     pub(super) fn end_kink(&self, regime: usize) -> usize {
-        TOP_KINKS + regime - self.first_contact
+        SUMMIT_KINKS + regime - self.first_contact
     }
 
-    /// Whether an asperity has the own radius.
+    /// Whether an asperity has the radius of the loop.
     pub(super) fn is_of(&self, lane: &Lane) -> bool {
         lane.ratio == self.ratio
     }
 
-    /// The interference, m, from the lowered apex, of a lane, at which it comes into a regime before contact from above: the
-    /// last where its contact ends.
+    /// The interference, m, from the lowered apex at which an unloading summit enters a regime before contact; for the last of
+    /// these regimes, the end of contact.
     pub(super) fn leaves(&self, regime: usize, lane: &Lane) -> f64 {
         let end = |regime: usize| self.retraction.end(regime, lane).unwrap_or(f64::NEG_INFINITY);
         end(regime).min(end(self.first_contact - 1))
@@ -349,25 +340,24 @@ impl Loop {
 
     /// Interference of first touch on approach, m.
     pub fn touch(&self) -> f64 {
-        begin_of(self.approach.as_ref(), self.first_contact)
+        self.approach.begin(self.first_contact)
     }
 
     /// Interference at which an elastic contact ends on retraction, m.
     pub fn release(&self) -> f64 {
-        begin_of(self.retraction.as_ref(), self.first_contact)
+        self.retraction.begin(self.first_contact)
     }
 
-    /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it
-    /// up to ω_c.
+    /// The elastic recovery ω_max − ω_r, m, of an asperity of the interference ω_max, m: all of it up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
-        if self.flows() && largest > self.critical() { self.top_of(largest).recovery } else { largest }
+        if largest > self.onset() { self.summit_of(largest).recovery } else { largest }
     }
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
-    /// none if it has none.
+    /// none if it has not touched.
     pub fn detachment(&self, largest: f64) -> Option<f64> {
         (largest >= self.touch()).then(|| {
-            if self.flows() && largest > self.critical() {
+            if largest > self.onset() {
                 self.left_at(self.first_contact - 1, largest)
             } else {
                 largest - self.release()
@@ -375,65 +365,76 @@ impl Loop {
         })
     }
 
-    /// The distance, m, at which an asperity that has flowed to ω_max, m, comes into a regime before contact from above.
+    /// The distance, m, at which an asperity that has yielded to ω_max, m, enters a regime before contact on unloading.
     pub(super) fn left_at(&self, regime: usize, largest: f64) -> f64 {
-        self.top_of(largest).passes()[self.end_kink(regime)]
+        self.summit_of(largest).passes()[self.end_kink(regime)]
     }
 
-    /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing flowed.
+    /// ρ/R of the apex of an asperity of the interference ω_max, m; 1 where nothing has yielded.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.flows() && largest > self.critical() { self.top_of(largest).ratio / self.ratio } else { 1.0 }
+        if largest > self.onset() { self.summit_of(largest).ratio / self.ratio } else { 1.0 }
     }
 
-    /// The top of an asperity of the interference ω_max, m, above ω_c.
-    pub(super) fn top_of(&self, largest: f64) -> Top {
-        let mut top = Top::default();
-        self.press(self.flowing(largest), self.own(), &[largest], &mut SolverStats::default(), |own| {
-            top = own
-        });
-        top
+    /// The flattened summit of an asperity of the interference ω_max, m, above ω_c.
+    pub(super) fn summit_of(&self, largest: f64) -> FlattenedSummit {
+        let mut summit = FlattenedSummit::default();
+        self.flatten(
+            self.plastic_regime(largest),
+            self.own(),
+            &[largest],
+            &mut SolverStats::default(),
+            |own| summit = own,
+        );
+        summit
     }
 
-    /// Asperities of the own radius.
+    /// A block of asperities of the radius of the loop.
     fn own(&self) -> Numbered<'_> {
         Numbered::alike(&self.lane)
     }
 
     /// The regime above ω_c of an asperity on approach.
-    fn flowing(&self, largest: f64) -> usize {
+    fn plastic_regime(&self, largest: f64) -> usize {
         let boundaries = self.approach.boundaries();
         boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic)
     }
 
-    /// Visits the tops of asperities of the own radius, of interferences ω_max, m, above ω_c: of more than a few by the table.
-    pub(super) fn tops(&self, largest: &[f64], stats: &mut SolverStats, mut visit: impl FnMut(Top)) {
+    /// Visits the flattened summits of asperities of the radius of the loop, of interferences ω_max, m, above ω_c. Many summits are
+    /// read from the table.
+    pub(super) fn summits(
+        &self,
+        largest: &[f64],
+        stats: &mut SolverStats,
+        mut visit: impl FnMut(FlattenedSummit),
+    ) {
         if self.is_tabulated && largest.len() >= MANY {
-            let table = self.table.get_or_init(|| TopTable::new(&self.joints(), |own| self.top_of(own)));
+            let table =
+                self.table.get_or_init(|| SummitTable::new(&self.joints(), |own| self.summit_of(own)));
             return largest
                 .iter()
-                .for_each(|own| visit(table.top(*own).unwrap_or_else(|| self.top_of(*own))));
+                .for_each(|own| visit(table.summit(*own).unwrap_or_else(|| self.summit_of(*own))));
         }
-        for same in largest.chunk_by(|a, b| self.flowing(*a) == self.flowing(*b)) {
-            self.press(self.flowing(same[0]), self.own(), same, stats, &mut visit);
+        for same in largest.chunk_by(|a, b| self.plastic_regime(*a) == self.plastic_regime(*b)) {
+            self.flatten(self.plastic_regime(same[0]), self.own(), same, stats, &mut visit);
         }
     }
 
-    /// Visits the tops of asperities of lanes, of interferences ω_max, m, in one regime above ω_c.
-    pub(super) fn press(
+    /// Visits the flattened summits of asperities of lanes, of interferences ω_max, m, in one regime above ω_c.
+    pub(super) fn flatten(
         &self,
         regime: usize,
         lanes: Numbered<'_>,
         largest: &[f64],
         stats: &mut SolverStats,
-        mut visit: impl FnMut(Top),
+        mut visit: impl FnMut(FlattenedSummit),
     ) {
-        let Some(flow) = &self.flow else { return };
-        flow.tops(regime - self.first_plastic, lanes, largest, stats, |top| {
-            visit(Top { kinks: self.kinks_of(&top), ..top });
+        let Some(loading) = &self.loading else { return };
+        loading.summits(regime - self.first_plastic, lanes, largest, stats, |summit| {
+            visit(FlattenedSummit { kinks: self.kinks_of(&summit), ..summit });
         });
     }
 
-    /// ω_max, m, rising, between which tops are smooth in it: from the onset to the end of what is looked at beforehand.
+    /// ω_max, m, rising, between which summits vary smoothly, from the onset of plastic deformation to [`Loop::deepest`].
     fn joints(&self) -> Vec<f64> {
         let critical = self.critical();
         let mut joints: Vec<f64> = self.approach.pieces(None).iter().map(|piece| piece.upper).collect();
@@ -445,7 +446,7 @@ impl Loop {
         joints
     }
 
-    /// The interference, m, up to which tops are looked at beforehand.
+    /// The largest ω_max, m, for which summits are sampled and tabulated.
     pub(super) fn deepest(&self) -> f64 {
         let critical = self.critical();
         let joints = self.approach.pieces(None);
@@ -454,9 +455,9 @@ impl Loop {
         self.deepest.max(last + LAST_STRETCH * critical.abs().max(self.scale.length))
     }
 
-    /// The interference, m, from which asperities flow and unload by their outlines; infinite where none does.
+    /// The interference, m, from which asperities yield and unload by their outlines; infinite if none does.
     pub fn onset(&self) -> f64 {
-        if self.flows() { self.critical() } else { f64::INFINITY }
+        if self.yields() { self.critical() } else { f64::INFINITY }
     }
 
     /// End of the elastic regime, m.
@@ -465,13 +466,8 @@ impl Loop {
     }
 }
 
-/// Interference, m, from which retraction does not retrace an approach whose contact begins in a regime.
+/// Interference, m, from which retraction differs from an approach whose contact begins in a regime.
 fn capture_of(approach: &dyn Law, first_contact: usize) -> f64 {
-    let touch = begin_of(approach, first_contact);
+    let touch = approach.begin(first_contact);
     approach.capture(None).map_or(touch, |capture| capture.min(touch))
-}
-
-/// Interference at which a regime begins, m.
-pub(super) fn begin_of(law: &dyn Law, regime: usize) -> f64 {
-    if regime == 0 { f64::NEG_INFINITY } else { law.boundaries()[regime - 1].interference }
 }

@@ -1,30 +1,30 @@
-//! One asperity that remembers: the paths its force can follow when its interference need not be monotone.
+//! The force of one asperity with hysteresis, whose interference may rise and fall in any order.
 //!
 //! # Formula
 //! The force is a chain of segments in the interference δ, each one smooth function, with the segment that
 //! follows beyond either end:
 //!
-//! | state | segments | left upwards | left downwards |
+//! | state | segments | left as δ rises | left as δ falls |
 //! |---|---|---|---|
 //! | has not touched | pieces of the law on approach | at the capture, into contact | |
-//! | has touched | pieces of the law on retraction, and above ω_c those on approach | | at the end of what retraction does not share with approach, to "has not touched" |
-//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
+//! | has touched | pieces of the law on retraction, and above ω_c those on approach | | at the end of the part that differs from approach, to "has not touched" |
+//! | has yielded to ω_max | its summit is lowered by the residual depth ω_r: pieces before contact; contact; above ω_max the law on approach | at the capture, counted from the lowered summit | at the end of contact, likewise |
 //!
-//! Laws of which the unloading is not known retrace their approach in every state.
+//! Laws of loading alone retrace their approach in every state.
 //!
-//! Source of the unloading: [`super::unloading`].
+//! Source of the unloading: [`super::cycle`].
 
 use super::block::Responses;
+use super::cycle::Loop;
 use super::history::Path;
 use super::lane::Lanes;
 use super::law::{End, Law, Smoothness};
 use super::stats::SolverStats;
-use super::top::Tops;
-use super::unloading::Loop;
+use super::summit::FlattenedSummits;
 use std::ops::{Deref, Range};
 
-/// The root of δ in which the load of unloading is taken as smooth. The load grows as about the power 3/2 of δ, which no root
-/// makes a polynomial; in the fourth root the rest is too smooth to matter.
+/// Order n of the root δ^(1/n) in which the load on unloading is treated as smooth. The load grows about as δ^(3/2), which is a
+/// polynomial in the fourth root; the error of that approximation is negligible.
 const UNLOADING: i32 = 4;
 
 /// The function of a segment.
@@ -32,38 +32,38 @@ const UNLOADING: i32 = 4;
 pub(crate) enum Source {
     /// A regime of the law along a path, at δ.
     Law(Path, usize),
-    /// A regime of the law along a path before contact, of the lowered top.
-    Lowered(Path, usize),
-    /// A contact that has flowed, below ω_max.
+    /// A regime of the law along a path before contact, of the lowered summit.
+    Detached(Path, usize),
+    /// A contact that has yielded, below ω_max.
     Unloading,
-    /// Beyond the end of the law nothing acts.
+    /// No force, beyond the end of the law.
     Nothing,
 }
 
-/// A segment.
+/// An interval of δ on which the force is one smooth function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Segment {
-    /// Source of the force.
+    /// Function of the force.
     pub source: Source,
     /// Lower end δ, m.
     pub lower: f64,
     /// Upper end δ, m.
     pub upper: f64,
-    /// The segment that follows below, and above.
+    /// Numbers of the segments that follow below and above.
     pub next: [Option<u8>; 2],
     /// Smoothness of the force.
     pub smoothness: Smoothness,
 }
 
-/// Something that is another's, or one's own.
-pub(crate) enum Held<'a, T: ?Sized> {
-    /// Another's.
+/// A value that is borrowed or owned; other than [`std::borrow::Cow`] it need not be cloned.
+pub(crate) enum MaybeOwned<'a, T: ?Sized> {
+    /// Borrowed.
     Shared(&'a T),
-    /// One's own.
+    /// Owned.
     Own(Box<T>),
 }
 
-impl<T: ?Sized> Deref for Held<'_, T> {
+impl<T: ?Sized> Deref for MaybeOwned<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -74,30 +74,30 @@ impl<T: ?Sized> Deref for Held<'_, T> {
     }
 }
 
-/// The laws of an asperity of one radius.
-pub(crate) enum Memory<'a> {
-    /// A law of which asperities retrace their approach.
-    None(Held<'a, dyn Law + 'a>),
-    /// A loop.
-    Loop(Held<'a, Loop>),
+/// The laws of an asperity of one radius, with hysteresis or without.
+pub(crate) enum Hysteresis<'a> {
+    /// A law without hysteresis: retraction retraces approach.
+    None(MaybeOwned<'a, dyn Law + 'a>),
+    /// The laws of a loop.
+    Loop(MaybeOwned<'a, Loop>),
 }
 
-/// An asperity that has flowed.
+/// An asperity that has yielded.
 #[derive(Clone, Debug)]
-pub(crate) struct Flowed {
+pub(crate) struct Yielded {
     /// ω_max, m.
     pub largest: f64,
-    /// Its top, alone.
-    tops: Tops,
+    /// Its summit.
+    summits: FlattenedSummits,
     /// The regime of the law on approach at ω_max.
     pub regime: usize,
     /// Segments of its force.
     pub segments: Vec<Segment>,
-    /// The number of them, the first ones, out of contact.
+    /// The number of segments out of contact, which come first.
     pub untouched: usize,
 }
 
-impl Memory<'_> {
+impl Hysteresis<'_> {
     /// The law along a path.
     pub fn law(&self, path: Path) -> &dyn Law {
         match (self, path) {
@@ -107,7 +107,7 @@ impl Memory<'_> {
     }
 
     /// ∫(P − F_s) dδ, J, along the unstable part of its force curve, from where contact begins to where it ends, of
-    /// an asperity that has not flowed.
+    /// an asperity that has not yielded.
     pub fn unstable_work(&self) -> f64 {
         match self {
             Self::None(_) => 0.0,
@@ -115,7 +115,7 @@ impl Memory<'_> {
         }
     }
 
-    /// The interference from which the asperity flows, m; ∞ where it does not, or where what follows is not known.
+    /// The interference from which the asperity yields, m; ∞ if it does not, or if its law is one of loading alone.
     pub fn onset(&self) -> f64 {
         match self {
             Self::Loop(cycle) => cycle.onset(),
@@ -123,8 +123,8 @@ impl Memory<'_> {
         }
     }
 
-    /// The segments of an asperity that has not flowed, with the number of the first ones, before it has
-    /// touched.
+    /// The segments of an asperity that has not yielded, and the number of these before it has touched, which come
+    /// first.
     pub fn segments(&self) -> (Vec<Segment>, usize) {
         let approach = pieces(self.law(Path::Approach), Path::Approach, 0..usize::MAX);
         let Self::Loop(cycle) = self else {
@@ -136,70 +136,69 @@ impl Memory<'_> {
         if let Some(last) = untouched.last_mut() {
             last.upper = last.upper.min(cycle.capture);
         }
-        let top = cycle.critical();
-        let elastic = if cycle.flows() { cycle.first_plastic } else { usize::MAX };
+        let critical = cycle.critical();
+        let elastic = if cycle.yields() { cycle.first_plastic } else { usize::MAX };
         let mut touched = pieces(cycle.retraction(), Path::Retraction, 0..elastic);
         let lost = cycle.lost();
         let is_end = |segment: &Segment| segment.source == Source::Nothing;
-        touched.retain(|segment| segment.upper > lost && (segment.lower < top || is_end(segment)));
+        touched.retain(|segment| segment.upper > lost && (segment.lower < critical || is_end(segment)));
         if let Some(first) = touched.first_mut() {
             first.lower = first.lower.max(lost);
         }
-        if cycle.flows() {
-            touched.extend(approach.into_iter().filter(|segment| segment.lower >= top));
+        if cycle.yields() {
+            touched.extend(approach.into_iter().filter(|segment| segment.lower >= critical));
         }
         let count = untouched.len();
         (joined(untouched, touched), count)
     }
 
-    /// The state of an asperity that has flowed to ω_max, m; none where that is not known, or below ω_c.
-    pub fn flowed(&self, largest: f64) -> Option<Flowed> {
+    /// The state of an asperity that has yielded to ω_max, m; none below ω_c, or of a law of loading alone.
+    pub fn yielded(&self, largest: f64) -> Option<Yielded> {
         let Self::Loop(cycle) = self else { return None };
-        if !cycle.has_flowed(largest) {
+        if !cycle.has_yielded(largest) {
             return None;
         }
-        let top = cycle.top_of(largest);
-        let residual = largest - top.recovery;
-        // A top that has let go is an asperity of the law, of the radius of its apex.
-        let own = cycle.of(top.lane());
-        let kinks = top.kinks.map(|kink| kink + residual);
+        let summit = cycle.summit_of(largest);
+        let residual = largest - summit.recovery;
+        // A summit that has detached obeys the law of an asperity of the radius of its apex.
+        let own = cycle.of(summit.lane());
+        let kinks = summit.kinks.map(|kink| kink + residual);
         let lost_contact = lowered(&own, Path::Approach, f64::NEG_INFINITY..own.capture, residual);
         let mut contact = lowered(&own, Path::Retraction, own.lost()..own.release(), residual);
         contact.push(Segment::unloading(own.release() + residual..largest));
         let [lost_contact, mut contact] = [lost_contact, contact].map(|segments| split(segments, &kinks));
-        let mut tops = Tops::default();
-        tops.push(top);
+        let mut summits = FlattenedSummits::default();
+        summits.push(summit);
         let mut virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
         virgin.retain(|segment| segment.upper > largest);
         virgin.iter_mut().for_each(|segment| segment.lower = segment.lower.max(largest));
         contact.append(&mut virgin);
         let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
-        Some(Flowed {
+        Some(Yielded {
             largest,
-            tops,
+            summits,
             regime,
             untouched: lost_contact.len(),
             segments: joined(lost_contact, contact),
         })
     }
 
-    /// F_s, N, P, N, and the area, m², of an asperity that has flowed, in one of its segments at δ, m, which
-    /// is within it.
+    /// F_s, N, P, N, and the area, m², of an asperity that has yielded, at δ, m, within one of its segments.
     pub fn respond(
         &self,
-        flowed: &Flowed,
+        yielded: &Yielded,
         segment: &Segment,
         interference: f64,
         out: &mut Responses,
         stats: &mut SolverStats,
     ) -> [f64; 3] {
         let Self::Loop(cycle) = self else { return [0.0; 3] };
-        let distance = flowed.largest - interference;
-        let mut of_top = |law| flowed.tops.respond_all(law, distance, out, stats);
+        let distance = yielded.largest - interference;
+        let mut of_summit = |law| yielded.summits.respond_all(law, distance, out, stats);
         match segment.source {
             Source::Nothing => return [0.0; 3],
-            Source::Unloading => of_top((cycle.retraction(), cycle.first_contact)),
-            Source::Lowered(path, regime) => of_top((self.law(path), regime)),
+            Source::Unloading => of_summit((cycle.retraction(), cycle.first_contact)),
+            Source::Detached(path, regime) => of_summit((self.law(path), regime)),
             Source::Law(path, regime) => {
                 self.law(path).evaluate(regime, Lanes::Own, &[interference], out, stats)
             }
@@ -209,7 +208,7 @@ impl Memory<'_> {
 }
 
 impl Loop {
-    /// Interference, m, below which retraction is what approach is.
+    /// Interference, m, below which approach and retraction are the same.
     fn lost(&self) -> f64 {
         match (self.approach.capture(None), self.retraction.pieces(None).first()) {
             (Some(_), Some(first)) => first.upper.min(self.release()),
@@ -219,7 +218,7 @@ impl Loop {
 }
 
 impl Segment {
-    /// A contact that has flowed, in an interval of δ, m, at whose lower end it varies like a root.
+    /// The segment of a contact that has yielded, an interval of δ, m; at its lower end the force varies like a root.
     fn unloading(within: Range<f64>) -> Self {
         let smoothness = Smoothness::Root { end: End::Lower, place: within.start, order: UNLOADING };
         let Range { start: lower, end: upper } = within;
@@ -227,15 +226,14 @@ impl Segment {
     }
 }
 
-/// The pieces before contact of the law of a loop along a path, in an interval of δ, m, of a top that is lowered by
-/// `residual`, m.
+/// The segments before contact of a summit that is lowered by a `residual` depth, m, along a path and in an interval of δ, m.
 fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Segment> {
     let Range { start: from, end: to } = within;
     let mut segments = pieces(own.law(path), path, 0..own.first_contact);
     segments.retain(|segment| segment.lower < to && segment.upper > from);
     for segment in &mut segments {
         if let Source::Law(path, regime) = segment.source {
-            segment.source = Source::Lowered(path, regime);
+            segment.source = Source::Detached(path, regime);
         }
         segment.lower = segment.lower.max(from) + residual;
         segment.upper = segment.upper.min(to) + residual;
@@ -249,7 +247,7 @@ fn lowered(own: &Loop, path: Path, within: Range<f64>, residual: f64) -> Vec<Seg
     segments
 }
 
-/// Segments that end at kinks, m, within them; they vary like roots at their outer ends alone.
+/// The segments divided at kinks, m. Only the outermost parts of each keep its root.
 fn split(segments: Vec<Segment>, kinks: &[f64]) -> Vec<Segment> {
     let mut parts = Vec::with_capacity(segments.len());
     for mut rest in segments {
@@ -272,7 +270,7 @@ fn split(segments: Vec<Segment>, kinks: &[f64]) -> Vec<Segment> {
     parts
 }
 
-/// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
+/// The segments of a range of regimes of a law, rising and not yet linked, and the one beyond the end of the law.
 fn pieces(law: &dyn Law, path: Path, regimes: Range<usize>) -> Vec<Segment> {
     let count = law.regimes().len();
     let end = law.boundaries().get(count - 1).map_or(f64::INFINITY, |end| end.interference);
@@ -305,8 +303,8 @@ fn chain(mut segments: Vec<Segment>) -> Vec<Segment> {
     segments
 }
 
-/// Segments before contact and of what has touched in one list: the last of those before leads into the
-/// others, and the first of these back.
+/// The segments before contact and the segments of an asperity that has touched, in one list. The last segment before contact
+/// leads to the second group, and the first segment of the second group leads back.
 fn joined(before: Vec<Segment>, touched: Vec<Segment>) -> Vec<Segment> {
     let count = before.len();
     let (mut before, mut touched) = (chain(before), chain(touched));

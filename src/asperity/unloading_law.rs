@@ -1,26 +1,29 @@
-//! The law of the asperities of a loop at one distance from the closest approach.
+//! The law of unloading: the forces of asperities of one radius at one distance from the closest approach, by their ω_max.
 
 use super::block::{BLOCK, Responses};
+use super::condition::{AtDistance, Condition};
+use super::cycle::Loop;
 use super::lane::{Lane, Lanes};
 use super::law::{Boundary, End, Law, Method, Piece, Regime, Smoothness};
 use super::response_table::ResponseTable;
 use super::stats::SolverStats;
-use super::top::Tops;
-use super::unloading::{Loop, TOP_KINKS, begin_of};
+use super::summit::{FlattenedSummits, SUMMIT_KINKS};
 use crate::math::roots::false_position;
+use std::ops::Range;
 use std::sync::{Arc, PoisonError};
 
-/// Share of a place by which the side of a jump is away from it.
+/// Relative distance from a jump at which one side of it is evaluated.
 const BESIDE: f64 = 1e-12;
-/// Relative accuracy of tables of the responses of tops, some roundings of these, and halvings of a piece at most.
+/// Relative accuracy of tables of the responses of summits, some roundings of these, and largest number of halvings of a piece.
 const TOLERANCE: f64 = 1e-13;
 const HALVINGS: u32 = 9;
 
 impl Loop {
-    /// The ω_max, m, between limits on one regime of flow, above which asperities are still in contact, or deeper than a regime
-    /// before it, at a distance, m: the lower limit where all are, the upper where none is.
-    fn let_go_from(&self, distance: f64, regime: usize, (begin, end): (f64, f64)) -> f64 {
-        // Where the plastic contact jumps no state is next to the beginning.
+    /// The largest ω_max, m, of asperities that have detached at a distance, m: their summits are in a regime before contact, or
+    /// below it. It is searched for within the limits of one plastic regime on loading, and is the lower limit if all asperities
+    /// are deeper, the upper limit if none is.
+    fn detached_to(&self, distance: f64, regime: usize, (begin, end): (f64, f64)) -> f64 {
+        // The plastic contact may jump at the beginning.
         let low = begin + BESIDE * begin.abs();
         let beyond = |largest: f64| distance - self.left_at(regime, largest);
         if !(low < end) {
@@ -58,29 +61,29 @@ impl Loop {
         false_position(beyond, low, high, close)
     }
 
-    /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
+    /// The law at a distance ≥ 0, m, from the closest approach, in the variable ω_max.
     #[doc(hidden)]
-    pub fn at(&self, distance: f64) -> Retraction<'_> {
-        Retraction::with(self, distance, |regime, limits| self.let_go_from(distance, regime, limits))
+    pub fn at(&self, distance: f64) -> UnloadingLaw<'_> {
+        UnloadingLaw::with(self, distance, |regime, limits| self.detached_to(distance, regime, limits))
     }
 
-    /// The law at a distance, m, as [`Loop::at`] has it, with tables of the responses of tops. It is kept, as all surfaces of a run
-    /// are at some distances.
+    /// The law of [`Loop::at`] with tables of the responses of summits. It is kept, because all surfaces of a run share some
+    /// distances.
     #[doc(hidden)]
-    pub fn tabulated_at(&self, distance: f64) -> Retraction<'_> {
+    pub fn tabulated_at(&self, distance: f64) -> UnloadingLaw<'_> {
         let lock = || self.at_distances.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().get(&distance.to_bits()).cloned();
-        // Not while the others wait.
+        // Computed without the lock, so that other threads need not wait.
         let at = known.unwrap_or_else(|| {
             let at = self.at(distance).tabulated().at;
             Arc::clone(lock().entry(distance.to_bits()).or_insert(at))
         });
-        Retraction { cycle: self, at }
+        UnloadingLaw { cycle: self, at }
     }
 
     /// Distances, m, at which two boundaries of the law at a distance coincide. Every radius has the same number of them in the same
-    /// order, NaN for two that never coincide. They depend on the radius, so the expected force at one distance has a kink at
-    /// the radius whose boundaries coincide there.
+    /// order, NaN for two boundaries that never coincide. The expected force at one distance thus has a kink at the radius whose
+    /// boundaries coincide there.
     #[doc(hidden)]
     pub fn meetings(&self) -> Vec<f64> {
         let ends = self.retraction.boundaries()[..self.first_contact].iter().map(|end| end.interference);
@@ -92,143 +95,75 @@ impl Loop {
         for largest in boundaries.iter().map(|end| end.interference) {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
-            if self.flows() {
-                let above = self.top_of(largest + BESIDE * largest.abs());
+            if self.yields() {
+                let above = self.summit_of(largest + BESIDE * largest.abs());
                 let passes = above.passes();
                 meetings.push(passes[self.end_kink(self.first_contact - 1)] + further[self.first_contact]);
                 meetings.push(above.recovery);
                 meetings.extend(passes);
             }
         }
-        // Tops pass their kinks at other distances below a joint than above it.
-        for joint in boundaries.iter().skip(1).filter(|_| self.flows()) {
-            meetings.extend(self.top_of(joint.interference).passes());
+        // The distances at which summits pass their kinks jump at a joint.
+        for joint in boundaries.iter().skip(1).filter(|_| self.yields()) {
+            meetings.extend(self.summit_of(joint.interference).passes());
         }
         meetings
     }
 
-    /// The law at a distance, m, for asperities that have not flowed alone.
+    /// The law at a distance, m, without the asperities that have yielded.
     #[doc(hidden)]
-    pub fn elastic_at(&self, distance: f64) -> Retraction<'_> {
-        Retraction::with(self, distance, |_, (_, end)| end)
+    pub fn elastic_at(&self, distance: f64) -> UnloadingLaw<'_> {
+        UnloadingLaw::with(self, distance, |_, (_, end)| end)
     }
 }
 
-/// The contact history of an asperity, and the regime of the law that it is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// An asperity that has never touched.
-    Untouched(usize),
-    /// An elastic asperity that has touched.
-    Elastic(usize),
-    /// An asperity that has flowed and is out of contact.
-    Lowered(usize),
-    /// An asperity that has flowed and is in contact; the regime is that of ω_max.
-    Unloading(usize),
-}
-
-impl Condition {
-    pub fn regime(self) -> usize {
-        let (Self::Untouched(regime)
-        | Self::Elastic(regime)
-        | Self::Lowered(regime)
-        | Self::Unloading(regime)) = self;
-        regime
-    }
-}
-
-/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. It has the
-/// regimes of the law, some more than once: [`Retraction::base`].
-pub struct Retraction<'a> {
+/// The law of unloading of a [`Loop`] at one distance from the closest approach. Its variable is ω_max in the place of the
+/// interference. It has the regimes of the law, some more than once: [`UnloadingLaw::base`].
+pub struct UnloadingLaw<'a> {
     cycle: &'a Loop,
     at: Arc<AtDistance>,
 }
 
-/// What is known of the law at one distance.
-#[derive(Default)]
-pub(super) struct AtDistance {
-    /// m.
-    distance: f64,
-    conditions: Vec<Condition>,
-    regimes: Vec<Regime>,
-    base: Vec<usize>,
-    boundaries: Vec<Boundary>,
-    /// The responses of tops, by condition, of a law that is tabulated.
-    tables: Vec<ResponseTable>,
-}
-
-impl AtDistance {
-    /// Adds the conditions of asperities that have flowed, from the boundary where they begin to. Where loading jumps from one
-    /// regime to the next, tops can let go sooner above the jump than below it.
-    fn push_flowed(&mut self, cycle: &Loop, onset: Boundary, let_go: impl Fn(usize, (f64, f64)) -> f64) {
-        let boundaries = cycle.approach.boundaries();
-        let mut begin = onset;
-        for regime in cycle.first_plastic..cycle.approach.regimes().len() {
-            let top = boundaries.get(regime).map(|top| higher(*top, begin));
-            let limits = (begin.interference, top.map_or(f64::INFINITY, |top| top.interference));
-            let mut end = begin;
-            for before in 0..cycle.first_contact {
-                let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
-                end = higher(Boundary { interference: let_go(before, limits), belongs_below }, begin);
-                end = top.map_or(end, |top| lower(end, top));
-                self.push(cycle, Condition::Lowered(before), Some(end));
-            }
-            self.push(
-                cycle,
-                Condition::Unloading(regime),
-                boundaries.get(regime).map(|upper| higher(*upper, end)),
-            );
-            begin = top.unwrap_or(end);
-        }
-    }
-
-    fn push(&mut self, cycle: &Loop, condition: Condition, end: Option<Boundary>) {
-        self.conditions.push(condition);
-        self.base.push(condition.regime());
-        self.regimes.push(cycle.approach.regimes()[condition.regime()]);
-        self.boundaries.extend(end);
-    }
-}
-
-impl<'a> Retraction<'a> {
-    /// The law at a distance, m. `let_go` says up to which ω_max, m, between limits, tops of radii of their own are in a regime
+impl<'a> UnloadingLaw<'a> {
+    /// The law at a distance, m. `detached` gives the largest ω_max, m, between limits, of flattened summits that are in a regime
     /// before contact or below it.
-    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(usize, (f64, f64)) -> f64) -> Self {
+    fn with(cycle: &'a Loop, distance: f64, detached: impl Fn(usize, (f64, f64)) -> f64) -> Self {
         let mut law = AtDistance { distance, ..AtDistance::default() };
         let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
+        let regimes = approach.regimes();
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
             let end = lower(shifted(approach.boundaries()[regime]), captured);
-            law.push(cycle, Condition::Untouched(regime), Some(end));
+            law.push(Condition::Untouched(regime), regimes, Some(end));
         }
-        let flows = cycle.flows();
-        // Where a law without plastic flow ends, it is not known; on retraction it is known again.
-        let top =
-            approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
+        let yields = cycle.yields();
+        // A law of loading alone has no force beyond its end on approach, but again when it has unloaded to below that.
+        let onset =
+            approach.boundaries().get(first_plastic - 1).map(|end| if yields { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
             let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
             let end = end.map(|end| higher(shifted(*end), captured));
-            let end = match (end, top) {
-                (Some(end), Some(top)) => Some(lower(end, top)),
-                (end, top) => end.or(top),
+            let end = match (end, onset) {
+                (Some(end), Some(onset)) => Some(lower(end, onset)),
+                (end, onset) => end.or(onset),
             };
-            law.push(cycle, Condition::Elastic(regime), end);
+            law.push(Condition::Elastic(regime), regimes, end);
         }
-        if let Some(top) = top.filter(|_| flows) {
-            law.push_flowed(cycle, top, let_go);
+        if let Some(onset) = onset.filter(|_| yields) {
+            push_yielded(&mut law, cycle, onset, detached);
         }
         Self { cycle, at: Arc::new(law) }
     }
 
-    /// The law with tables of the responses of tops.
+    /// The law with tables of the responses of summits.
     fn tabulated(mut self) -> Self {
         let deepest = self.cycle.deepest();
         let table = |index: usize| {
-            let is_of_tops =
-                matches!(self.at.conditions[index], Condition::Lowered(_) | Condition::Unloading(_));
-            let pieces = if is_of_tops { self.pieces_of(index, None) } else { Vec::new() };
+            let is_of_summits =
+                matches!(self.at.conditions[index], Condition::Detached(_) | Condition::Unloading(_));
+            let pieces = if is_of_summits { self.pieces_of(index, None) } else { Vec::new() };
             let respond = |largest: &[f64], out: &mut Responses| {
                 self.evaluate(index, Lanes::Own, largest, out, &mut SolverStats::default());
             };
@@ -250,11 +185,11 @@ impl<'a> Retraction<'a> {
     fn law(&self, condition: Condition) -> &dyn Law {
         match condition {
             Condition::Untouched(_) | Condition::Unloading(_) => self.cycle.approach.as_ref(),
-            Condition::Elastic(_) | Condition::Lowered(_) => self.cycle.retraction.as_ref(),
+            Condition::Elastic(_) | Condition::Detached(_) => self.cycle.retraction.as_ref(),
         }
     }
 
-    /// Pieces of a condition, of which `place` says where an interference of the law is, m, within `limits`.
+    /// The pieces of a condition within limits; `place` gives the ω_max, m, of an interference, m, of its law.
     fn moved(
         &self,
         index: usize,
@@ -277,13 +212,13 @@ impl<'a> Retraction<'a> {
         moved.filter(|piece| piece.lower < piece.upper)
     }
 
-    /// Pieces of contacts that are unloaded, which end like a root.
+    /// The pieces of contacts on unloading, which end like a root.
     fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
         let first = match self.order() {
             1 => Smoothness::Smooth,
             order => Smoothness::Root { end: End::Lower, place: limits.0, order },
         };
-        let mut pieces = self.of_tops(index, limits);
+        let mut pieces = self.of_summits(index, limits);
         pieces.iter_mut().take(1).for_each(|piece| piece.smoothness = first);
         pieces
     }
@@ -297,9 +232,8 @@ impl<'a> Retraction<'a> {
         }
     }
 
-    /// Pieces of tops of outlines of their own: between the joints of the law on approach, and between places where tops pass
-    /// kinks.
-    fn of_tops(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
+    /// The pieces of flattened summits, divided at the joints of the law on approach, and where summits pass their kinks.
+    fn of_summits(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
         let mut ends: Vec<f64> = self.cycle.approach.pieces(None).iter().map(|piece| piece.upper).collect();
         ends.retain(|end| lower < *end && *end < upper);
         ends.push(upper);
@@ -307,7 +241,7 @@ impl<'a> Retraction<'a> {
         let mut lower = lower;
         for end in ends {
             for place in self.passed((lower, end)) {
-                // Most kinks are where a fold is.
+                // Most kinks are folds.
                 let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
                 lower = place;
@@ -319,10 +253,10 @@ impl<'a> Retraction<'a> {
         pieces
     }
 
-    /// The ω_max, m, rising, within limits at which tops pass kinks of theirs.
+    /// The ω_max, m, rising, of the summits within limits that pass one of their kinks at this distance.
     fn passed(&self, (lower, upper): (f64, f64)) -> Vec<f64> {
         let cycle = self.cycle;
-        let beyond = |largest: f64, kink: usize| self.at.distance - cycle.top_of(largest).passes()[kink];
+        let beyond = |largest: f64, kink: usize| self.at.distance - cycle.summit_of(largest).passes()[kink];
         let mut passed = Vec::new();
         for stretch in cycle.stretches() {
             for (i, ends) in stretch.places.windows(2).enumerate() {
@@ -330,7 +264,7 @@ impl<'a> Retraction<'a> {
                     continue;
                 }
                 // The last two are ends of regimes.
-                for kink in 0..TOP_KINKS - 2 {
+                for kink in 0..SUMMIT_KINKS - 2 {
                     let [low, high] = [i, i + 1].map(|i| self.at.distance - stretch.kinks[i][kink]);
                     let is_between = low.is_finite() && high.is_finite() && (low > 0.0) != (high > 0.0);
                     if is_between {
@@ -347,6 +281,32 @@ impl<'a> Retraction<'a> {
     }
 }
 
+/// Adds the conditions of asperities that have yielded, from the onset of plastic deformation on. Where loading jumps from one
+/// regime to the next, summits above the jump may detach at smaller distances than summits below it.
+fn push_yielded(
+    law: &mut AtDistance,
+    cycle: &Loop,
+    onset: Boundary,
+    detached: impl Fn(usize, (f64, f64)) -> f64,
+) {
+    let (boundaries, regimes) = (cycle.approach.boundaries(), cycle.approach.regimes());
+    let mut begin = onset;
+    for regime in cycle.first_plastic..regimes.len() {
+        let upper = boundaries.get(regime).map(|upper| higher(*upper, begin));
+        let limits = (begin.interference, upper.map_or(f64::INFINITY, |upper| upper.interference));
+        let mut end = begin;
+        for before in 0..cycle.first_contact {
+            let Boundary { belongs_below, .. } = cycle.retraction.boundaries()[before];
+            end = higher(Boundary { interference: detached(before, limits), belongs_below }, begin);
+            end = upper.map_or(end, |upper| lower(end, upper));
+            law.push(Condition::Detached(before), regimes, Some(end));
+        }
+        let last = boundaries.get(regime).map(|last| higher(*last, end));
+        law.push(Condition::Unloading(regime), regimes, last);
+        begin = upper.unwrap_or(end);
+    }
+}
+
 /// The lower of two boundaries, the second where they are at the same place.
 fn lower(a: Boundary, b: Boundary) -> Boundary {
     if a.interference < b.interference { a } else { b }
@@ -357,7 +317,7 @@ fn higher(a: Boundary, b: Boundary) -> Boundary {
     if a.interference > b.interference { a } else { b }
 }
 
-impl Law for Retraction<'_> {
+impl Law for UnloadingLaw<'_> {
     fn regimes(&self) -> &[Regime] {
         &self.at.regimes
     }
@@ -366,21 +326,21 @@ impl Law for Retraction<'_> {
         &self.at.boundaries
     }
 
-    fn pieces_of(&self, index: usize, _: Option<&Lane>) -> Vec<Piece> {
+    fn pieces_within(&self, index: usize, _: Option<&Lane>, within: Range<f64>) -> Vec<Piece> {
         let upper = self.at.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
-        let limits = (begin_of(self, index), upper);
+        let limits = (self.begin(index).max(within.start), upper.min(within.end));
         match self.at.conditions[index] {
             Condition::Untouched(_) | Condition::Elastic(_) => {
                 self.moved(index, limits, |place| place + self.at.distance).collect()
             }
-            Condition::Lowered(_) => self.of_tops(index, limits),
+            Condition::Detached(_) => self.of_summits(index, limits),
             Condition::Unloading(_) => self.unloading(index, limits),
         }
     }
 
     fn method(&self, regime: usize) -> Method {
         let condition = self.at.conditions[regime];
-        let varies = matches!(condition, Condition::Unloading(_) | Condition::Lowered(_));
+        let varies = matches!(condition, Condition::Unloading(_) | Condition::Detached(_));
         match self.law(condition).method(condition.regime()) {
             Method::Constant(_) if varies => Method::ClosedForm,
             method => method,
@@ -397,17 +357,17 @@ impl Law for Retraction<'_> {
     ) {
         let condition = self.at.conditions[index];
         let (law, base) = (self.law(condition), condition.regime());
-        let of_tops = match condition {
+        let of_summits = match condition {
             Condition::Unloading(_) => Some(self.cycle.first_contact),
-            Condition::Lowered(base) => Some(base),
+            Condition::Detached(base) => Some(base),
             Condition::Untouched(_) | Condition::Elastic(_) => None,
         };
-        if let Some(regime) = of_tops {
+        if let Some(regime) = of_summits {
             let mut solve = |largest: &[f64], out: &mut Responses| {
-                let mut tops = Tops::default();
-                tops.reserve(largest.len());
-                self.cycle.tops(largest, stats, |top| tops.push(top));
-                tops.respond_all((self.cycle.retraction(), regime), self.at.distance, out, stats);
+                let mut summits = FlattenedSummits::default();
+                summits.reserve(largest.len());
+                self.cycle.summits(largest, stats, |summit| summits.push(summit));
+                summits.respond_all((self.cycle.retraction(), regime), self.at.distance, out, stats);
             };
             return match self.at.tables.get(index) {
                 Some(table) => table.respond(interference, out, solve),
@@ -420,7 +380,7 @@ impl Law for Retraction<'_> {
         own.iter_mut().for_each(|delta| *delta -= self.at.distance);
         // Rounding must not lead out of the regime.
         let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
-        let lower = begin_of(law, base).min(upper);
+        let lower = law.begin(base).min(upper);
         own.iter_mut().for_each(|delta| *delta = delta.clamp(lower, upper));
         law.evaluate(base, lanes, own, out, stats);
     }

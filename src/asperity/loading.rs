@@ -1,14 +1,14 @@
-//! An asperity that is pressed to a known contact without adhesion: the adhesive zone around it, a bridge of liquid around
-//! that, and the top that it leaves.
+//! Loading of an asperity that yields: the contact without adhesion, the adhesive zone around it, and a bridge of liquid around
+//! that.
 //!
 //! # Formula
 //! In the units of any [`Scale`] the contact has the radius r = a₀/s_a and the load p = P₀/s_F without adhesion, and its
 //! apex the radius ρ ([`super::laws::md_plastic`]). The zone is that of the outline that it leaves ([`super::outline`]) at the
 //! contact radius a₀. Adhesion draws the surfaces nearer by (4λ/3) r tan θ.
 //!
-//! Under a bridge of liquid, which bends the faces towards each other too, these are the solids in the liquid, whose
-//! interference from the first touch of the lowered top, δ₁, is that without adhesion less what they have drawn. The bridge is
-//! that of a sphere of ρ whose contact under the bridge alone has the interference a₀²/ρ = δ₁, or the gap −δ₁
+//! A bridge of liquid draws the surfaces nearer, too. The solids in the liquid then have the interference δ₁ from the first touch of
+//! the lowered summit: the interference without adhesion less the displacement by the adhesion of the solids. The bridge is that of
+//! a sphere of the radius ρ whose contact under the bridge alone has the interference a₀²/ρ = δ₁, or the gap −δ₁
 //! ([`super::laws::capillary`]).
 //!
 //! # Validity
@@ -19,7 +19,7 @@ use super::outline::Pressed;
 use super::scale::Scale;
 use std::f64::consts::PI;
 
-/// Adhesion and liquid around flattened tops.
+/// Adhesion and liquid around flattened summits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Around {
     /// λ and the units; λ = 0 without adhesion of the solids.
@@ -29,7 +29,7 @@ pub(super) struct Around {
 }
 
 impl Around {
-    /// The state of a contact, searched for from another.
+    /// The state of a contact without adhesion that is reached `early`, searched for from another state.
     pub fn state(&self, (contact, early): (Pressed, f64), start: &State) -> State {
         let mut state = State { contact, early, zone: contact.zone(start.zone), ..State::default() };
         if let Some(bridge) = &self.bridge {
@@ -50,12 +50,13 @@ impl Around {
     }
 }
 
-/// A state of an asperity that is pressed.
+/// A state of an asperity on loading.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct State {
     /// The contact.
     pub contact: Pressed,
-    /// The interference by which it has this contact before the plastic contact has it.
+    /// The difference between the interference at which the plastic contact has this contact and the smaller one at which it is
+    /// reached.
     pub early: f64,
     /// tan θ of the adhesive zone.
     pub zone: f64,
@@ -72,12 +73,12 @@ impl State {
         self.contact.drawn(self.zone) + self.bent
     }
 
-    /// By how much the displacement is short of the interference at which the plastic contact has this contact.
+    /// The interference at which the plastic contact has this contact, less the displacement of this state.
     pub fn short(&self) -> f64 {
         self.early + self.drawn()
     }
 
-    /// The displacement from first touch of the lowered top.
+    /// The displacement from first touch of the lowered summit, which recovers elastically.
     pub fn recovery(&self) -> f64 {
         self.contact.indentation() - self.drawn()
     }

@@ -24,21 +24,14 @@ pub struct Key {
     pub formerly: &'static str,
     /// Keys that must not be given with it.
     pub excluded: &'static [&'static str],
-    /// Words that people write in its place, in lower case, and what to know of the key then.
-    pub written: Written,
+    /// Words that people write in its place, in lower case.
+    pub written: &'static [&'static str],
+    /// What to know of the key, behind its name, where one of them is written.
+    pub note: &'static str,
     /// The message about a number that is out of bounds, with `{}` for the number; empty for one that names the bounds.
     pub out_of_bounds: &'static str,
     /// The scenes of which `check` lists the default.
     pub listed: Listed,
-}
-
-/// Words that people write in the place of a key.
-#[derive(Debug)]
-pub struct Written {
-    /// The words, in lower case.
-    pub words: &'static [&'static str],
-    /// What to know of the key, behind its name.
-    pub note: &'static str,
 }
 
 /// The scenes of which `check` lists the default of a key among what they take, unless they give the key or one that excludes it.
@@ -115,7 +108,8 @@ pub(super) const fn key(name: &'static str, example: &'static str, value: Value)
         is_swept: false,
         formerly: "",
         excluded: &[],
-        written: Written { words: &[], note: "" },
+        written: &[],
+        note: "",
         out_of_bounds: "",
         listed: Listed::Always,
     }
@@ -163,8 +157,8 @@ impl Key {
     }
 
     /// Adds words that people write in the place of the key, in lower case, and what to know of it then.
-    pub(super) const fn written(self, words: &'static [&'static str], note: &'static str) -> Self {
-        Self { written: Written { words, note }, ..self }
+    pub(super) const fn written(self, written: &'static [&'static str], note: &'static str) -> Self {
+        Self { written, note, ..self }
     }
 
     /// Adds the message about a number that is out of bounds, with `{}` for the number.

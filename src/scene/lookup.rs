@@ -74,12 +74,12 @@ impl Keys {
     /// The dotted name of the key that was most likely meant by an unknown one, and what to know of it.
     pub(super) fn meant(&self, given: &str) -> Option<(&'static str, &'static str)> {
         let given = given.to_lowercase().replace(['-', ' '], "_").replace(['\'', '’'], "");
-        let written = self.all.iter().find(|key| key.written.words.contains(&given.as_str()));
+        let written = self.all.iter().find(|key| key.written.contains(&given.as_str()));
         let elsewhere = || {
             let is_meant = |name: &str| name.split_once('.').is_some_and(|(_, key)| key == given);
             self.all.iter().find(|key| is_meant(key.name)).map(|key| (key.name, ""))
         };
-        written.map(|key| (key.name, key.written.note)).or_else(elsewhere)
+        written.map(|key| (key.name, key.note)).or_else(elsewhere)
     }
 }
 

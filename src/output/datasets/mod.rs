@@ -78,6 +78,8 @@ static DATASETS: LazyLock<Vec<Dataset>> = LazyLock::new(|| {
     let groups = [
         ensemble::datasets(),
         replicas::datasets(),
+        coupling::of_replicas(),
+        instability::of_replicas().into(),
         coupling::datasets(),
         asperities::datasets(),
         liquid::datasets(),

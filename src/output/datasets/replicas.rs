@@ -1,7 +1,5 @@
 //! Numbers of each replica of a run.
 
-use super::coupling::of_replicas;
-use super::instability;
 use super::{Dataset, History, Results, Values, path};
 use crate::engine::{self, Replica, Ways};
 use crate::output::schema::Dimension::{self, Separation};
@@ -34,8 +32,6 @@ pub(super) fn datasets() -> Vec<Dataset> {
         })
     }));
     all.extend(History::all().flat_map(curves));
-    all.extend(of_replicas());
-    all.extend(instability::of_replicas());
     all
 }
 

@@ -176,18 +176,12 @@ impl Heights {
 
     /// The values of a sample, m, rising.
     pub fn values(&self) -> Option<&[f64]> {
-        match self.law.source() {
-            Source::Sample(values) => Some(values),
-            Source::Form(_) | Source::Lowered(_) => None,
-        }
+        if let HeightLaw::Sample(values) = &self.law { Some(values) } else { None }
     }
 
     /// The depths of places under a body, if there is one.
     pub fn depths(&self) -> Option<&Depths> {
-        match self.law.source() {
-            Source::Lowered(law) => Some(&law.depths),
-            Source::Form(_) | Source::Sample(_) => None,
-        }
+        if let HeightLaw::Lowered(law) = &self.law { Some(&law.depths) } else { None }
     }
 
     /// The deviate of a height, m.
@@ -281,7 +275,7 @@ impl Heights {
 
     /// Rising heights, m, that stand for the law, at even probabilities.
     pub fn strata(&self, count: u32) -> Vec<f64> {
-        if let Source::Lowered(law) = self.law.source() {
+        if let HeightLaw::Lowered(law) = &self.law {
             return law.strata(count);
         }
         let scores = (0..count).map(|i| normal::quantile((f64::from(i) + 0.5) / f64::from(count)));

@@ -130,12 +130,10 @@ fn row(key: &Key) -> String {
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
 }
 
-/// What the reference has of a key in the folded part of its section.
+/// What the folded part of a section has of a key.
 fn entry(key: &Key) -> String {
-    let mut what = key.what.to_owned();
-    what[..1].make_ascii_uppercase();
-    let about = if key.about.is_empty() { String::new() } else { format!(" {}", key.about) };
-    let mut text = format!("#### `{}`\n\n{what}.{about}\n\n{}. ", named(key), value(key));
+    let about = if key.about.is_empty() { String::new() } else { format!("{}\n\n", key.about) };
+    let mut text = format!("#### `{}`\n\n{about}Value: {}. ", named(key), value(key));
     text += &format!("Default: {}.", default(key));
     let beside: Vec<String> = beside(key).into_iter().map(|name| format!("`{name}`")).collect();
     if !beside.is_empty() {
@@ -148,7 +146,7 @@ fn entry(key: &Key) -> String {
         let last = key.name.rsplit('.').next().unwrap_or_default();
         text += &format!(" Example: `{last} = {}`", key.example);
     }
-    text.replace("\n\na ", "\n\nA ") + "\n"
+    text + "\n"
 }
 
 /// The section of a table: its keys at a glance, and folded all that there is of each.

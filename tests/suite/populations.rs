@@ -504,7 +504,7 @@ fn the_error_over_heights_is_told() {
     let hybrid = law_for("hybrid", &plain, &separations);
     let exact = Expectations::new(hybrid.view(), &plain, &separations);
     let rough = Expectations::with_tolerance(hybrid.view(), &plain, &separations, 1e-2);
-    let regimes = exact.regime_adhesion_force.iter().zip(&rough.regime_adhesion_force);
+    let regimes = exact.regime_adhesion_force.iter().zip(rough.regime_adhesion_force.iter());
     let off = regimes.flat_map(|(exact, rough)| exact.iter().zip(rough));
     let off =
         off.filter(|(exact, _)| **exact > 0.0).fold(0.0_f64, |worst, (a, b)| worst.max((b / a - 1.0).abs()));

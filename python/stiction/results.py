@@ -453,7 +453,7 @@ class Run(_Curves):
                 ("pull-off", f"{pull_off}, mean over {pull_off.replicas} replicas"),
                 ("interval", f"{low} to {high} ({100 * pull_off.interval_level:g} %)"),
                 (
-                    "scatter",
+                    "std",
                     f"{100 * pull_off.scatter:.4g} % from patch to patch, at h* = {pull_off.separation / sigma:.3f} on average",
                 ),
             ]

@@ -171,7 +171,7 @@ fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
 
 /// Films of liquid on the surfaces.
 fn films(scene: &Scene, film: Film) -> String {
-    let on = if film.faces == 1 { "on one face" } else { "on both faces" };
+    let on = if film.faces == 1 { "on one surface" } else { "on both surfaces" };
     let thickness = si(film.thickness, "m");
     let text = match scene.draining_film {
         Some(initial) => format!(

@@ -28,9 +28,9 @@ pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
         Some(_) => "",
     };
     let text = match own.verdict() {
-        IndependenceVerdict::Good => format!("good: the substrate gives way by {shift} σ at pull-off"),
+        IndependenceVerdict::Good => format!("good: the substrate is displaced by {shift} σ at pull-off"),
         IndependenceVerdict::Shift => match scene.surface.apex() {
-            Some(_) => format!("a shift: the bodies give way by up to {shift} σ at pull-off{advice}"),
+            Some(_) => format!("a shift: the solids are displaced by up to {shift} σ at pull-off{advice}"),
             None => format!("a shift: read forces at h - F/k_s, {shift} σ off at pull-off{advice}"),
         },
         IndependenceVerdict::Invalid => format!("invalid: {}{advice}", reason(own)),

@@ -22,8 +22,8 @@ const TEMPLATES: [(&str, &str); 6] = [
 /// Numbers of materials, each with its source.
 const MATERIALS: &str = include_str!("new/materials.csv");
 /// How the work of adhesion follows from surface energies.
-const ADHESION: &str = "The work of adhesion of two faces is the sum of their surface energies less the energy of their \
-    interface; of two faces with one coating it is twice its surface energy. Faces in air are mostly covered: 5 to 100 mJ/m^2 \
+const ADHESION: &str = "The work of adhesion of two surfaces is the sum of their surface energies less the energy of their \
+    interface; of two surfaces with one coating it is twice its surface energy. Surfaces in air are mostly covered: 5 to 100 mJ/m^2 \
     are measured.";
 /// Columns in front of notes and sources, and those of notes and sources.
 const INDENT: usize = 33;

@@ -95,7 +95,7 @@ fn quoted(mean: &ControlledMean, is_controlled: bool, unit: &str) -> String {
     format!("mean over patches {value}, {:.0} % {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
 }
 
-/// The pull-off: the number to quote and what it is of, and its scatter.
+/// The pull-off: the number to quote and what it is of, and its standard deviation.
 fn pull_off(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
     let of_integral = &results.pulled().1.minimum;
@@ -123,7 +123,7 @@ fn pull_off(results: &Results) -> String {
     if std > 0.0 {
         let below = quantiles(replicas.iter().map(|replica| replica.pull_off_force).collect());
         let below = below.as_deref().unwrap_or(FEW_FOR_QUANTILES);
-        text += &labelled("patches", &format!("{below}; scatter {}", percent(std / mean.abs())));
+        text += &labelled("patches", &format!("{below}; std {}", percent(std / mean.abs())));
     }
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {

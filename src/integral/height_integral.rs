@@ -22,12 +22,12 @@ const COMPONENTS: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct AtSeparation {
     pub regimes: Vec<RegimeMoments>,
-    /// The four quantities that deviations are from, and the probability of none of the regimes, where the
-    /// quantities are 0.
+    /// The quantities from which deviations are taken. Then the probability that an asperity is in no regime, and has no
+    /// force.
     typical: [f64; 4],
     beyond: f64,
-    /// The integral of the density over the regimes: 1 less what is beyond, with the error of the quadrature,
-    /// which the means share.
+    /// The integral of the density over the regimes, by the quadrature of the means: 1 less the probability of none, but for
+    /// the error that the means have, too.
     density: f64,
     /// Bound of the relative error of adhesion, contact force and area of any regime.
     pub error: f64,
@@ -248,10 +248,9 @@ pub(super) fn typical(law: &dyn Law, interference: f64, stats: &mut SolverStats)
     Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
 }
 
-/// The share by which the integral of the density between two interferences, m, misses the probability, which
-/// is known without quadrature: what is left out of it, or counted twice, has no force either, whatever the
-/// error that the quadrature sees. 0 where rounding of the ends, or of the differences that probabilities
-/// are, explains it.
+/// The relative error of the integral of the density between two interferences, m, against the probability, which is
+/// known without quadrature. It shows heights that pieces leave out or count twice, which the quadrature itself cannot
+/// see. It is 0 where rounding explains it.
 fn loss(integral: f64, heights: &Heights, separation: f64, ends: [f64; 2]) -> f64 {
     let [low, high] = ends.map(|end| end + separation);
     let probability = heights.probability(low, high);

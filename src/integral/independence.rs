@@ -7,8 +7,8 @@
 //! σ_u² = 2π η ⟨f²⟩ ln(L/b)/(πE*)², with b half of 1/√η. A modulation of wavelength Λ is held by πE*/Λ per
 //! area: an attraction of the stiffness s per area is stable against wavelengths below Λ_c = πE*/s.
 //!
-//! Under a body of the radius R_m at its apex the load F acts on a circle, and Hertz's contact of the smooth body gives way by
-//! δ = (9F²/16R_m E*²)^(1/3), in place of the shift F/k_s. Roughness spreads a load, so it gives way by less; JKR's contact,
+//! Under a body of the radius R_m at its apex the load F acts on a circle, and Hertz's contact of the smooth body is displaced by
+//! δ = (9F²/16R_m E*²)^(1/3), in place of the shift F/k_s. Roughness spreads a load, so it is displaced by less; JKR's contact,
 //! which at its pull-off has the radius of Hertz's under an equal load, is stretched by δ/3. σ/δ is α of Johnson. The patch is
 //! the circle of the radius a² = R_m δ + 2R_m σ: that of Hertz's contact, and what is within σ of the apex under small loads.
 //!

@@ -1,7 +1,7 @@
 //! The external force of a patch on its own half-space, by mean field.
 //!
 //! # Formula
-//! Under the force F a patch gives way by F/k_s. At the separation h of the surfaces far away its asperities see
+//! Under the force F a patch is displaced by F/k_s. At the separation h of the surfaces far away its asperities see
 //! the other surface at x = h + F/k_s, and F = F_GW(x), so that x − F_GW(x)/k_s = h. Where the attraction of the
 //! integral is stiffer than k_s there are several such x: surfaces that are brought close follow the
 //! outermost, and surfaces that are pulled back the innermost, as long as it is there. Where it ends they

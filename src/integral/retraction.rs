@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Parts of a panel of the radius in which places are looked for at which expectations are not smooth in it;
-/// `PLACE` is the share of a part to which they are found.
+/// Parts of a panel of the radius in which kinks of the expectations are sought. `PLACE` is the share of a part to which
+/// they are found.
 const LOOKED_AT: usize = 16;
 /// Relative accuracy asked of every piece of the law of one of several radii: the integral over radii is no
 /// better.
@@ -63,8 +63,8 @@ pub(crate) struct Forces(Arc<Mutex<HashMap<(u32, u64), Cell>>>);
 enum Radii {
     /// Given radii, or one.
     Parts(Vec<Part>),
-    /// Radii by a density. At places of its variable, rising, the distances, m, at which ends of the law
-    /// meet. The loops of radii of panels in which none meet, by the bits of the radii.
+    /// Radii by a density. `meetings` are the distances, m, at which ends of the law meet, at rising places of the variable
+    /// of the density. `known` are the loops of radii in panels without a meeting, by the bits of the radii.
     Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)>, known: HashMap<u64, Arc<Loop>> },
 }
 

@@ -13,7 +13,7 @@ pub enum LiquidError {
     Humidity(f64),
     /// The contact angles are so large that no liquid condenses.
     #[error(
-        "cos(theta1) + cos(theta2) is {0:.4}, but has to be positive: between such faces no liquid condenses"
+        "cos(theta1) + cos(theta2) is {0:.4}, but has to be positive: between such surfaces no liquid condenses"
     )]
     NotWetting(f64),
     /// A contact angle is from 0 to π.

@@ -32,7 +32,7 @@ pub(super) static KEYS: &[Key] = &[
         .swept()
         .out_of_bounds("a relative humidity is greater than 0 and less than 1; this is {}"),
     key("capillary.film_thickness", "\"1 nm\"", Quantity(Of::Length, Positive))
-        .what("thickness of liquid films on the faces")
+        .what("thickness of liquid films on the surfaces")
         .about(
             "t, of a liquid that does not evaporate; r_K = 6πγt³/A. Needs `hamaker_constant` and `film_faces`; replaces \
              `relative_humidity`.",
@@ -41,17 +41,17 @@ pub(super) static KEYS: &[Key] = &[
         .excludes(&["capillary.relative_humidity"])
         .swept(),
     key("capillary.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
-        .what("Hamaker constant of liquid films on the faces")
-        .about("A, of a face across the film: its disjoining pressure is A/(6πt³). Needs `film_faces`.")
-        .follows("none; faces are without films")
+        .what("Hamaker constant of liquid films on the surfaces")
+        .about("A, of a surface across the film: its disjoining pressure is A/(6πt³). Needs `film_faces`.")
+        .follows("none; surfaces are without films")
         .swept(),
     key("capillary.film_faces", "1", Whole(1, 2))
-        .what("how many of the faces have a film")
+        .what("how many of the surfaces have a film")
         .about("Each needs the contact angle 0. Needs `hamaker_constant`.")
-        .follows("none; faces are without films"),
+        .follows("none; surfaces are without films"),
     key("capillary.film_drains", "true", Switch)
         .what("whether bridges are filled from the films between them")
-        .about("Needs `film_thickness`, which then refers to faces that are apart.")
+        .about("Needs `film_thickness`, which then refers to surfaces that are apart.")
         .defaults_to("true"),
     key("capillary.liquid", "\"water\"", Choice(|| names(&LIQUIDS)))
         .what("name of the liquid")
@@ -78,11 +78,11 @@ pub(super) static KEYS: &[Key] = &[
         "[\"30 deg\", \"30 deg\"]",
         Various("a list of two angles, each from 0 to 180 deg"),
     )
-    .what("contact angles of the two faces")
+    .what("contact angles of the two surfaces")
     .about("θ₁ and θ₂. cos θ₁ + cos θ₂ has to be above 0: else no liquid condenses."),
     key("capillary.contact_angles[]", "\"30 deg\"", Quantity(Of::Angle, NotNegative)),
     key("capillary.volume", "\"equilibrium\"", Choice(|| names(&Volume::ALL)))
-        .what("amount of liquid in a bridge while the faces part")
+        .what("amount of liquid in a bridge while the surfaces move apart")
         .about(
             "`equilibrium`: in equilibrium with the vapour, slow retraction. `constant`: bridges keep their liquid \
              when contact ends, fast retraction.",
@@ -129,8 +129,9 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<CapillaryTable>, Sc
     if let Some((faces, _)) = films
         && angles.iter().filter(|angle| **angle == 0.0).count() < usize::from(faces)
     {
-        return Err(entry
-            .wrong("a film lies on a face that the liquid wets: 0 deg is the angle of each face with one"));
+        return Err(entry.wrong(
+            "a film lies on a surface that the liquid wets: 0 deg is the angle of each surface with one",
+        ));
     }
     let drains = section.value("film_drains").boolean()?;
     let meniscus = match (with, films) {
@@ -190,7 +191,7 @@ fn films(section: &Section<'_>) -> Result<Option<(u8, f64)>, SceneError> {
         (Some(hamaker), Some(faces)) => Ok(Some((faces as u8, hamaker))),
         (Some(_), None) => {
             let entry = section.require("hamaker_constant")?;
-            Err(entry.wrong("is that of films; film_faces = 1 or 2 says on how many faces they are"))
+            Err(entry.wrong("is that of films; film_faces = 1 or 2 says on how many surfaces they are"))
         }
         (None, Some(_)) => {
             let entry = section.require("film_faces")?;
@@ -235,7 +236,7 @@ fn angles(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
             let [one, other] = [0, 1].map(|i| entry.element(i, &array[i]).measured());
             (one, other).together().map(|(one, other)| [one, other])
         }
-        _ => Err(entry.wrong("a list of two is needed, one for each face")),
+        _ => Err(entry.wrong("a list of two is needed, one for each surface")),
     }
 }
 

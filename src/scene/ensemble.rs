@@ -25,7 +25,7 @@ pub(super) static KEYS: &[Key] = &[
     key("ensemble.replicas", "200", Whole(0, *REPLICAS.end()))
         .what("number of surfaces")
         .about(
-            "Each is drawn anew. The standard error of a mean falls as 1/√ of it. With 0 the integral alone is computed.",
+            "Each is drawn independently. The standard error of a mean falls as 1/√ of it. With 0 the integral alone is computed.",
         )
         .defaults_to("200")
         .excludes(&["ensemble.target"])

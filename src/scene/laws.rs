@@ -46,7 +46,7 @@ pub(super) static KEYS: &[Key] = &[
         .what("upper limit of truncated heights")
         .about(
             "For `truncated`, in standard deviations of the uncut Gaussian; a polished surface has \
-             lost its highest tops.",
+             lost its highest summits.",
         )
         .follows("no limit")
         .swept(),
@@ -71,7 +71,7 @@ pub(super) static KEYS: &[Key] = &[
     )
     .what("law of the asperity radii")
     .about(
-        "`common`: all have `asperity_radius`. Where radii scatter, each asperity has its own λ. \
+        "`common`: all have `asperity_radius`. Where radii differ, each asperity has its own λ. \
              Radius and height are drawn independently.",
     )
     .defaults_to("\"common\""),
@@ -100,9 +100,9 @@ pub(super) static KEYS: &[Key] = &[
         .about(FILE_UNIT)
         .follows("the unit above the column; required if there is none"),
     key("surface.count", "\"poisson\"", Choice(|| names(&CountLaw::ALL)))
-        .what("whether the number of asperities is fixed or scatters")
+        .what("whether the number of asperities is fixed or random")
         .about(
-            "`fixed`: N = ηA_n in every replica. `poisson`: N scatters as in patches cut at random from a \
+            "`fixed`: N = ηA_n in every replica. `poisson`: N varies as in patches cut at random from a \
              large surface.",
         )
         .defaults_to("\"fixed\"")

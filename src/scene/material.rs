@@ -66,7 +66,7 @@ pub(super) static KEYS: &[Key] = &[
     key("material.equilibrium_spacing", "\"0.2 nm\"", Quantity(Of::Length, Positive))
         .what("equilibrium spacing")
         .about(
-            "Z₀, the distance at which the two faces neither attract nor repel each other; 0.15 to 0.4 nm \
+            "Z₀, the distance at which the two surfaces neither attract nor repel each other; 0.15 to 0.4 nm \
              for most solids.",
         )
         .defaults_to("\"0.2 nm\"")

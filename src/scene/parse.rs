@@ -48,7 +48,7 @@ pub(super) static OUTPUT: &[Key] = &[
     key("output", "{ curves = true }", Table).what("what is kept").follows("no curves of replicas"),
     key("output.curves", "true", Switch)
         .what("whether the curves of every replica are kept")
-        .about("Means, scatter and the numbers of every replica are kept in any case.")
+        .about("Means, standard deviations and the numbers of every replica are kept in any case.")
         .defaults_to("false"),
 ];
 

@@ -19,8 +19,8 @@ pub(super) static KEYS: &[Key] = &[
     key("surface.asperity_radius", "\"3.33 um\"", Quantity(Of::Length, Positive))
         .what("radius of the asperities")
         .about(
-            "R, the radius of curvature of a summit of both faces together: 1/κ with κ² the sum over the faces of their 1/R², so \
-             R/√2 of two like faces. The mean one where `radii` scatter.",
+            "R, the radius of curvature of a summit of both surfaces together: 1/κ with κ² the sum over the surfaces of their 1/R², so \
+             R/√2 of two like surfaces. The mean one where `radii` differ.",
         )
         .swept()
         .written(&["r", "radius"], ""),
@@ -32,7 +32,7 @@ pub(super) static KEYS: &[Key] = &[
     key("surface.surface_height_std", "\"1.619 nm\"", Quantity(Of::Length, Positive))
         .what("standard deviation of the surface heights")
         .about(
-            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is for two rough faces: σ² is \
+            "σ of all points of the surface, the Rq or Sq of a profilometer. A list of two is for two rough surfaces: σ² is \
              the sum of their squares. One of σ and σ_s is required; the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
         )
         .follows("from `asperity_height_std`")
@@ -40,20 +40,20 @@ pub(super) static KEYS: &[Key] = &[
         .written(&["sigma", "rms", "rq", "sq", "roughness", "height_std"], ""),
     key("surface.asperity_height_std", "\"1.417 nm\"", Quantity(Of::Length, Positive))
         .what("standard deviation of the asperity heights")
-        .about("σ_s of the tops only. Tops are drawn with it.")
+        .about("σ_s of the summits only. Summits are drawn with it.")
         .follows("from `surface_height_std`")
         .swept()
         .written(&["sigma_s"], ""),
     key("surface.mean_plane_offset", "\"1.867 nm\"", Quantity(Of::Length, NotNegative))
         .what("height of the asperity mean plane above the surface mean plane")
-        .about("y_s. Tops are d = h − y_s from the other face. 0 takes h itself as the distance of the tops.")
+        .about("y_s. Summits are d = h − y_s from the other surface. 0 takes h itself as the distance of the summits.")
         .follows("0.045944/(ηR), as for a Gaussian surface")
         .swept()
         .written(&["y_s"], ""),
     key("surface.nominal_area", "\"100 um^2\"", Quantity(Of::Area, Positive))
         .what("nominal area")
         .about(
-            "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to \
+            "A_n of one replica, a finite patch. Means are proportional to it; the standard deviation from patch to \
              patch falls as 1/√A_n. With `asperities` it may be left out and is then the area of the map.",
         )
         .swept()
@@ -118,7 +118,10 @@ pub(super) fn population(
 pub(super) fn suits_body(section: &Section<'_>) -> Result<(), SceneError> {
     let refused = [
         ("nominal_area", "follows from [shape], which has the asperities that pull; leave it out"),
-        ("count", "is \"poisson\" under [shape], as the number differs from spot to spot; leave it out"),
+        (
+            "count",
+            "is \"poisson\" under [shape], as the number differs from location to location; leave it out",
+        ),
     ];
     let given = refused.into_iter().filter_map(|(key, problem)| Some((section.get(key)?, problem)));
     all(given.map(|(entry, problem)| Err::<(), _>(entry.wrong(problem)))).map(drop)

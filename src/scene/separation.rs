@@ -29,7 +29,7 @@ pub(super) static KEYS: &[Key] = &[
         .follows("a range that follows from the surface"),
     key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))
         .what("separations of the mean planes, as lengths")
-        .about("h of the mean planes of the two faces. They rise.")
+        .about("h of the mean planes of the two surfaces. They rise.")
         .follows("from `h_star`")
         .excludes(&["separation.h_star"]),
     key("separation.h.from", "\"-2 nm\"", Quantity(Of::Length, Any)).what("the first"),

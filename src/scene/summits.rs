@@ -25,7 +25,7 @@ pub(super) static KEYS: &[Key] = &[
         .excludes(&["surface.heights", "surface.radii"]),
     key("surface.spectrum", "{ m0 = \"2.37 nm^2\", m2 = 6.26e-5, m4 = \"0.0146 /um^2\" }", Table)
         .what("spectral moments of a Gaussian surface")
-        .about("R, η, σ, σ_s and y_s follow. Radii scatter as with `summits`. m₀ m₄/m₂² has to be above 1.5.")
+        .about("R, η, σ, σ_s and y_s follow. Radii vary as with `summits`. m₀ m₄/m₂² has to be above 1.5.")
         .follows("not used; radius, density and heights are given")
         .excludes(&[
             "surface.asperity_radius",

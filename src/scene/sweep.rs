@@ -218,7 +218,7 @@ fn refuse_pair(template: &DocumentMut, name: &str) -> Result<(), SceneError> {
         "material" => {
             "give reduced_modulus there, without youngs_modulus, and hardness and poisson_ratio of the softer body"
         }
-        "surface" => "give one value there, of both faces together",
+        "surface" => "give one value there, of both surfaces together",
         _ => return Ok(()),
     };
     Err(SceneError::general(format!(

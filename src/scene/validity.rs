@@ -292,7 +292,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
         Warning::new(
             format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
             "the plastic contact does not know of the tension around it",
-            "the pull-off of such soft tops is uncertain: compare model.plastic_contact",
+            "the pull-off of such soft summits is uncertain: compare model.plastic_contact",
         )
     })
 }
@@ -308,7 +308,7 @@ fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
     yield_onset(law).filter(tears).map(|_| {
         Warning::new(
             format!("the adhesive stress is {share:.2} of {of}, more than {LARGEST_STRESS}"),
-            "tops as soft and sticky part by flow, not at their interface (Du et al. 2007), which the law leaves out",
+            "summits as soft and sticky detach by plastic deformation, not at their interface (Du et al. 2007), which the law leaves out",
             units(&["work_of_adhesion", "equilibrium_spacing", "hardness"]),
         )
     })
@@ -481,12 +481,12 @@ fn tails(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         let h_star = h / surface.surface_height_std;
         Warning::new(
             format!(
-                "{:.0} % of the adhesion at pull-off, h* = {h_star:.3}, is of asperities that do not touch; flat faces attract \
+                "{:.0} % of the adhesion at pull-off, h* = {h_star:.3}, is of asperities that do not touch; flat surfaces attract \
                  with {} at this h",
                 100.0 * share,
                 si(flat, "N")
             ),
-            "the tails of asperities are no sum over the faces: between these act the van der Waals forces of all their points",
+            "the tails of asperities are no sum over the surfaces: between these act the van der Waals forces of all their points",
             "compare with [van_der_waals], the attraction between the mean planes",
         )
     })
@@ -500,7 +500,7 @@ fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
         let more = signed_percent(more);
         Warning::new(
             format!("surfaces that have touched are pulled off with {touched}, not {on_approach} ({more})"),
-            "contact lasts beyond first touch (Maugis 1992), and longer where tops flowed: model.history = \"approach\" is of surfaces that never touched",
+            "contact lasts beyond first touch (Maugis 1992), and longer where summits yielded: model.history = \"approach\" is of surfaces that never touched",
             "model.history = \"loop\" or \"retraction\" is of those that did",
         )
     })
@@ -512,7 +512,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     (yields && psi > LARGEST_ELASTIC_PSI && !scene.turns()).then(|| {
         Warning::new(
             format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
-            "tops that have flowed are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
+            "summits that have yielded are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
                      touch",
             "for surfaces in use model.law = \"md_plastic\", model.history = \"loop\", instability.preload",
         )

@@ -16,8 +16,8 @@ const MAX_SEPARATIONS: usize = LARGEST / 2;
 pub const MAX_COMPONENTS: usize = 32;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
-/// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event,
-/// the reciprocal of how often it is expected in the whole ensemble.
+/// Largest squared skewness of a mean over all replicas that is still treated as Gaussian. For a rare event this is the
+/// reciprocal of its expected number in the whole ensemble.
 const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
 /// Largest excess kurtosis of a mean over all replicas that is still treated as Gaussian; for a rare event,
 /// this reciprocal too.
@@ -56,8 +56,8 @@ const LARGEST_ERROR: f64 = 0.1;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
-    /// Functionals, each scaled to a score of unit variance per replica, or per replica's worth of what the
-    /// sampling scheme leaves to chance.
+    /// Functionals, each scaled to a score of unit variance per replica. Only the variance counts that the sampling scheme
+    /// leaves to chance.
     pub probes: Vec<Probe>,
     /// Fourth and third cumulants of the scores of a replica.
     pub cumulants: Cumulants,

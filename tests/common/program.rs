@@ -156,7 +156,7 @@ pub fn text(bytes: &[u8]) -> String {
 
 /// What a run says on standard error beside its progress, of which a line comes after 10 seconds, on a busy
 /// machine also of a quick run.
-pub fn told(output: &Output) -> String {
+pub fn reported(output: &Output) -> String {
     let is_progress = |line: &&str| line.ends_with(" so far") || line.ends_with(" left");
     text(&output.stderr).lines().filter(|line| !is_progress(line)).collect()
 }

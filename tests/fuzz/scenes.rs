@@ -75,13 +75,13 @@ fn check(text: &str, accepted: &mut u32, refused: &mut u32) {
         }
         Err(message) => {
             *refused += 1;
-            told(&message, text);
+            reported(&message, text);
         }
     }
 }
 
-/// Every problem is told in a line of its own, which names a line of the text or a key.
-fn told(message: &str, text: &str) {
+/// Every problem is reported in a line of its own, which names a line of the text or a key.
+fn reported(message: &str, text: &str) {
     assert!((1..=MESSAGE.1).contains(&message.lines().count()), "{message}");
     for line in message.lines() {
         assert!(line.len() <= MESSAGE.0 && !line.contains(char::is_control), "{line:?}");
@@ -121,7 +121,7 @@ fn every_sweep_is_read_or_refused_in_a_line() {
             Ok(_) => {}
             Err(error) => {
                 counts.set((counts.get().0, counts.get().1 + 1));
-                told(&error.to_string(), &text);
+                reported(&error.to_string(), &text);
             }
         }
         Ok(())

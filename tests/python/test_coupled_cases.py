@@ -54,5 +54,5 @@ def test_pictures_and_table_come_from_the_files(results, tmp_path):
     assert [row[0] for row in rows] == ["| I", "| I", "| II", "| II", "| III"]
     with h5py.File(results / "case_ii.h5") as file:
         expected = file["coupling/scalar_independent_mean"][1, 0]
-        told, prefix = re.match(r"([0-9.]+) ([nµm])N", rows[3][2]).groups()
-        assert float(told) * {"n": 1e-9, "µ": 1e-6, "m": 1e-3}[prefix] == pytest.approx(expected, rel=6e-3)
+        reported, prefix = re.match(r"([0-9.]+) ([nµm])N", rows[3][2]).groups()
+        assert float(reported) * {"n": 1e-9, "µ": 1e-6, "m": 1e-3}[prefix] == pytest.approx(expected, rel=6e-3)

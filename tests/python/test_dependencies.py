@@ -129,9 +129,9 @@ def test_licences_of_what_is_linked_in_are_reported():
     """Every crate of the program stands in THIRD-PARTY-LICENSES; versions may be those of before an update."""
     tree = ["cargo", "tree", "--locked", "--offline", "--edges", "normal,no-proc-macro", "--prefix", "none", "--target", "x86_64-unknown-linux-gnu"]
     linked = {line.split()[0] for line in subprocess.check_output(tree, cwd=ROOT, text=True).splitlines() if line}
-    told = (ROOT / "THIRD-PARTY-LICENSES").read_text(encoding="utf-8")
+    reported = (ROOT / "THIRD-PARTY-LICENSES").read_text(encoding="utf-8")
     assert len(linked) > 100
-    missing = {name for name in linked if not re.search(rf"^  {re.escape(name)} \d", told, re.MULTILINE)}
+    missing = {name for name in linked if not re.search(rf"^  {re.escape(name)} \d", reported, re.MULTILINE)}
     assert not missing, f"{missing}: make THIRD-PARTY-LICENSES anew, by `cargo about generate about.hbs --output-file THIRD-PARTY-LICENSES`"
     for text in ("The HDF Group", "Jean-loup Gailly", "Rust's standard library"):
-        assert text in told
+        assert text in reported

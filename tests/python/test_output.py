@@ -207,8 +207,8 @@ def test_quantiles_are_those_of_the_curves(file):
 
 
 def test_warnings_are_those_of_check(file):
-    told = subprocess.run([PROGRAM, "check", "-"], input=SCENE, capture_output=True, text=True, check=True).stdout
-    findings = [" ".join(text.split()) for text in told.split("  warning  ")[1:]]
+    reported = subprocess.run([PROGRAM, "check", "-"], input=SCENE, capture_output=True, text=True, check=True).stdout
+    findings = [" ".join(text.split()) for text in reported.split("  warning  ")[1:]]
     warnings = file.attrs["warnings"].splitlines()
     assert len(findings) == len(warnings) > 0
     assert all(finding.startswith(warning) for finding, warning in zip(findings, warnings, strict=True))

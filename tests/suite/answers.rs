@@ -299,7 +299,11 @@ fn sources_of_roughness_are_said() {
 fn values_of_two_bodies_are_not_swept() {
     for (key, values, advice) in [
         ("material.hardness", "[\"2.5 GPa\", \"9 GPa\"]", "poisson_ratio of the softer body"),
-        ("surface.surface_height_std", "[\"1 nm\", \"1.3 nm\"]", "one value there, of both faces together"),
+        (
+            "surface.surface_height_std",
+            "[\"1 nm\", \"1.3 nm\"]",
+            "one value there, of both surfaces together",
+        ),
     ] {
         let name = key.split_once('.').unwrap().1;
         let scene = small();

@@ -382,9 +382,12 @@ fn files_have_the_background() {
     let folder = Folder::new(&(few() + tables));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);
-    let told = unbroken(&text(&check.stdout));
-    assert!(told.contains("A = 1.000e-19 J, retarded: asperities own caps of 75.00 % of the area"), "{told}");
-    assert!(told.contains("voltage, 3.000 V") && told.contains("a gap of 1.500 nm"), "{told}");
+    let reported = unbroken(&text(&check.stdout));
+    assert!(
+        reported.contains("A = 1.000e-19 J, retarded: asperities own caps of 75.00 % of the area"),
+        "{reported}"
+    );
+    assert!(reported.contains("voltage, 3.000 V") && reported.contains("a gap of 1.500 nm"), "{reported}");
     let run = folder.stiction(&["run", "scene.toml", "-o", "run.h5"]);
     assert_exit(&run, 0);
     assert_exit(&folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,md,gw", "-o", "laws.h5"]), 0);
@@ -461,14 +464,17 @@ fn what_the_background_leaves_out_is_warned_of() {
     };
     // 1.619 nm of gap and 98.381 nm: 100 nm.
     for (volts, warns) in [("34.9 V", false), ("35.1 V", true)] {
-        let told = check(&layer(volts, "98.381 nm"));
-        assert_eq!(told.contains("more than 350.0 MV/m"), warns, "{told}");
-        assert!(!told.contains("Paschen"), "{told}");
+        let reported = check(&layer(volts, "98.381 nm"));
+        assert_eq!(reported.contains("more than 350.0 MV/m"), warns, "{reported}");
+        assert!(!reported.contains("Paschen"), "{reported}");
     }
     for (volts, warns) in [("326 V", false), ("-328 V", true)] {
         assert_eq!(check(&layer(volts, "10 um")).contains("Paschen"), warns);
     }
     assert!(!check("\n[van_der_waals]\n").contains("taken as normal"));
-    let told = check("\n[van_der_waals]\n\n[surface.heights]\nlaw = \"exponential\"\n");
-    assert!(told.contains("the gaps between the mean planes are taken as normal, not exponential"), "{told}");
+    let reported = check("\n[van_der_waals]\n\n[surface.heights]\nlaw = \"exponential\"\n");
+    assert!(
+        reported.contains("the gaps between the mean planes are taken as normal, not exponential"),
+        "{reported}"
+    );
 }

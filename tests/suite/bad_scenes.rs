@@ -104,12 +104,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[capillary]\nrelative_humidity = 0.5\ncontact_angles = \"30 deg\"\n[output]",
-        &["a list of two is needed, one for each face"],
+        &["a list of two is needed, one for each surface"],
     ),
     (
         "[output]",
         "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"100 deg\", \"90 deg\"]\n[output]",
-        &["between such faces no liquid condenses"],
+        &["between such surfaces no liquid condenses"],
     ),
     (
         "[output]",
@@ -149,7 +149,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\ncontact_angles = [0, 0]\n[output]",
-        &["`capillary.hamaker_constant", "film_faces = 1 or 2 says on how many faces"],
+        &["`capillary.hamaker_constant", "film_faces = 1 or 2 says on how many surfaces"],
     ),
     (
         "[output]",
@@ -438,10 +438,10 @@ fn every_mistake_is_named_and_nothing_is_written() {
     }
 }
 
-/// All problems are told at once, a line each, in the order of the lines; a misspelt key is not missing too,
+/// All problems are reported at once, a line each, in the order of the lines; a misspelt key is not missing too,
 /// and nothing follows from what could not be read.
 #[test]
-fn all_problems_are_told_at_once() {
+fn all_problems_are_reported_at_once() {
     let changes = [
         ("hardness = \"2.5 GPa\"", "hardnes = \"2.5 GPa\""),
         ("poisson_ratio = 0.27", "poisson_ratio = 0.7"),
@@ -483,7 +483,7 @@ fn all_problems_are_told_at_once() {
         .for_each(|(line, expected)| assert!(line.starts_with(expected), "{line}\n{expected}"));
 }
 
-/// Many problems are told up to a number.
+/// Many problems are reported up to a number.
 #[test]
 fn endless_problems_end() {
     let folder = tempfile::tempdir().unwrap();

@@ -513,7 +513,7 @@ fn a_sweep_over_humidity_runs() {
 
 /// What is warned of.
 #[test]
-fn menisci_out_of_range_are_told() {
+fn menisci_out_of_range_are_reported() {
     let warned = |from: &str, to: &str| {
         let scene = scene("");
         assert!(scene.contains(from), "{from}");

@@ -3,7 +3,7 @@
 mod pages;
 
 use crate::common::program::{
-    ASPERITIES, Folder, QUICK, assert_exit, bits, looped, small, text, told, unbroken, with_result,
+    ASPERITIES, Folder, QUICK, assert_exit, bits, looped, reported, small, text, unbroken, with_result,
 };
 use crate::common::unlocked;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn a_run_leaves_one_file_and_a_summary() {
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
-    assert_eq!(told(&run), "", "no progress where standard error is no terminal");
+    assert_eq!(reported(&run), "", "no progress where standard error is no terminal");
     let summary = text(&run.stdout);
     for part in [
         "hybrid on approach",
@@ -330,7 +330,7 @@ fn sampling_schemes_are_honoured() {
 }
 
 /// One group has a mean and a scatter, but no standard error; the joint test takes its scatter from the law
-/// and is told all the same.
+/// and is reported all the same.
 #[test]
 fn one_group_has_no_standard_error() {
     let folder = Folder::new(&sampled("stratified"));
@@ -525,7 +525,7 @@ fn info_has_values_and_a_verbose_run_all_of_it() {
     assert_eq!(row("external_force_quantile"), ["5", "x", "16", "(quantile,", "separation)"]);
 }
 
-/// What is told of a result stands in two columns, however long its names are.
+/// What is reported of a result stands in two columns, however long its names are.
 #[test]
 fn columns_of_info_do_not_touch() {
     let scene = looped(&small());
@@ -552,14 +552,14 @@ fn there_is_a_sign_of_life_without_a_terminal() {
         command.args(["run", "scene.toml", "--threads", "1"]).args(arguments).current_dir(folder.path(""));
         command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
     };
-    let (mut told, mut quiet) = (begin(&["-o", "told.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
+    let (mut reported, mut quiet) = (begin(&["-o", "reported.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
     let mut line = String::new();
-    BufReader::new(told.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    BufReader::new(reported.stderr.take().unwrap()).read_line(&mut line).unwrap();
     assert!(
         line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 s so far"),
         "{line}"
     );
-    for child in [&mut told, &mut quiet] {
+    for child in [&mut reported, &mut quiet] {
         child.kill().unwrap();
         child.wait().unwrap();
     }
@@ -569,7 +569,7 @@ fn there_is_a_sign_of_life_without_a_terminal() {
 }
 
 /// A run by the library has the bits of the command's, with the curves of its replicas; it overwrites
-/// nothing, and ends when it is told to.
+/// nothing, and ends when it is reported to.
 #[test]
 fn a_run_from_rust_is_that_of_the_command() {
     let folder = Folder::new(&small().replace("curves = false", "curves = true"));

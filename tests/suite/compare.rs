@@ -1,7 +1,7 @@
 //! `stiction compare` and every law of the registry as a user drives them.
 
 use crate::common::program::{
-    Folder, QUICK, assert_exit, attribute, bits, looped, small, text, told, unbroken,
+    Folder, QUICK, assert_exit, attribute, bits, looped, reported, small, text, unbroken,
 };
 use crate::common::{dry_laws, unlocked};
 
@@ -17,7 +17,7 @@ fn a_comparison_without_output_is_a_table() {
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl,gw,fit:paper"]);
     assert_exit(&compare, 0);
     assert_eq!(folder.files(), ["scene.toml"]);
-    assert_eq!(told(&compare), "");
+    assert_eq!(reported(&compare), "");
     let table = text(&compare.stdout);
     for part in
         ["pull-off", "at h*", "deviation", "stiffest", "first", "gw                  none", "f_snc", "f_sel"]

@@ -177,10 +177,10 @@ fn a_pull_off_at_states_that_are_no_results_is_not_quoted() {
     assert!(!apart.contains("not to be quoted"), "{apart}");
 }
 
-/// How close contacts come is in the file and the summary, by either kernel; where their circles overlap that is told, state
+/// How close contacts come is in the file and the summary, by either kernel; where their circles overlap that is reported, state
 /// by state, and nothing is lost.
 #[test]
-fn crowded_contacts_are_told() {
+fn crowded_contacts_are_reported() {
     let sweep = format!("{PERIODIC}\n[sweep]\nsubstrate.kernel = [\"point\", \"contact\"]\n");
     let scene =
         |more: &str| scene(more).replace("replicas = 16", "replicas = 2").replace("13.54 um^2", "4.88 um^2");
@@ -204,11 +204,11 @@ fn crowded_contacts_are_told() {
         let total: u64 = counts.iter().sum();
         assert_eq!(of(&own, "/coupling/overlapping_count").iter().sum::<u64>(), total);
         assert!(largest.zip(counts).all(|(largest, count)| (largest > 1.0) == (count > 0)));
-        let told =
+        let reported =
             format!("{total} of 16 states have contacts that overlap, and are no results, at h* = -1.000");
         let summary = unbroken(&text(&run.stdout));
-        let told = [&told, &format!("loads by kernel = \"{kernel}\" can be off")];
-        assert!(told.iter().all(|own| summary.contains(*own)), "{summary}");
+        let reported = [&reported, &format!("loads by kernel = \"{kernel}\" can be off")];
+        assert!(reported.iter().all(|own| summary.contains(*own)), "{summary}");
     }
 }
 
@@ -248,11 +248,11 @@ fn measured_asperities_are_coupled_where_they_are() {
         let states: Vec<&Value> = ensemble["states"].as_array().unwrap().iter().rev().collect();
         let at = |state: &&Value| state["separation"].as_f64().unwrap() + lift;
         let mut separations: Vec<f64> = states.iter().map(at).collect();
-        let told: Vec<String> = separations.iter().map(|h| format!("\"{h:e} m\"")).collect();
+        let reported: Vec<String> = separations.iter().map(|h| format!("\"{h:e} m\"")).collect();
         separations.push(12e-9);
         let more = format!(
             "[substrate]\ncoupling = \"{coupling}\"\ntolerance = 1e-11\nloads_at = [{}]\n",
-            told.join(", ")
+            reported.join(", ")
         );
         let folder = Folder::new(&measured(&separations, &more));
         write_asperities(&folder.path("asperities.h5"), [&x, &y, &heights, &radii], [side, side]);
@@ -318,8 +318,8 @@ fn surfaces_of_several_radii_are_coupled() {
             assert_eq!(own, of(&plain, &format!("/ensemble/{name}")), "{name}");
             assert_ne!(own, of(&coupled, &format!("/ensemble/{name}")), "{name}");
         }
-        let told = of(&coupled, "/asperities/external_force");
-        assert_eq!(told.is_some(), more.starts_with("loads_at"));
+        let reported = of(&coupled, "/asperities/external_force");
+        assert_eq!(reported.is_some(), more.starts_with("loads_at"));
     }
 }
 

@@ -158,10 +158,13 @@ fn the_file_of_several_cycles_is_whole() {
         let energy: f64 = (1..h.len())
             .map(|k| 0.5 * (h[k] - h[k - 1]) * (again[k] + again[k - 1] - back[k] - back[k - 1]))
             .sum();
-        let told = mean(&read("/replicas/repeated_dissipated_energy"));
+        let reported = mean(&read("/replicas/repeated_dissipated_energy"));
         let first = mean(&read("/replicas/dissipated_energy"));
-        assert!((energy - told).abs() < 1e-9 * first.abs(), "{more}: {energy:e} {told:e}");
-        assert!(first > 0.0 && told > -1e-6 * first && told < 0.1 * first, "{more}: {told:e} of {first:e}");
+        assert!((energy - reported).abs() < 1e-9 * first.abs(), "{more}: {energy:e} {reported:e}");
+        assert!(
+            first > 0.0 && reported > -1e-6 * first && reported < 0.1 * first,
+            "{more}: {reported:e} of {first:e}"
+        );
         drop(file);
         if more.starts_with("curves") {
             continue;

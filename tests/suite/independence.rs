@@ -179,7 +179,7 @@ fn every_kind_of_result_tells_the_same() {
         resolved.clone() + "\n[sweep]\nsurface.nominal_area = [\"1 um^2\", \"10 um^2\", \"1000 um^2\"]\n";
     std::fs::write(folder.path("swept.toml"), swept).unwrap();
     let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
-    let told = check.lines().find(|line| line.starts_with("  independence")).unwrap();
+    let reported = check.lines().find(|line| line.starts_with("  independence")).unwrap();
     for (command, file) in [
         (&["run", "scene.toml"][..], "scene.h5"),
         (&["run", "swept.toml"], "swept.h5"),
@@ -189,7 +189,7 @@ fn every_kind_of_result_tells_the_same() {
         assert_exit(&output, 0);
         let summary = text(&output.stdout);
         match file {
-            "scene.h5" => assert!(summary.contains(told), "{summary}"),
+            "scene.h5" => assert!(summary.contains(reported), "{summary}"),
             _ => assert!(summary.contains("a shift"), "{summary}"),
         }
         let is = |name: &str, expected: f64| {
@@ -269,10 +269,10 @@ fn what_is_judged_is_what_is_read_off() {
     assert!(of_loop.shift < 1.01 * on_approach.shift, "contacts hold on: {of_loop:?} {on_approach:?}");
 }
 
-/// On approach above the fold surfaces that have touched are told of, on every other history and below it
+/// On approach above the fold surfaces that have touched are reported of, on every other history and below it
 /// they are not.
 #[test]
-fn surfaces_that_have_touched_are_told_of_on_approach_only() {
+fn surfaces_that_have_touched_are_named_on_approach_only() {
     let rigid = |history: &str, energy: &str| {
         let scene = QUICK
             .replace("\"hybrid\"", "\"md_plastic\"")

@@ -1,5 +1,5 @@
 //! Vector instructions are a matter of speed: every law and every result has the same bits with all of them,
-//! and the program takes the ones it is told to.
+//! and the program takes the ones it is asked to.
 
 use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
 use crate::common::{case, dry_laws, for_each_instruction_set, law};

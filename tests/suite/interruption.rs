@@ -3,8 +3,8 @@
 #![cfg(unix)]
 
 use crate::common::program::{
-    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, looped, number, signal, skip, small,
-    text, told, wait_while_running,
+    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, looped, number, reported, signal, skip,
+    small, text, wait_while_running,
 };
 use crate::common::unlocked;
 use rand::{RngExt, SeedableRng};
@@ -72,8 +72,8 @@ fn settings_and_progress_survive_a_signal() {
     let message = text(&stopped.stderr);
     let (json, others): (Vec<&str>, Vec<&str>) = message.lines().partition(|line| line.starts_with('{'));
     let last: serde_json::Value = serde_json::from_str(json[json.len() - 1]).unwrap();
-    let told = format!("interrupted after {} of 320 replicas", last["done"]);
-    assert!(others[0].contains(&told), "{message}");
+    let reported = format!("interrupted after {} of 320 replicas", last["done"]);
+    assert!(others[0].contains(&reported), "{message}");
     let plain = folder.stiction(&["run", "scene.toml", "--resume"]);
     assert_exit(&plain, 2);
     assert!(text(&plain.stderr).contains("--force begins anew"), "{}", text(&plain.stderr));
@@ -132,7 +132,7 @@ fn signals_that_come_together_are_one() {
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);
-    assert!(told(&output).contains("--resume"), "{}", told(&output));
+    assert!(reported(&output).contains("--resume"), "{}", reported(&output));
     assert!(folder.path(PARTIAL).exists());
 }
 
@@ -155,9 +155,9 @@ fn a_signal_ends_the_preparation_of_a_run() {
     assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
     assert_exit(&output, 130);
     assert!(
-        told(&output).contains("interrupted after 0 of 64 replicas; nothing was kept"),
+        reported(&output).contains("interrupted after 0 of 64 replicas; nothing was kept"),
         "{}",
-        told(&output)
+        reported(&output)
     );
     assert_eq!(folder.files(), ["scene.toml"]);
 }
@@ -177,7 +177,7 @@ fn a_second_signal_ends_at_once_and_leaves_the_last_partial_result() {
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);
     // The first signal alone would have it say how to go on, after the batch.
-    assert_eq!(told(&output), "");
+    assert_eq!(reported(&output), "");
     assert_eq!(std::fs::read(folder.path(PARTIAL)).unwrap(), kept);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     assert_same_as(&folder, &reference);
@@ -200,7 +200,7 @@ fn a_second_signal_ends_no_program_that_ends_with_its_parent() {
     }
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);
-    assert!(told(&output).contains("--resume"), "{}", told(&output));
+    assert!(reported(&output).contains("--resume"), "{}", reported(&output));
     assert!(folder.path(PARTIAL).exists());
 }
 

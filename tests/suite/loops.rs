@@ -621,8 +621,9 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
     let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let curve = read("/integral/retraction_external_force");
     let deepest = curve.iter().copied().fold(f64::INFINITY, f64::min);
-    let told: f64 = file.group("/integral").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
-    assert!(told >= -deepest * (1.0 - 1e-12) && told < -deepest * 1.02, "{told:e} {deepest:e}");
+    let reported: f64 =
+        file.group("/integral").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
+    assert!(reported >= -deepest * (1.0 - 1e-12) && reported < -deepest * 1.02, "{reported:e} {deepest:e}");
     let turned = read("/replicas/preload_separation");
     let count = |p: usize| turned.iter().skip(p).step_by(2).filter(|h| !h.is_nan()).count();
     assert!(count(0) > count(1) && count(1) > 2 && count(1) < 38, "{} {}", count(0), count(1));

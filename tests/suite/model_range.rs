@@ -43,8 +43,8 @@ fn the_range_is_that_of_whole_runs_by_each_contact() {
     let energies = of("dissipated_energy");
     for (i, (name, contact)) in PlasticContact::ALL.into_iter().enumerate() {
         let setting = format!("model.plastic_contact={name}");
-        let (whole, told) = ran(&pressed(80), &["--no-model-range", "--set", &setting]);
-        assert!(!has_range(&whole.path("scene.h5")) && !told.contains("model range"), "{told}");
+        let (whole, reported) = ran(&pressed(80), &["--no-model-range", "--set", &setting]);
+        assert!(!has_range(&whole.path("scene.h5")) && !reported.contains("model range"), "{reported}");
         let of = |dataset: &str| values(&whole, "scene.h5", dataset);
         let mean = of("/instability/pull_off_after_preload_mean");
         let probability = of("/device/stuck_probability_after_preload");
@@ -114,8 +114,8 @@ fn a_range_is_only_where_contacts_yield_and_it_is_asked_for() {
             [all().fold(f64::NAN, f64::min), all().fold(f64::NAN, f64::max)]
         };
         for (i, preload) in ["0.0002", "0.0015"].into_iter().enumerate() {
-            let told = ["smallest", "largest"].map(|end| column(end, preload)[point]);
-            assert_eq!(told.map(f64::to_bits), ends(i).map(f64::to_bits), "{csv}");
+            let reported = ["smallest", "largest"].map(|end| column(end, preload)[point]);
+            assert_eq!(reported.map(f64::to_bits), ends(i).map(f64::to_bits), "{csv}");
         }
         let [low, high] = ends(1).map(percent);
         let row = if low == high { format!(" {low} %") } else { format!(" {low} to {high} %") };

@@ -464,7 +464,7 @@ fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
 /// surface of one radius. What it says is the difference to a coarser division, thousands of times more, but
 /// far from 1.
 #[test]
-fn the_error_over_radii_is_told() {
+fn the_error_over_radii_is_reported() {
     let (asperity, plain) = case("II");
     let mut seen: f64 = 0.0;
     for (name, variation, h) in [("gw", 0.1, 1.0), ("gw", 0.3, 1.0), ("gw", 0.6, 1.0), ("hybrid", 0.5, 3.0)] {
@@ -506,7 +506,7 @@ fn the_error_over_radii_is_told() {
         assert!(answer.quadrature_error < 1e-5, "{name} {variation}: {:e}", answer.quadrature_error);
         seen = seen.max(off);
     }
-    assert!(seen > 1e-11, "nothing is off enough to be told: {seen:e}");
+    assert!(seen > 1e-11, "nothing is off enough to be reported: {seen:e}");
 }
 
 /// Mean and standard deviation of truncated normal heights, by midpoints of the density that the normal law
@@ -540,7 +540,7 @@ fn truncated_heights_have_their_moments() {
 /// The integral over heights says how far off it is: asked for few digits, at least as much as it differs
 /// from all digits, relative to each force, and not a thousand million times as much.
 #[test]
-fn the_error_over_heights_is_told() {
+fn the_error_over_heights_is_reported() {
     let (_, plain) = case("II");
     let separations: Vec<f64> = (0..8).map(|k| 0.7 * f64::from(k) * plain.heights.std).collect();
     let hybrid = law_for("hybrid", &plain, &separations);

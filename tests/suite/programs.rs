@@ -102,7 +102,7 @@ fn a_scene_from_standard_input_is_that_of_a_file() {
     assert_eq!(folder.files(), ["heights.csv", "piped.h5", "scene.h5", "scene.toml"]);
 }
 
-/// What is wrong with a setting is told by its name, and what is wrong with the scene by its own line.
+/// What is wrong with a setting is reported by its name, and what is wrong with the scene by its own line.
 #[test]
 fn bad_settings_are_named() {
     let folder = Folder::new(&small());
@@ -154,7 +154,7 @@ fn progress(output: &Output) -> (Vec<Value>, Vec<String>) {
 }
 
 #[test]
-fn progress_is_told_in_json() {
+fn progress_is_reported_in_json() {
     let folder = Folder::new(&small());
     let run = folder.stiction(&["run", "scene.toml", "--json-progress"]);
     assert_exit(&run, 0);
@@ -425,8 +425,8 @@ fn tables_in_si_and_in_scaled_variables_agree() {
     assert_eq!(own, regimes);
     let others: Vec<String> = column(&si, "external_force").into_iter().skip(1).step_by(2).collect();
     assert!(others.iter().all(|force| *force == others[0]));
-    for (given, told) in table.lines().zip(si.lines()) {
-        assert!(told.starts_with(&format!("{given},")), "{told}");
+    for (given, reported) in table.lines().zip(si.lines()) {
+        assert!(reported.starts_with(&format!("{given},")), "{reported}");
     }
 }
 
@@ -577,19 +577,19 @@ fn json_is_what_is_in_the_file() {
             for dataset in group.datasets().unwrap() {
                 count += 1;
                 let last = dataset.name().rsplit('/').next().unwrap().to_owned();
-                let told = &own["datasets"][&last];
-                let shape: Vec<usize> = serde_json::from_value(told["shape"].clone()).unwrap();
+                let reported = &own["datasets"][&last];
+                let shape: Vec<usize> = serde_json::from_value(reported["shape"].clone()).unwrap();
                 assert_eq!(shape, dataset.shape(), "{}", dataset.name());
-                assert_eq!(told["dimensions"].as_array().unwrap().len(), shape.len());
-                for (length, dimension) in shape.iter().zip(told["dimensions"].as_array().unwrap()) {
+                assert_eq!(reported["dimensions"].as_array().unwrap().len(), shape.len());
+                for (length, dimension) in shape.iter().zip(reported["dimensions"].as_array().unwrap()) {
                     let scale = group.dataset(dimension.as_str().unwrap()).unwrap();
                     assert_eq!(scale.shape(), [*length], "{}", dataset.name());
                 }
                 if let Ok(units) = dataset.attr("units") {
                     let units = units.read_scalar::<hdf5::types::VarLenUnicode>().unwrap();
-                    assert_eq!(told["units"], units.as_str());
+                    assert_eq!(reported["units"], units.as_str());
                 }
-                let values = told["values"].as_array().unwrap();
+                let values = reported["values"].as_array().unwrap();
                 if dataset.dtype().unwrap().is::<f64>() {
                     let stored = dataset.read_raw::<f64>().unwrap();
                     assert_eq!(values.len(), stored.len());
@@ -684,7 +684,7 @@ fn tables_are_what_is_in_the_file() {
 /// Large datasets stand in the JSON without their values, unless they are asked for.
 #[test]
 #[ignore = "slow: three seconds"]
-fn large_datasets_are_told_when_asked_for() {
+fn large_datasets_are_reported_when_asked_for() {
     let scene = small().replace("curves = false", "curves = true").replace("\"hybrid\"", "\"gw\"");
     let folder = Folder::new(&scene);
     let run = ["run", "scene.toml", "--quiet", "--set", "surface.nominal_area=1.4 um^2"];

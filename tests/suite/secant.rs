@@ -72,7 +72,7 @@ fn the_largest_secant_does_not_depend_on_the_separations() {
                 "{count} separations, replica {index}: {stiffness:e} N/m at {place:e} m, off by {off:.1e}"
             );
             assert!(off.abs() < 1e-6, "{count} separations, replica {index}: {stiffness:e} {expected:e}");
-            // What is told is the secant there.
+            // What is reported is the secant there.
             let (force, _) = curve(&job, index);
             let there = (force(place + 0.5 * span) - force(place - 0.5 * span)) / span;
             assert!((there / stiffness - 1.0).abs() < 1e-2, "{there:e} {stiffness:e}");

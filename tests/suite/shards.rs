@@ -1,5 +1,5 @@
 //! Runs that are computed in shards and merged, as a user drives them: the same bits as one run, what is
-//! refused, what is told.
+//! refused, what is reported.
 #![cfg(unix)]
 
 #[cfg(target_os = "linux")]
@@ -407,7 +407,7 @@ fn memory_does_not_grow_with_the_number_of_shards() {
 }
 
 #[test]
-fn what_a_shard_is_of_is_told() {
+fn what_a_shard_is_of_is_reported() {
     let folder = Folder::new(&scene());
     let said = text(&shard(&folder, 2, 4, &[]).stdout);
     assert!(said.contains("2 of 4") && said.contains("16 to 39 of 0 to 82"), "{said}");

@@ -214,7 +214,7 @@ fn differences_are_those_of_two_runs() {
 }
 
 /// Asperities that are nowhere near to flow do not depend on the hardness: what differs between such points
-/// is the rounding of their sums, by moments over other cells. It is told as nothing, and no variance is 1e26
+/// is the rounding of their sums, by moments over other cells. It is reported as nothing, and no variance is 1e26
 /// times as small. Of 16 replicas that agree at most 1 − 0.05^(1/16) = 17.07 % of patches differ.
 #[test]
 fn differences_below_their_rounding_are_none() {
@@ -412,7 +412,7 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
         let error = text(&refused.stderr);
         assert!(error.contains(message) && error.lines().count() == 1, "{message}: {error}");
     }
-    // Whoever reads a point first is told the same.
+    // Whoever reads a point first is reported the same.
     std::fs::copy(folder.path("scene.h5"), folder.path("changed.h5")).unwrap();
     claims(&unlocked::open_rw(folder.path("changed.h5")));
     let reader = Reader::open(&folder.path("changed.h5"), &[&SWEEP]).unwrap();
@@ -611,8 +611,8 @@ fn points_end_at_their_own_targets() {
     assert!(counts[0] != counts[1] && most == *counts.iter().max().unwrap() as usize, "{counts:?}");
     let pairs: Vec<f64> = own[0].iter().zip(&own[1]).map(|(first, other)| other - first).collect();
     let mean = pairs.iter().sum::<f64>() / pairs.len() as f64;
-    let told = read(&all, "/differences/pull_off_force_mean")[1];
-    assert!((told / mean - 1.0).abs() < 1e-12, "{told:e} {mean:e}");
+    let reported = read(&all, "/differences/pull_off_force_mean")[1];
+    assert!((reported / mean - 1.0).abs() < 1e-12, "{reported:e} {mean:e}");
 }
 
 /// The ends of a range are the doubles that are given, which its formula gives to rounding only: 3 · (49/3) is not 49 there.

@@ -1,7 +1,7 @@
 //! What the terminal gets: numbers as users type them, output that cannot be written, figures that say what
 //! is so.
 
-use crate::common::program::{Folder, assert_exit, small, text, told, with_result};
+use crate::common::program::{Folder, assert_exit, reported, small, text, with_result};
 use crate::common::unlocked;
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
@@ -83,7 +83,7 @@ fn readers_may_leave() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 0);
-    assert_eq!(told(&output), "");
+    assert_eq!(reported(&output), "");
     let full = || File::options().write(true).open("/dev/full").unwrap();
     for (arguments, code) in [(&["check", "absent.toml"][..], 2), (&["chek"], 2)] {
         let status =

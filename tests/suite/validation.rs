@@ -506,9 +506,9 @@ fn functionals_are_those_of_the_law() {
             continue;
         }
         let [fourth, thirds] = reference.cumulants(&scores, fixed).map(|sum| sum / of_replica);
-        let told = basis.cumulants;
-        println!("{told:?} {fourth} {thirds}");
-        assert!((told.kurtosis / fourth - 1.0).abs() < accuracy, "{told:?} {fourth}");
-        assert!((told.skewness / thirds - 1.0).abs() < accuracy, "{told:?} {thirds}");
+        let reported = basis.cumulants;
+        println!("{reported:?} {fourth} {thirds}");
+        assert!((reported.kurtosis / fourth - 1.0).abs() < accuracy, "{reported:?} {fourth}");
+        assert!((reported.skewness / thirds - 1.0).abs() < accuracy, "{reported:?} {thirds}");
     }
 }

@@ -330,7 +330,7 @@ fn pull_off_by_tails_is_warned_of() {
     let share: f64 = share.rsplit(' ').next().unwrap().parse().unwrap();
     assert!((98.0..=99.5).contains(&share), "{warning}");
     let (h_star, rest) =
-        rest.split_once(", is of asperities that do not touch; flat faces attract with ").unwrap();
+        rest.split_once(", is of asperities that do not touch; flat surfaces attract with ").unwrap();
     let h = 3.40e-9 * h_star.parse::<f64>().unwrap();
     let flat = 1e-9 * 8.0 * 0.01 * 0.2e-9 * 0.2e-9 / (3.0 * h * h * h);
     let (value, unit) = rest.split_once(' ').unwrap();
@@ -474,14 +474,15 @@ fn runs_and_comparisons_repeat_warnings() {
 #[test]
 fn dry_laws_are_not_warned_of_a_thick_film() {
     let thick = QUICK.replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\"");
-    for (law, is_told) in [("hybrid", true), ("isbl", true), ("jkr", false), ("md", false), ("ke", false)] {
+    for (law, is_reported) in [("hybrid", true), ("isbl", true), ("jkr", false), ("md", false), ("ke", false)]
+    {
         let folder = Folder::new(&thick.replace("law = \"hybrid\"", &format!("law = \"{law}\"")));
         let check = folder.stiction(&["check", "scene.toml"]);
         assert_exit(&check, 0);
         let found = warnings(&text(&check.stdout));
         assert_eq!(
             found.iter().any(|warning| warning.contains("is thicker than sigma")),
-            is_told,
+            is_reported,
             "{law}: {found:?}"
         );
     }

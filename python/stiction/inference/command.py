@@ -36,7 +36,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--end-error", type=float, default=0.02, metavar="X",
                         help="error of the ends of 95 %% intervals over their width that the chains leave, by default 0.02")  # fmt: skip
     parser.add_argument("--emulator-error", type=float, default=0.2, metavar="X",
-                        help="error of the fitted density over the posterior's scatter, by default 0.2")  # fmt: skip
+                        help="error of the fitted density over the posterior's standard deviation, by default 0.2")  # fmt: skip
     parser.add_argument("--replicas", type=int, default=300, metavar="N",
                         help="patches that are simulated at each parameter set, by default 300: several times as many as were measured")  # fmt: skip
     parser.add_argument("--missing", choices=("refuse", "drop"), default="refuse",

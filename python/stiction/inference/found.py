@@ -98,14 +98,14 @@ class Inference:
             of = self.data.identifiability.isel(combination=k)
             share = 100.0 * float(of.posterior_std / of.prior_std)
             spread = float(of.posterior_std)
-            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.{1 if share < 10.0 else 0}f} % of the prior's scatter)"))
+            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.{1 if share < 10.0 else 0}f} % of the prior's standard deviation)"))
         for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
         rows += [("datum", said) for said in str(self.attrs.get("farthest", "")).splitlines()]
         worst = self.summary()
         rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
-        rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's scatter (is in it)"))
+        rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's standard deviation (is in it)"))
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
 

@@ -182,7 +182,7 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
     let last = if is_pressed { "after" } else { "± error" };
     let mut text = format!(
         "  {:<12}{:>20}{:>9}{:>11}{last:>12}{:>9}\n",
-        "ensemble", "pull-off", "scatter", "deviation", "p-value"
+        "ensemble", "pull-off", "std", "deviation", "p-value"
     );
     let p_values: Vec<f64> = rows.iter().map(|row| row.point.p_value).collect();
     let disagree = disagreeing(&p_values);
@@ -207,9 +207,9 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
         } else if is_pressed && row.point.preload.is_nan() {
             cells[0] = "reaches no preload".to_owned();
         }
-        let [pull_off, scatter, off, last] = cells;
+        let [pull_off, std, off, last] = cells;
         let p = p_value(p_values[i], disagree[i]);
-        text += &format!("  {:<12}{pull_off:>20}{scatter:>9}{off:>11}{last:>12}{p:>9}\n", row.name);
+        text += &format!("  {:<12}{pull_off:>20}{std:>9}{off:>11}{last:>12}{p:>9}\n", row.name);
     }
     let replicas =
         if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };

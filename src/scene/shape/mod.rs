@@ -25,7 +25,7 @@ pub(super) static KEYS: &[Key] = &[
         .about(
             "Asperities are drawn at random places under it, each lower by the depth s of its place behind the nearest point; h is \
              the separation there. Places from which nothing pulls at the smallest h are left out; `nominal_area` follows from that. A \
-             replica is a spot, with a Poisson number of asperities.",
+             replica is another location, with a Poisson number of asperities.",
         )
         .follows("none; a flat patch"),
     key("shape.body", "\"sphere\"", Choice(|| names(SHAPES)))

@@ -428,7 +428,7 @@ def test_the_command_says_what_was_found(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "table, key, value, told",
+    "table, key, value, reported",
     [
         ("electrostatic", "voltage", "1 V", "electrostatic: rare patches are computed without this table; leave it out"),
         ("surface", "radii", {"law": "gamma", "coefficient_of_variation": 0.3}, "surface.radii: .* one radius"),
@@ -438,15 +438,15 @@ def test_the_command_says_what_was_found(tmp_path, capsys):
         ("material", "hardness", {"prior": "uniform", "from": "1 GPa", "to": "2 GPa"}, "material.hardness has a prior"),
     ],
 )
-def test_what_cannot_be_tilted_is_refused_by_name(table, key, value, told):
+def test_what_cannot_be_tilted_is_refused_by_name(table, key, value, reported):
     scene = extremes(3.0)
     scene[table] = {**scene.get(table, {}), key: value}
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=reported):
         probability(scene, above="1 uN")
 
 
 @pytest.mark.parametrize(
-    "arguments, told",
+    "arguments, reported",
     [
         ({}, "above, below: one of them"),
         ({"above": "1 uN", "below": "1 uN"}, "above, below: one of them"),
@@ -455,8 +455,8 @@ def test_what_cannot_be_tilted_is_refused_by_name(table, key, value, told):
         ({"above": "0 N"}, "above = '0 N': a force greater than 0"),
     ],
 )
-def test_what_is_wrong_is_named(arguments, told):
-    with pytest.raises(SceneError, match=told):
+def test_what_is_wrong_is_named(arguments, reported):
+    with pytest.raises(SceneError, match=reported):
         probability(extremes(9.0), **arguments)
 
 

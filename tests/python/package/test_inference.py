@@ -64,7 +64,7 @@ def probe(**tables):
     return {**of, "model": {"law": "md", "history": "retraction"}, **tables}
 
 
-def told(function, *arguments, **named):
+def reported(function, *arguments, **named):
     with pytest.raises((SceneError, FileError)) as error:
         function(*arguments, **named)
     return str(error.value)
@@ -94,7 +94,7 @@ def told(function, *arguments, **named):
 def test_a_wrong_line_of_data_is_refused_by_its_place(text, part, tmp_path):
     path = tmp_path / "data.csv"
     path.write_text(text)
-    assert part in told(data.read, path)
+    assert part in reported(data.read, path)
 
 
 def test_data_have_units_errors_limits_and_conditions(tmp_path):
@@ -119,14 +119,14 @@ def test_forces_that_are_all_negative_are_taken_by_their_size(tmp_path):
 def test_gaps_are_not_measured_where_they_may_be(tmp_path):
     path = tmp_path / "data.csv"
     path.write_text("pull_off_force (uN),pull_off_separation (nm)\n3,#N/A\n#REF!,n/a\n--,2\n4,3\n")
-    assert "line 3, column 1 (pull_off_force): #REF!: a gap" in told(data.read, path)
+    assert "line 3, column 1 (pull_off_force): #REF!: a gap" in reported(data.read, path)
     read = data.read(path, missing="drop")
     (group,) = read.groups
     assert group.lines == (2, 4, 5) and read.gaps == 4
     assert group.kinds.tolist() == [[data.EXACT, data.MISSING], [data.MISSING, data.EXACT], [data.EXACT, data.EXACT]]
     path.write_text("pull_off_force (uN),pull_off_separation (nm)\n3,\n4,\n")
-    assert "column 2 (pull_off_separation): nothing is in it; leave it out" in told(data.read, path, missing="drop")
-    assert "refuse or drop is needed" in told(data.read, path, missing="maybe")
+    assert "column 2 (pull_off_separation): nothing is in it; leave it out" in reported(data.read, path, missing="drop")
+    assert "refuse or drop is needed" in reported(data.read, path, missing="maybe")
 
 
 @pytest.mark.parametrize(
@@ -151,7 +151,7 @@ def test_what_is_wrong_with_data_is_said_before_patches_are_simulated(text, part
     path = tmp_path / "data.csv"
     path.write_text(text)
     monkeypatch.setattr(posterior, "simulate", lambda *_, **__: pytest.fail("patches are simulated"))
-    assert part in told(infer, path, small())
+    assert part in reported(infer, path, small())
 
 
 def test_patches_that_are_all_alike_have_no_density():
@@ -175,7 +175,7 @@ def test_every_number_of_a_patch_can_be_an_outcome():
     with stiction.sweep(tables, {"material.work_of_adhesion": ["0.1 J/m^2"]}, replicas=20, seed=3, progress=False) as own:
         for place, name in enumerate(names):
             assert np.log(own.group("replicas")[name].values.squeeze()) == pytest.approx(logs[:, place], rel=1e-12)
-    assert "not one number of each patch" in told(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
+    assert "not one number of each patch" in reported(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
 
 
 def test_the_pull_off_of_the_whole_loop_is_refused_where_the_scene_has_a_preload(tmp_path):
@@ -186,12 +186,12 @@ def test_the_pull_off_of_the_whole_loop_is_refused_where_the_scene_has_a_preload
     tables["material"]["work_of_adhesion"] = {"prior": "normal", "mean": "50 mJ/m^2", "std": "5 mJ/m^2"}
     known = emulator.outcomes_of(priors.read(tables), {})
     assert "pull_off_after_preload" in known and "pull_off_force" not in known
-    assert "name the column pull_off_after_preload, or leave out instability.preload" in told(data.read, path, outcomes=known)
+    assert "name the column pull_off_after_preload, or leave out instability.preload" in reported(data.read, path, outcomes=known)
     tables["instability"]["preload"] = ["1 uN", "2 uN"]
     several = emulator.outcomes_of(priors.read(tables), {})
-    assert "; a column instability.preload (uN) has the preload of each patch" in told(data.read, path, outcomes=several)
+    assert "; a column instability.preload (uN) has the preload of each patch" in reported(data.read, path, outcomes=several)
     path.write_text("pull_off_after_preload (nN)\n12\n")
-    assert "it needs one instability.preload in the scene, or a column" in told(data.read, path, outcomes=several)
+    assert "it needs one instability.preload in the scene, or a column" in reported(data.read, path, outcomes=several)
 
 
 @pytest.mark.slow
@@ -241,19 +241,19 @@ WRONG_SCALES = [
 def test_a_wrong_factor_of_the_forces_is_refused_by_its_key(calibration, part, tmp_path):
     path = tmp_path / "data.csv"
     path.write_text("pull_off_force (uN)\n1\n")
-    assert part in told(infer, path, {**small(), "calibration": calibration})
+    assert part in reported(infer, path, {**small(), "calibration": calibration})
 
 
 def test_a_factor_of_the_forces_needs_forces_and_another_prior(tmp_path):
     path = tmp_path / "data.csv"
     tables = {**small(), "calibration": {"force_scale": {"prior": "log_normal", "median": 1.0, "log_std": 0.1}}}
     path.write_text("pull_off_separation (nm)\n4\n")
-    assert "calibration.force_scale: none of pull_off_separation is a force, a stiffness or an energy" in told(infer, path, tables)
+    assert "calibration.force_scale: none of pull_off_separation is a force, a stiffness or an energy" in reported(infer, path, tables)
     path.write_text("pull_off_force (uN),calibration.force_scale\n4,1\n")
-    assert "calibration.force_scale: a column of the data has its values, and the scene a prior" in told(infer, path, tables)
+    assert "calibration.force_scale: a column of the data has its values, and the scene a prior" in reported(infer, path, tables)
     path.write_text("pull_off_force (uN)\n4\n")
     tables["material"]["work_of_adhesion"] = "60 mJ/m^2"
-    assert "calibration.force_scale: it alone has a prior" in told(infer, path, tables)
+    assert "calibration.force_scale: it alone has a prior" in reported(infer, path, tables)
 
 
 def test_rare_patches_without_an_outcome_are_left_out_and_common_ones_refused():
@@ -264,7 +264,7 @@ def test_rare_patches_without_an_outcome_are_left_out_and_common_ones_refused():
     assert (found[0] == numbers[0]).all() and set(found[1].ravel()) == set(numbers[1][np.isfinite(numbers[1])])
     numbers[1, 51] = 0.0
     for wrong in (numbers, np.full((1, 1, 1), np.nan)):
-        assert "pull_off_force: " in (text := told(emulator._complete, wrong, ("pull_off_force",), {"shape.radius": ["1 um", "2 um"]}))
+        assert "pull_off_force: " in (text := reported(emulator._complete, wrong, ("pull_off_force",), {"shape.radius": ["1 um", "2 um"]}))
         assert "% of the patches have none at shape.radius = " in text
 
 
@@ -478,15 +478,15 @@ def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
     first, second = figures.page(result, "95mm", {"material_work_of_adhesion": 0.05}).axes
     assert second.get_position().y1 < first.get_position().y0
     assert [line.get_xdata()[0] for line in first.lines if line.get_color() == "black"] == [pytest.approx(50.0)]
-    assert "exists; force=True overwrites it" in told(infer, folder / "data.csv", small(), folder / "out.h5")
+    assert "exists; force=True overwrites it" in reported(infer, folder / "data.csv", small(), folder / "out.h5")
     other = folder / "other.h5"
     other.write_text("nothing")
-    assert "not an HDF5 file" in told(open_inference, other)
+    assert "not an HDF5 file" in reported(open_inference, other)
     xarray.Dataset({"x": ("n", [1.0])}).to_netcdf(other, engine="h5netcdf")
-    assert "not a result of `stiction infer`" in told(open_inference, other)
+    assert "not a result of `stiction infer`" in reported(open_inference, other)
     with h5py.File(other, "r+") as file:
         file["y"] = h5py.SoftLink("/x")
-    assert "has a link /y to elsewhere" in told(open_inference, other)
+    assert "has a link /y to elsewhere" in reported(open_inference, other)
 
 
 @pytest.mark.slow
@@ -500,7 +500,7 @@ def test_models_are_compared_by_their_prediction(inferred):
     assert table.elpd_diff.iloc[1] == pytest.approx(abs(loo["gaussian"] - loo["exponential"]), rel=1e-6)
     assert "elpd_diff" in said and str(folder / "exponential_infer.h5") in said
     fewer = Inference(results["gaussian"].data.isel(patch_number=slice(5), groups=["observed_data"]))
-    assert "the same data" in told(models, {**results, "gaussian": fewer})
+    assert "the same data" in reported(models, {**results, "gaussian": fewer})
 
 
 @pytest.mark.slow

@@ -111,8 +111,8 @@ def test_the_summary_tells_the_shape_and_its_force(tmp_path):
         "--smooth",
         "100 nm",
     ]
-    told = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
-    shown = re.search(r"k1/k2 = ([\d.]+),.*\n.*\n\s+(-[\d.]+) % with R = 1/mean curvature, (-[\d.]+) %", told)
+    reported = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
+    shown = re.search(r"k1/k2 = ([\d.]+),.*\n.*\n\s+(-[\d.]+) % with R = 1/mean curvature, (-[\d.]+) %", reported)
     assert float(shown[1]) == pytest.approx(ratio, abs=5e-3)
     expected = [100.0 * (share - 1.0) for share in hertz(ratio)]
     assert [float(shown[2]), float(shown[3])] == pytest.approx(expected, abs=6e-3)

@@ -111,11 +111,11 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
     output = str(tmp_path / "long.h5") if named else ""
     with begun(INTERRUPTED, output, QUICK, folder=tmp_path) as process:
         process.send_signal(signal.SIGINT)
-        told, _ = process.communicate(timeout=60)
+        reported, _ = process.communicate(timeout=60)
     if named:
-        assert f"kept in {output}.partial; resume=True goes on" in told.replace("\n", " ")
+        assert f"kept in {output}.partial; resume=True goes on" in reported.replace("\n", " ")
     else:
-        assert told == "nothing was kept, as no output was named\n"
+        assert reported == "nothing was kept, as no output was named\n"
         assert not list(tmp_path.iterdir())
 
 

@@ -31,7 +31,7 @@ def lines(ax):
     return {str(line.get_label()): line for line in ax.lines}
 
 
-def told(ax):
+def reported(ax):
     """The words of the legend."""
     return [words.get_text() for words in ax.get_legend().get_texts()]
 
@@ -256,8 +256,8 @@ def test_figures_name_what_a_law_leaves_out(result):
     left = count - float(run["integral/pull_off_regime_count"].values.sum())
     assert warning.startswith("the law ends") and run.left_out.startswith(f"{left:.0f} of {count} asperities ({100 * left / count:.2f} %) at pull-off")
     for draw in (plot.force, plot.integral):
-        assert f"left out by the law:\n{run.left_out.split(' and ')[0]}" in told(draw(run))
-    assert not result("run").left_out and not [words for words in told(plot.force(result("run"))) if "left out" in words]
+        assert f"left out by the law:\n{run.left_out.split(' and ')[0]}" in reported(draw(run))
+    assert not result("run").left_out and not [words for words in reported(plot.force(result("run"))) if "left out" in words]
 
 
 def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(result):
@@ -373,8 +373,8 @@ def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
 def test_what_is_wrong_is_reported_in_one_line(result, name, arguments, code, message, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main([str(result(name).path), *arguments]) == code
-    told = capsys.readouterr().err
-    assert told.startswith("stiction plot: ") and message in told and told.count("\n") == 1
+    reported = capsys.readouterr().err
+    assert reported.startswith("stiction plot: ") and message in reported and reported.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 

@@ -73,7 +73,7 @@ def test_a_scene_without_its_priors_is_one_of_the_program(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "given, told",
+    "given, reported",
     [
         ({"prior": "loguniform"}, f"{KEY}.prior = 'loguniform': one of uniform, log_uniform"),
         ({"prior": "uniform", "from": "1 J/m^2"}, f"{KEY}.to is missing"),
@@ -86,13 +86,13 @@ def test_a_scene_without_its_priors_is_one_of_the_program(tmp_path):
         ({"from": 1}, "no number of the scene has a prior"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named(given, told):
-    with pytest.raises(SceneError, match=told.replace("(", "\\(")):
+def test_what_is_wrong_is_named(given, reported):
+    with pytest.raises(SceneError, match=reported.replace("(", "\\(")):
         priors.read(scene(**given))
 
 
 @pytest.mark.parametrize(
-    "given, told",
+    "given, reported",
     [
         ({"keys": ["a.x", "a.w"], "correlation": [[1, 0], [0, 1]]}, "a.w has no prior; a.x, a.y, a.z have one"),
         ({"keys": ["a.x", "a.y", "a.z"], "correlation": [[1, 0.9, -0.9], [0.9, 1, 0.9], [-0.9, 0.9, 1]]}, "not positive definite"),
@@ -104,8 +104,8 @@ def test_what_is_wrong_is_named(given, told):
         ({"correlation": [[1]]}, "either `correlation` or `covariance`"),
     ],
 )
-def test_wrong_correlations_are_refused(given, told):
+def test_wrong_correlations_are_refused(given, reported):
     prior = {"prior": "normal", "mean": 0.0, "std": 1.0}
     tables = {"a": {"x": prior, "y": prior, "z": {"prior": "uniform", "from": 0, "to": 1}}}
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=reported):
         priors.read({**tables, "priors": given})

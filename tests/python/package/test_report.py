@@ -231,10 +231,10 @@ def test_several_results_are_side_by_side_with_differences(result):
     words = text_of(page)
     assert words.startswith("2 results side by side")
     ratio = second.pull_off.mean_over_patches / first.pull_off.mean_over_patches
-    told = re.search(r"pull-off force [^…]* … against the first ([+−][\d.]+) ± ([\d.]+) %", words).groups()
-    assert float(told[0].replace("−", "-")) == pytest.approx(100 * (ratio - 1), rel=0.01)
+    reported = re.search(r"pull-off force [^…]* … against the first ([+−][\d.]+) ± ([\d.]+) %", words).groups()
+    assert float(reported[0].replace("−", "-")) == pytest.approx(100 * (ratio - 1), rel=0.01)
     error = np.hypot(second.pull_off.standard_error / first.pull_off.mean_over_patches, ratio * first.pull_off.standard_error / first.pull_off.mean_over_patches)
-    assert float(told[1]) == pytest.approx(100 * error, rel=0.06)
+    assert float(reported[1]) == pytest.approx(100 * error, rel=0.06)
     assert page.count('<h3>run.h5</h3>') == page.count("<h3>retraction.h5</h3>") >= 6
 
 
@@ -338,7 +338,7 @@ def test_a_page_is_seen_in_both_schemes(result, browser, tmp_path, scheme):
         )  # fmt: skip
         assert colors, selector
         assert min(contrast(color, paper) for color in colors) >= 4.5, (selector, scheme)
-    # Curves are told from the paper.
+    # Curves are reported from the paper.
     strokes = ask(
         "return [...document.querySelectorAll('figure svg path')].map(e => getComputedStyle(e))"
         ".filter(s => parseFloat(s.strokeWidth) >= 1.2 && s.stroke !== 'none').map(s => s.stroke)"

@@ -1,4 +1,4 @@
-"""Results are what their files have, told with h5py."""
+"""Results are what their files have, reported with h5py."""
 
 import gc
 import math

@@ -220,7 +220,7 @@ def test_the_command_leaves_file_and_figure_and_overwrites_nothing(studied, monk
 
 
 @pytest.mark.parametrize(
-    "change, arguments, told",
+    "change, arguments, reported",
     [
         (("replicas = 20", 'replicas = 16\nsampling = "stratified"'), {}, "ensemble.sampling = 'stratified': independent patches"),
         (("replicas = 20", 'target = { quantity = "pull_off_force", relative_standard_error = 0.1 }'), {}, "ensemble.target: a fixed number"),
@@ -234,11 +234,11 @@ def test_the_command_leaves_file_and_figure_and_overwrites_nothing(studied, monk
         (('law = "dmt"', 'law = "nothing"'), {}, "nothing"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named_and_nothing_is_left(tmp_path, change, arguments, told):
+def test_what_is_wrong_is_named_and_nothing_is_left(tmp_path, change, arguments, reported):
     path = of_counts(tmp_path)
     text = path.read_text(encoding="utf-8").replace(*change)
     path.write_text(text)
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=reported):
         study.sensitivity(path, tmp_path / "out.h5", progress=False, **arguments)
     assert not (tmp_path / "out.h5").exists()
     (tmp_path / "out.h5").touch()

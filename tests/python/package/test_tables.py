@@ -24,7 +24,7 @@ def written(tmp_path, content, encoding="utf-8"):
     return path
 
 
-def told(function, *arguments, **named):
+def reported(function, *arguments, **named):
     with pytest.raises((SceneError, FileError)) as error:
         function(*arguments, **named)
     return str(error.value)
@@ -99,9 +99,9 @@ def test_what_pandas_writes_is_read(tmp_path):
     ],
 )
 def test_what_is_no_table_is_refused_by_its_place(text, part, tmp_path):
-    assert part in told(stiction.read_table, written(tmp_path, text))
-    assert "no such file" in told(stiction.read_table, tmp_path / "none.csv")
-    assert "cannot be read" in told(stiction.read_table, tmp_path)
+    assert part in reported(stiction.read_table, written(tmp_path, text))
+    assert "no such file" in reported(stiction.read_table, tmp_path / "none.csv")
+    assert "cannot be read" in reported(stiction.read_table, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
         (f"x,y\n1,2\n3,{gap}\n", "line 3, column 2 (y)"),
         (f"x,y\n{gap},2\n3,4\n", "line 2, column 1 (x)"),
     ):
-        found = told(stiction.read_table, written(tmp_path, text))
+        found = reported(stiction.read_table, written(tmp_path, text))
         assert f"{place}: {gap or 'nothing'}: a gap; fill it, or take the line out" in found
 
 
@@ -131,7 +131,7 @@ def test_gaps_are_neither_comments_nor_dropped(gap, tmp_path):
     ],
 )
 def test_a_row_that_begins_with_a_hash_is_not_dropped(text, line, tmp_path):
-    assert f"table.csv, line {line}: " in told(stiction.read_table, written(tmp_path, text))
+    assert f"table.csv, line {line}: " in reported(stiction.read_table, written(tmp_path, text))
     # Quotes make it a row, and what has other cells is a comment.
     text = '# a, b\nsample,x\n# of Monday, noon\n"#1",2\n# two, three, four\n  "#2 (repeat)",3\n#\n'
     table = stiction.read_table(written(tmp_path, text))
@@ -140,10 +140,10 @@ def test_a_row_that_begins_with_a_hash_is_not_dropped(text, line, tmp_path):
 
 
 def test_empty_lines_are_gaps_of_one_column_alone(tmp_path):
-    found = told(stiction.read_table, written(tmp_path, "\nx\n1\n\n3\n\n\n"))
+    found = reported(stiction.read_table, written(tmp_path, "\nx\n1\n\n3\n\n\n"))
     assert "line 4, column 1 (x): nothing: a gap" in found
     assert stiction.read_table(written(tmp_path, "\nx,y\n1,2\n\n3,4\n\n\n")).y.values.tolist() == [2, 4]
-    assert "line 3, column 1 (x): nothing: a gap" in told(stiction.read_table, written(tmp_path, "x\ty\n1\t2\n\t\n"))
+    assert "line 3, column 1 (x): nothing: a gap" in reported(stiction.read_table, written(tmp_path, "x\ty\n1\t2\n\t\n"))
 
 
 def test_names_are_guessed():
@@ -200,20 +200,20 @@ ASPERITY = "radius (nm),reduced_modulus (GPa),work_of_adhesion (mJ/m^2),equilibr
 )  # fmt: skip
 def test_a_table_with_other_columns_is_no_table_of_asperities(old, new, part, tmp_path):
     table = stiction.read_table(written(tmp_path, f"{ASPERITY.replace(old, new)}\n20,52,50,0.2,0.1\n"))
-    assert part in told(stiction.asperity, **table)
+    assert part in reported(stiction.asperity, **table)
 
 
 def test_units_of_columns_are_those_of_arguments(tmp_path):
     """N/m is an energy per area; a table without any unit is in SI; labels are left out by name."""
     text = f"tip,{ASPERITY.replace('mJ/m^2', 'mN/m')},poisson_ratio\nA,20,52,50,0.2,0.1,0.3\n"
     table = stiction.read_table(written(tmp_path, text))
-    assert "tip: no argument" in told(stiction.asperity, **table)
+    assert "tip: no argument" in reported(stiction.asperity, **table)
     of = stiction.asperity(**table.drop_vars("tip"), hardness="5 GPa").external_force
     plain = "radius,reduced_modulus,work_of_adhesion,equilibrium_spacing,interference\n20e-9,52e9,50e-3,0.2e-9,0.1e-9\n"
     own = stiction.read_table(written(tmp_path, plain))
     assert np.allclose(of, stiction.asperity(**own, hardness="5 GPa", poisson_ratio=0.3).external_force, rtol=1e-13)
     table["poisson_ratio"].attrs["units"] = "Pa"
-    assert "poisson_ratio: the column has the unit Pa; a number without unit is needed" in told(
+    assert "poisson_ratio: the column has the unit Pa; a number without unit is needed" in reported(
         stiction.asperity, **table.drop_vars("tip"), hardness="5 GPa"
     )
 

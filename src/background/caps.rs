@@ -6,7 +6,7 @@
 //! more. An asperity owns a cap of the radius ρ, so that ηπρ² is the share s of the area: that has 2πR[W(D) −
 //! W(D + ρ²/2R)], ρ²/2R = s/2πηR. The law has the first term; the second, of what is beyond the caps, is taken off
 //! here, as a mean over heights and radii. W = Δγ[(4/3)(Z₀/z)² − (1/3)(Z₀/z)⁸], the Lennard-Jones attraction of
-//! the laws, at z = D + Z₀ less the film between the faces; Δγ where that is below Z₀.
+//! the laws, at z = D + Z₀ less the film between the surfaces; Δγ where that is below Z₀.
 //!
 //! The laws know no retardation. Where the mean planes are retarded, b > 0, what caps keep is so too, from the distance z_c on
 //! where the range of Dugdale's stress ends; up to there a law has all of its Δγ. In the place of W from there on is W − W_e,
@@ -77,7 +77,7 @@ impl PartialEq for Cap {
 ///     classes: vec![Cap { radius: 3.33e-6, weight: 1.0, heights }],
 ///     retardation: None,
 /// };
-/// // ρ²/2R = 6.4674 nm, which with D = 2 nm is 8.6674 nm between the faces: 4/3 of (0.2/8.6674)² Δγ.
+/// // ρ²/2R = 6.4674 nm, which with D = 2 nm is 8.6674 nm between the surfaces: 4/3 of (0.2/8.6674)² Δγ.
 /// let expected = 2.0 * std::f64::consts::PI * 7.39e12 * 3.33e-6 * 0.09 * 4.0 / 3.0 * (0.2_f64 / 8.6674).powi(2);
 /// assert!((caps.beyond(2e-9).pressure / expected - 1.0).abs() < 1e-4);
 /// ```
@@ -91,7 +91,7 @@ pub struct Caps {
     pub work_of_adhesion: f64,
     /// Equilibrium spacing Z₀, m.
     pub equilibrium_spacing: f64,
-    /// The distance of faces whose gap is 0, Z₀ less the film, m.
+    /// The distance of surfaces whose gap is 0, Z₀ less the film, m.
     pub contact_distance: f64,
     /// Height of the mean plane of the asperities above the mean plane of the surface, m.
     pub mean_plane_offset: f64,

@@ -144,7 +144,7 @@ fn parameters(scene: &Scene) -> String {
     let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
     let text = labelled("lambda", &format!("{lambda}: adhesion parameter (unit of approach {length})"));
     if scene.asperity.hardness == f64::INFINITY {
-        return text + &labelled("psi", "none: without material.hardness nothing flows");
+        return text + &labelled("psi", "none: without material.hardness nothing yields");
     }
     text + &labelled("psi of sigma_s", &format!("{of_asperities}: {plastic}"))
         + &labelled("psi of sigma", &format!("{of_surface}, {printed}"))

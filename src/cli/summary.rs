@@ -284,7 +284,7 @@ fn cycle(results: &Results) -> String {
     if mean.mean < -3.0 * mean.standard_error.max(0.0) {
         text += &labelled(
             "",
-            "no result: a loop cannot give out energy. The adhesive stress is above the pressure at which contacts flow: see \
+            "no result: a loop cannot give out energy. The adhesive stress is above the pressure at which contacts yield: see \
              the warning",
         );
     }

@@ -50,9 +50,9 @@ pub struct Rest {
 pub struct States {
     /// The segment of each.
     pub segments: Vec<u8>,
-    /// ω_max of each, m; −∞ where it has not flowed.
+    /// ω_max of each, m; −∞ where it has not yielded.
     largest: Vec<f64>,
-    /// Asperities that have flowed and come back from ω_max.
+    /// Asperities that have yielded and come back from ω_max.
     pub(super) unloaded: Vec<Option<Arc<Yielded>>>,
     /// Asperities at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
@@ -155,7 +155,7 @@ impl<'a> Asperities<'a> {
     }
 
     /// ∫(P − F_s) dδ, J, along the unstable part of the force curve of an asperity, from where contact begins to where
-    /// it ends; of one that has flowed in proportion to the force there.
+    /// it ends; of one that has yielded in proportion to the force there.
     pub(super) fn unstable_work(&mut self, states: &States, i: usize) -> f64 {
         let RadiusLaws { memory, unstable_work, segments, untouched, .. } = &self.laws[self.number(i)];
         let work = *unstable_work.get_or_init(|| memory.unstable_work());
@@ -179,7 +179,7 @@ impl<'a> Asperities<'a> {
         Segment { lower: own.lower * stretch, upper: own.upper * stretch, ..own }
     }
 
-    /// The segment that an asperity is in, between interferences of its law; one that has flowed leaves the
+    /// The segment that an asperity is in, between interferences of its law; one that has yielded leaves the
     /// law on approach at ω_max.
     pub(crate) fn segment_of_law(&self, states: &States, i: usize) -> Segment {
         let segment = self.segments(states, i)[states.segments[i] as usize];

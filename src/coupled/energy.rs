@@ -4,7 +4,7 @@
 //! At a separation d a surface has the energy E = ½ fᵀGf + Σ φ_i(δ_i), φ_i = ∫f dδ along the path of the asperity
 //! up to here: dE/dd = −Σ f_i. Over an irreversible jump the path leads along
 //! the unstable part of the force curve; at other jumps φ is continuous. The unstable part of a top that has
-//! flowed is known only at its beginning and end: it is taken from the elastic law with forces in proportion
+//! yielded is known only at its beginning and end: it is taken from the elastic law with forces in proportion
 //! to the one at which contact ends. The work of plastic flow is part of φ: the energy lost is released by
 //! avalanches.
 //!

@@ -326,7 +326,7 @@ impl Solver<'_> {
         let Self { states, passages, .. } = self;
         let mut driven = passages.driven();
         for (i, rests) in &mut driven {
-            // One that has flowed since has other segments.
+            // One that has yielded since has other segments.
             rests.retain(|rest| self.asperities.is_jump(states, *i as usize, rest));
         }
         driven.retain(|(_, rests)| !rests.is_empty());

@@ -1,12 +1,12 @@
-//! Liquid that fills the gaps between two rough faces.
+//! Liquid that fills the gaps between two rough surfaces.
 //!
 //! # Formula
-//! In equilibrium the liquid fills every gap below h₀, saddles and valleys included. Between faces whose gap is normal with the
+//! In equilibrium the liquid fills every gap below h₀, saddles and valleys included. Between surfaces whose gap is normal with the
 //! standard deviation σ about h, that is the share Φ(−v) of the area, v = (h − h₀)/σ. Where it ends is a contour of the gap,
 //! √m₂/(2σ) exp(−v²/2) long per area, m₂ the mean square slope along a line (Longuet-Higgins, Phil. Trans. A 249 (1957) 321),
 //! and its meniscus is curved along it, which costs γJr_K per length. That is q p_cσφ(v) per area, q = κ√(2πm₂)/(2σ²) with
 //! κ = Jr_K². Where q is not small the meniscus is wider than what it would have to follow, and the edge is smoother than the
-//! contour: with q/(1 + q) in the place of q it costs at most p_cσφ, and faces are flat to the liquid as q grows, which fills
+//! contour: with q/(1 + q) in the place of q it costs at most p_cσφ, and surfaces are flat to the liquid as q grows, which fills
 //! all of them up to h₀ or nothing. Per area the liquid gains
 //!
 //! G(h) = p_cσ[φ(v)/(1 + q) − vΦ(−v)],
@@ -15,12 +15,12 @@
 //!
 //! # Validity
 //! Gaussian surfaces, slopes that are small. To first order in q the formula is exact; its form for large q has the right limit
-//! and is not derived. Where −dG/dh < 0 faces are wet around single asperities at most, which bridges have.
+//! and is not derived. Where −dG/dh < 0 surfaces are wet around single asperities at most, which bridges have.
 
 use super::Meniscus;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Liquid between the faces of a Gaussian surface.
+/// Liquid between two surfaces whose gap is Gaussian.
 ///
 /// # Examples
 /// ```
@@ -45,7 +45,7 @@ pub struct Filling {
 }
 
 impl Filling {
-    /// The liquid of a meniscus, or a share of its tension, between faces whose gap has the standard deviation `std`, m, and
+    /// The liquid of a meniscus, or a share of its tension, between surfaces whose gap has the standard deviation `std`, m, and
     /// the mean square slope along a line.
     pub fn new(meniscus: &Meniscus, share: f64, std: f64, mean_square_slope: f64) -> Self {
         let pressure = share * meniscus.pressure();
@@ -102,7 +102,7 @@ mod tests {
         Meniscus::new(Liquid::water(293.15).unwrap(), humidity, [f64::to_radians(degrees); 2]).unwrap()
     }
 
-    /// Flat faces are held by p_c up to h₀ and by nothing beyond; towards saturation all of γs is gained, 144 mJ/m² of water
+    /// Flat surfaces are held by p_c up to h₀ and by nothing beyond; towards saturation all of γs is gained, 144 mJ/m² of water
     /// that wets by 10°.
     #[test]
     fn the_limits_are_those_of_planes_and_of_saturation() {
@@ -149,7 +149,7 @@ mod tests {
         }
     }
 
-    /// Towards saturation faces are flat to the liquid: their energy is p_c(h₀ − h) up to h₀, and none is left beyond.
+    /// Towards saturation surfaces are flat to the liquid: their energy is p_c(h₀ − h) up to h₀, and none is left beyond.
     #[test]
     fn faces_are_flat_to_a_wide_meniscus() {
         let meniscus = water(0.9999, 10.0);

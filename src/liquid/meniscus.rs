@@ -2,7 +2,7 @@
 //!
 //! # Formula
 //! r_K = γV_m/(R_g T |ln φ|) at the relative humidity φ, the radius of a cylindrical meniscus (Thomson 1871); p_c = γ/r_K =
-//! R_g T |ln φ|/V_m, which no surface tension changes. Between faces with contact angles θ₁, θ₂ the liquid fills gaps
+//! R_g T |ln φ|/V_m, which no surface tension changes. Between surfaces with contact angles θ₁, θ₂ the liquid fills gaps
 //! up to h₀ = s r_K, s = cos θ₁ + cos θ₂, and gains the energy γs per area. Around an asperity the meniscus is curved the
 //! other way too: to first order, J = ½[π − θ₁ − θ₂ + ½(sin 2θ₁ + sin 2θ₂)] times r_K² over the radius of the wetted
 //! circle is missing from h₀.
@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 /// R_g, J/(mol K), exact in the SI.
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 
-/// The amount of liquid in a bridge while the faces part.
+/// The amount of liquid in a bridge while the surfaces move apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Volume {
     /// The amount in equilibrium with the vapour: slow retraction.
@@ -53,7 +53,7 @@ impl Bridges {
         [("metastable", Self::Metastable), ("reversible", Self::Reversible)];
 }
 
-/// Films of the liquid on the faces.
+/// Films of the liquid on the surfaces.
 ///
 /// # Examples
 /// ```
@@ -68,7 +68,7 @@ impl Bridges {
 pub struct Film {
     /// t, m.
     pub thickness: f64,
-    /// n, how many of the faces have one: 1 or 2.
+    /// n, how many of the surfaces have one: 1 or 2.
     pub faces: u8,
     /// A, J, of the solid across the liquid; positive where the film is stable.
     pub hamaker_constant: f64,
@@ -86,7 +86,7 @@ impl Film {
     }
 }
 
-/// The meniscus of a liquid between two faces.
+/// The meniscus of a liquid between two surfaces.
 ///
 /// # Examples
 /// ```
@@ -113,16 +113,16 @@ pub struct Meniscus {
     pub volume: Volume,
     /// The rule by which bridges form and break.
     pub bridges: Bridges,
-    /// The films on the faces.
+    /// The films on the surfaces.
     pub film: Option<Film>,
 }
 
 impl Meniscus {
-    /// The meniscus of a liquid at a relative humidity between faces with contact angles, rad, of metastable bridges in
+    /// The meniscus of a liquid at a relative humidity between surfaces with contact angles, rad, of metastable bridges in
     /// equilibrium with the vapour.
     ///
     /// # Errors
-    /// [`LiquidError`] when the humidity or an angle is none, or no liquid condenses between such faces.
+    /// [`LiquidError`] when the humidity or an angle is none, or no liquid condenses between such surfaces.
     pub fn new(
         liquid: Liquid,
         relative_humidity: f64,
@@ -139,7 +139,7 @@ impl Meniscus {
     /// The meniscus of a liquid of a surface tension, N/m, in equilibrium with films, likewise.
     ///
     /// # Errors
-    /// [`LiquidError`] when a number is not positive, an angle is none, or no liquid condenses between such faces.
+    /// [`LiquidError`] when a number is not positive, an angle is none, or no liquid condenses between such surfaces.
     pub fn of_film(surface_tension: f64, film: Film, contact_angles: [f64; 2]) -> Result<Self, LiquidError> {
         let all = [
             ("surface_tension", surface_tension),
@@ -207,7 +207,7 @@ impl Meniscus {
         self.surface_tension / self.kelvin_radius
     }
 
-    /// n t, the height of the films on both faces together, m; 0 without.
+    /// n t, the height of the films on both surfaces together, m; 0 without.
     pub fn film_height(&self) -> f64 {
         self.film.map_or(0.0, |film| film.height())
     }

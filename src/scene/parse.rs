@@ -284,7 +284,7 @@ fn loading_alone(root: &Section<'_>, scene: &Scene) -> Result<(), SceneError> {
     let entry = required(root, "model")?.value("history");
     let flowing = if flowing < 10.0 { format!("{flowing:.1e}") } else { format!("{flowing:.0}") };
     Err(entry.wrong(&format!(
-        "about {flowing} contacts of the run flow before the surfaces turn back, and the law {} is one of loading alone; write \
+        "about {flowing} contacts of the run yield before the surfaces turn back, and the law {} is one of loading alone; write \
          model.law = \"{DEFAULT_LAW}\" and model.plastic_contact = \"{}\", or history = \"approach\"",
         scene.model.name,
         contact.name()

@@ -290,7 +290,7 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     let onset = yield_onset(law).filter(|onset| scene.turns() && *onset < 0.0)?;
     (contacts_beyond(scene, onset) >= FEWEST_UNLOADED).then(|| {
         Warning::new(
-            format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
+            format!("adhesion alone makes contacts yield, from the interference {} on", si(onset, "m")),
             "the plastic contact does not know of the tension around it",
             "the pull-off of such soft summits is uncertain: compare model.plastic_contact",
         )
@@ -304,7 +304,7 @@ fn ductile(scene: &Scene, model: &Model, law: &dyn Law) -> Option<Warning> {
     let pressure = contact.largest_pressure(&scene.asperity);
     let share = STRESS_RATIO * work_of_adhesion / (equilibrium_spacing * pressure);
     let tears = |onset: &f64| share > LARGEST_STRESS && contacts_beyond(scene, *onset) >= FEWEST_UNLOADED;
-    let of = if pressure < hardness { "the pressure at which contacts flow" } else { "the hardness" };
+    let of = if pressure < hardness { "the pressure at which contacts yield" } else { "the hardness" };
     yield_onset(law).filter(tears).map(|_| {
         Warning::new(
             format!("the adhesive stress is {share:.2} of {of}, more than {LARGEST_STRESS}"),
@@ -327,7 +327,7 @@ fn flattened(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warni
     (share > LARGEST_FLATTENED).then(|| {
         Warning::new(
             format!(
-                "{:.0} % of the contacts that flow are pressed beyond {LARGEST_FITTED:.0} times the critical interference at h* = {:.3}",
+                "{:.0} % of the contacts that yield are pressed beyond {LARGEST_FITTED:.0} times the critical interference at h* = {:.3}",
                 100.0 * share,
                 turn.separation / scene.surface.surface_height_std
             ),
@@ -372,7 +372,7 @@ fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning>
     }
     let words = |what: WhatIsRead, share: f64, h_star: &str| {
         format!(
-            "contacts that have flowed carry {:.0} % of the adhesion {}, {h_star}",
+            "contacts that have yielded carry {:.0} % of the adhesion {}, {h_star}",
             100.0 * share,
             what.place()
         )
@@ -380,7 +380,7 @@ fn joined(scene: &Scene, model: &Model, readings: &[Reading]) -> Option<Warning>
     let shares = phrases(scene, readings, LARGEST_FLOWED, |reading| reading.flowed_adhesion, words)?;
     Some(Warning::new(
         format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, and {shares}"),
-        "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to flow",
+        "theirs is by fits for DMT-like contacts (Kogut and Etsion 2003) and jumps where they begin to yield",
         "model.law = \"md_plastic\" is continuous there",
     ))
 }

@@ -176,7 +176,7 @@ pub enum SurfaceError {
     #[error(
         "with this asperity_radius R and asperity_density eta a Gaussian surface has more than {}, not {} \
          (sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 would be negative): check R and eta, or give with surface_height_std also \
-         asperity_height_std, the height std of the tops; of two rough faces all are those of both together, with tops of \
+         asperity_height_std, the height std of the summits; of two rough surfaces all are those of both together, with tops of \
          sigma_s^2 = sigma_s1^2 + sigma_s2^2",
         si(*least, "m"),
         si(*given, "m")

@@ -66,7 +66,7 @@ pub fn small() -> String {
     QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
 }
 
-/// A scene of surfaces that are pulled back after they were pressed, by the law that knows how tops unload.
+/// A scene of surfaces that are pulled back after they were pressed, by the law that knows how summits unload.
 pub fn looped(scene: &str) -> String {
     let looped = scene.replace("history = \"approach\"", "history = \"loop\"");
     assert_ne!(looped, scene);

@@ -3,7 +3,7 @@
 use crate::common::program::{Folder, assert_exit, labelled, looped, small, text, values};
 use crate::common::unlocked;
 
-/// A quick loop of tops that flow, not pressed so far that all do.
+/// A quick loop of summits that flow, not pressed so far that all do.
 fn pressed() -> String {
     looped(&small()).replace("from = -1.0", "from = 1.5")
 }
@@ -234,7 +234,7 @@ fn points_that_miss_their_preload_have_no_pull_off() {
     }
 }
 
-/// The default separations reach a preload under each model of flow: flat and sticky tops push less than Hertz's contacts.
+/// The default separations reach a preload under each model of flow: flat and sticky summits push less than Hertz's contacts.
 #[test]
 fn default_separations_reach_preloads_under_every_model_of_flow() {
     default_separations_reach_preloads(&["jg"]);

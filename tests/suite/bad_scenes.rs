@@ -312,7 +312,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "history = \"approach\"",
         "history = \"loop\"",
-        &["line 21", "`model.history = \"loop\"`", "contacts of the run flow before the surfaces turn back"],
+        &["line 21", "`model.history = \"loop\"`", "contacts of the run yield before the surfaces turn back"],
     ),
     ("replicas = 200", "replicas = -1", &["`ensemble.replicas = -1`", "from 0 to"]),
     (
@@ -833,7 +833,7 @@ fn numbers_are_written_as_people_write_them() {
     }
 }
 
-/// Surfaces are not pulled back by laws of loading alone where tops flow; the message has the contact that is nearest.
+/// Surfaces are not pulled back by laws of loading alone where summits flow; the message has the contact that is nearest.
 #[test]
 fn laws_of_loading_do_not_pull_back_what_has_yielded() {
     let laws = [

@@ -455,7 +455,7 @@ fn surfaces_agree_with_their_integrals() {
         ),
         ("retraction", "", "[output]", "[solver]\nsummation = \"moments\"\n\n[output]"),
     ] {
-        // Asperities that have flowed lose contact sooner than they made it.
+        // Asperities that have yielded lose contact sooner than they made it.
         let scene =
             scene(more).replace("\"approach\"", &format!("\"{history}\"")).replace("2.5 GPa", "25 GPa");
         let scene = if from.is_empty() { scene } else { scene.replace(from, to) };

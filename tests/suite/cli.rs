@@ -20,7 +20,7 @@ fn a_run_leaves_one_file_and_a_summary() {
         "hybrid on approach",
         "pull-off",
         "mean over patches",
-        "scatter",
+        "std",
         "cross-check",
         "independence",
         "scene.h5",
@@ -601,7 +601,7 @@ fn a_sweep_is_no_scene() {
 }
 
 /// The adhesive stress of a sticky metal is above its hardness, and its loop gives out energy, which is said to be no result. Case II,
-/// dry, turned where few asperities have flowed, dissipates.
+/// dry, turned where few asperities have yielded, dissipates.
 #[test]
 #[ignore = "slow: three seconds"]
 fn a_loop_that_gives_out_energy_is_no_result() {

@@ -86,7 +86,7 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
 }
 
 /// One asperity alone on a half-space has nothing that couples it: its loop, with what it remembers of having touched and
-/// flowed, is that of the scene without the table, to rounding.
+/// yielded, is that of the scene without the table, to rounding.
 #[test]
 fn one_asperity_alone_is_as_without_coupling() {
     let liquid = "\n[capillary]\nrelative_humidity = 0.45\ncontact_angles = [\"20 deg\", \"40 deg\"]\n";

@@ -1,5 +1,5 @@
 //! Surfaces that are brought close a second time: against closed forms, sums over their asperities, and the elastic contact of
-//! their flattened tops.
+//! their flattened summits.
 
 use crate::common::program::{Folder, assert_exit, looped, small};
 use crate::common::{case, flattening, respond, separations};
@@ -51,7 +51,7 @@ fn each_cycle_of_a_jkr_contact_loses_its_jumps() {
     assert_eq!(kept.dissipated_energy, found);
 }
 
-/// A top that has flowed is loaded along its unloading from its own touch on, and without contact until then.
+/// A top that has yielded is loaded along its unloading from its own touch on, and without contact until then.
 #[test]
 fn a_flattened_top_is_loaded_along_its_unloading() {
     for asperity in [dry("II").0, metal()] {
@@ -82,7 +82,7 @@ fn a_flattened_top_is_loaded_along_its_unloading() {
     }
 }
 
-/// Without a fold the second cycle is elastic, but for rounding and for the few tops that are flat enough to have one. With one, which flatter tops have for smaller λ, it loses less than the first.
+/// Without a fold the second cycle is elastic, but for rounding and for the few summits that are flat enough to have one. With one, which flatter summits have for smaller λ, it loses less than the first.
 #[test]
 fn contacts_that_have_flowed_shake_down() {
     for (name, contact) in [("I", "jg"), ("II", "jg"), ("III", "jg"), ("I", "ke"), ("I", "tn"), ("II", "zmc")]

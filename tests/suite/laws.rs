@@ -527,7 +527,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             let end = at(build("ceb", &parameters(lambda, path)).as_ref(), CRITICAL)[0];
             vec![(CRITICAL, [2.0 - end, 0.5 * unit])]
         }
-        // The same ring, which is lost where they begin to flow; the load of jg jumps by its formulas there.
+        // The same ring, which is lost where they begin to yield; the load of jg jumps by its formulas there.
         "zmc" | "tn" | "jg" => {
             let law = build(name, &parameters(lambda, path));
             let place = yields(name);

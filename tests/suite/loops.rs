@@ -59,7 +59,7 @@ fn the_retraction_is_the_sum_over_its_asperities() {
     }
 }
 
-/// Where nothing flows and the contact of an asperity has one branch, both ways are one, and what they differ
+/// Where nothing yields and the contact of an asperity has one branch, both ways are one, and what they differ
 /// by is rounding: up to the λ at which there are two states before contact, 0.888.
 #[test]
 fn an_elastic_loop_without_a_fold_closes() {
@@ -362,7 +362,7 @@ fn snaps_do_not_begin_where_the_separations_do() {
     }
 }
 
-/// The harder the surfaces are pressed together, the closer they turn, the more flows, and the later on the
+/// The harder the surfaces are pressed together, the closer they turn, the more yields, and the later on the
 /// way back they let go.
 #[test]
 fn preloads_turn_in_their_order() {

@@ -1,4 +1,4 @@
-//! The elastic-plastic adhesion of flattened tops: values from elsewhere, limits, and its energy.
+//! The elastic-plastic adhesion of flattened summits: values from elsewhere, limits, and its energy.
 
 use crate::common::{case, respond};
 use std::f64::consts::PI;
@@ -6,7 +6,7 @@ use stiction::asperity::model;
 use stiction::asperity::scale::{Asperity, pressure_factor};
 use stiction::asperity::{Law, LawParameters, Loop, Path, PlasticContact, Regime};
 
-/// A soft and sticky metal, of which adhesion alone makes contacts flow.
+/// A soft and sticky metal, of which adhesion alone makes contacts yield.
 pub fn metal() -> Asperity {
     Asperity {
         radius: 1e-6,

@@ -64,7 +64,7 @@ fn laws_that_flow_miss_their_hardness() {
     assert!(error.contains("`material.poisson_ratio` is missing"), "{error}");
 }
 
-/// Without a hardness an elastic law has the numbers of a body in which nothing flows, and no command trips over it.
+/// Without a hardness an elastic law has the numbers of a body in which nothing yields, and no command trips over it.
 #[test]
 fn elastic_laws_need_no_hardness() {
     let radii =

@@ -77,7 +77,7 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
     is_estimated("asperities", &sized(1e6, 21, 8));
     is_estimated("compressed", &compressed(&sized(5e5, 91, 16)));
     is_estimated("fine steps", &compressed(&sized(7390.0, 800, 64)));
-    is_estimated("tops that have flowed", &looped(&sized(3e5, 11, 2)));
+    is_estimated("summits that have yielded", &looped(&sized(3e5, 11, 2)));
 }
 
 /// The same for a million asperities and more: a minute.

@@ -22,7 +22,7 @@ fn force(cycle: &Loop, largest: f64, distance: f64) -> f64 {
 }
 
 /// The integral of the retraction against a sum over four hundred thousand heights of closed forms: P and the area of all
-/// contacts after Thornton and Ning's load, of tops of their outlines, with so little adhesion that it does not matter.
+/// contacts after Thornton and Ning's load, of summits of their outlines, with so little adhesion that it does not matter.
 #[test]
 fn the_integral_of_flattened_tops_is_a_sum_of_closed_forms() {
     let (asperity, surface) = case("I");
@@ -96,8 +96,8 @@ fn the_integral_of_flattened_tops_is_a_sum_of_closed_forms() {
     }
 }
 
-/// What has not touched goes back as it came, what has touched and not flowed goes back along the law of
-/// retraction, whatever the law. Under laws of loading alone nothing has flowed, however deep.
+/// What has not touched goes back as it came, what has touched and not yielded goes back along the law of
+/// retraction, whatever the law. Under laws of loading alone nothing has yielded, however deep.
 #[test]
 fn elastic_asperities_go_back_along_the_laws() {
     for name in ["I", "II", "III"] {
@@ -156,7 +156,7 @@ fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
     );
 }
 
-/// Where the area of Kogut and Etsion jumps, at 6.65 ω_c and (2.14/k)^3.80 ω_c, tops that were pressed more deeply let go sooner or later
+/// Where the area of Kogut and Etsion jumps, at 6.65 ω_c and (2.14/k)^3.80 ω_c, summits that were pressed more deeply let go sooner or later
 /// than their neighbours: at every distance each is in contact up to its own detachment, and no longer.
 #[test]
 fn each_lets_go_at_its_own_distance_on_both_sides_of_a_jump() {

@@ -109,7 +109,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
                 "Israelachvili 2011",
                 "units of work_of_adhesion",
             ],
-            &["lambda = 89.854 is above 0.1, and contacts that have flowed carry"],
+            &["lambda = 89.854 is above 0.1, and contacts that have yielded carry"],
             &["nominal area"],
         ],
     ),
@@ -227,7 +227,7 @@ fn laws_say_what_they_leave_out() {
         assert_eq!(warnings.iter().any(of), is_left_out, "{hardness}: {warnings:#?}");
     }
     // σ₀ = 1.03 Δγ/Z₀ is 463.5 MPa.
-    let of_pressure = "the adhesive stress is 1.37 of the pressure at which contacts flow";
+    let of_pressure = "the adhesive stress is 1.37 of the pressure at which contacts yield";
     for (hardness, contact, part) in [
         ("400 MPa", "jg", Some("the adhesive stress is 1.16 of the hardness")),
         ("500 MPa", "jg", None),
@@ -419,7 +419,7 @@ fn scenes_are_warned_of_what_matters_only(folders: &[&str], of: fn(&str) -> bool
         ("humidity.toml", "the curves miss 5 % of the peak stiffness at h* = 3.634 at 1 of 8 points"),
         ("sweep_lubricant.toml", "is thicker than sigma"),
         ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
-        ("sweep_hardness.toml", "contacts that have flowed carry 13 % of the adhesion at pull-off"),
+        ("sweep_hardness.toml", "contacts that have yielded carry 13 % of the adhesion at pull-off"),
     ];
     let folder = Folder::new("");
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");

@@ -143,7 +143,7 @@ fn bridges_are_around_the_flattened_top() {
     }
 }
 
-/// Tops that have let go are wet spheres of ρ, lower by what is left: their bridges pull and break as those of an asperity that has
+/// Summits that have let go are wet spheres of ρ, lower by what is left: their bridges pull and break as those of an asperity that has
 /// that radius and is too hard to flow, of every kind.
 #[test]
 fn tops_that_have_let_go_are_wet_spheres_of_their_own_radius() {

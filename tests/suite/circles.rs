@@ -65,7 +65,8 @@ fn no_files_import_each_other() {
         let (public, own): (Vec<_>, Vec<_>) = statements.partition(|(before, _)| is_export(before));
         let all = |of: &[(&str, &str)]| of.iter().flat_map(|(_, import)| paths(import)).collect::<Vec<_>>();
         let words = text.split(|c: char| !(c.is_alphanumeric() || "_:".contains(c)));
-        let in_code = words.filter(|word| word.starts_with("crate::") || word.starts_with("super::"));
+        let is_path = |word: &&str| word.starts_with("crate::") || word.starts_with("super::");
+        let in_code = words.filter(|word| is_path(word) && !word.ends_with("::"));
         exports.insert(name.clone(), all(&public));
         imports.insert(
             name.clone(),

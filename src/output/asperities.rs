@@ -15,7 +15,7 @@ use std::path::Path;
 /// // What `stiction asperities map.npy -o asperities.h5` has written.
 /// let AsperityFile { asperities, .. } = read("asperities.h5".as_ref())?;
 /// assert_eq!(asperities.heights.len(), asperities.radii.len());
-/// # Ok::<(), stiction::output::OutputError>(())
+/// # Ok::<(), stiction::OutputError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AsperityFile {

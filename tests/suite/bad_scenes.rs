@@ -159,7 +159,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 2\ncontact_angles = [0, \"20 deg\"]\n[output]",
-        &["`capillary.contact_angles", "0 deg is the angle of each face with one"],
+        &["`capillary.contact_angles", "0 deg is the angle of each surface with one"],
     ),
     (
         "[output]",

@@ -85,6 +85,9 @@ pub use math::{
 };
 #[cfg(feature = "hdf5")]
 #[doc(inline)]
-pub use output::{SweepPoint, layouts, sweep};
+pub use output::layouts;
+#[cfg(feature = "hdf5")]
+#[doc(inline)]
+pub use output::sweep::{SweepPoint, sweep};
 #[doc(inline)]
 pub use scene::Scene;

@@ -4,6 +4,15 @@ use super::law::Regime;
 use std::ops::Deref;
 
 /// Numbers of each regime of a law over states: a row a regime, in the order of the law.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ByRegime, Regime};
+///
+/// let counts = ByRegime::new(&[Regime::Noncontact, Regime::Elastic], vec![vec![39.0], vec![3.0]]);
+/// assert_eq!(counts.of(Regime::Elastic), Some(&[3.0][..]));
+/// assert_eq!(counts.of(Regime::Plastic), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ByRegime {
     regimes: Vec<Regime>,

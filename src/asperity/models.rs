@@ -221,7 +221,7 @@ pub enum Adhesion {
     Without,
     /// λ up to [`LARGEST_DMT_LAMBDA`]: the profile of the sphere does not feel the adhesion.
     Low,
-    /// λ from [`SMALLEST_JKR_LAMBDA`]: adhesion acts within the contact only.
+    /// λ from `SMALLEST_JKR_LAMBDA`: adhesion acts within the contact only.
     High,
     /// Every λ.
     Any,

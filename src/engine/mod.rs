@@ -1,6 +1,6 @@
 //! Explicit ensembles: replicas of a surface, summed asperity by asperity and reduced in a fixed order.
 //!
-//! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with
+//! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`](crate::surface::SamplingScheme) shares draws with
 //! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
 //! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped

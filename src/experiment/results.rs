@@ -198,7 +198,7 @@ impl Results {
         &self.joint
     }
 
-    /// The mean of a number that every replica has, by its name in [`scalars`](crate::engine::scalars).
+    /// The mean of a number that every replica has, by its name in [`scalars`].
     pub fn scalar(&self, name: &str) -> Option<&ControlledMean> {
         let place = scalars(self.scene.ways()).position(|scalar| scalar.name == name)?;
         self.scalars.get(place)

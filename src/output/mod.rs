@@ -32,7 +32,6 @@ pub mod writer;
 pub use kept::{OutputLock, PARTIAL, beside};
 pub use reader::Reader;
 pub use schema::{ASPERITIES, Layout};
-pub use sweep::{SweepPoint, sweep};
 
 use crate::error::OutputError;
 

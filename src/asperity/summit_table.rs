@@ -20,13 +20,8 @@ const HALVINGS: u32 = 10;
 /// Largest number of numbers of a summit.
 const COLUMNS: usize = 88;
 
-/// The numbers of a summit, on whole cache lines: elsewhere their speed would depend on where memory happens to begin.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Columns([f64; COLUMNS]);
-
 /// Chebyshev coefficients of all numbers of a summit, by their order.
-type Coefficients = [Columns; NODES];
+type Coefficients = [[f64; COLUMNS]; NODES];
 
 /// An interval of ω_max, m, in which all summits have the same kinks.
 struct Cell {
@@ -61,10 +56,10 @@ impl Cell {
         let mut cell = Self { from, to, known: None };
         if are_alike {
             let samples = nodes.map(|summit| columns(&summit));
-            let mut coefficients = Box::new([Columns([0.0; COLUMNS]); NODES]);
+            let mut coefficients = Box::new([[0.0; COLUMNS]; NODES]);
             for column in 0..COLUMNS {
                 let own = chebyshev::coefficients(&samples.map(|sample| sample[column]));
-                own.into_iter().zip(coefficients.iter_mut()).for_each(|(own, row)| row.0[column] = own);
+                own.into_iter().zip(coefficients.iter_mut()).for_each(|(own, row)| row[column] = own);
             }
             cell.known = Some((nodes[0], coefficients));
             let is_good =
@@ -98,24 +93,24 @@ impl Cell {
     fn summit(&self, largest: f64) -> Option<FlattenedSummit> {
         let (summit, coefficients) = self.known.as_ref()?;
         let place = ((largest - self.from) - (self.to - largest)) / (self.to - self.from);
-        let mut columns = Columns([0.0; COLUMNS]);
+        let mut columns = [0.0; COLUMNS];
         InstructionSet::current().run(
             #[inline(always)]
             || {
                 // Clenshaw's recurrence.
-                let [mut next, mut after] = [Columns([0.0; COLUMNS]); 2];
+                let (mut next, mut after) = ([0.0; COLUMNS], [0.0; COLUMNS]);
                 for row in coefficients[1..].iter().rev() {
                     for i in 0..COLUMNS {
-                        let own = row.0[i] + 2.0 * place * next.0[i] - after.0[i];
-                        (after.0[i], next.0[i]) = (next.0[i], own);
+                        let own = row[i] + 2.0 * place * next[i] - after[i];
+                        (after[i], next[i]) = (next[i], own);
                     }
                 }
                 for i in 0..COLUMNS {
-                    columns.0[i] = coefficients[0].0[i] + place * next.0[i] - after.0[i];
+                    columns[i] = coefficients[0][i] + place * next[i] - after[i];
                 }
             },
         );
-        let (mut summit, mut next) = (*summit, columns.0.iter());
+        let (mut summit, mut next) = (*summit, columns.iter());
         summit.each(|value, _| next.next().into_iter().for_each(|column| *value = *column));
         summit.close();
         Some(summit)

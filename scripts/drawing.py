@@ -61,6 +61,8 @@ def column(*heights):
 
 def digits(value, count = 3):
     """Significant digits, without a power of ten."""
+    if value == 0.0 or not np.isfinite(value):
+        return f"{value:g}"
     return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
 
 

@@ -513,7 +513,7 @@ def test_spheres_and_what_is_close_to_them():
 def test_errors_of_spheres_are_those_of_the_page():
     """The table of errors of force, per cent, and that the geometric mean is the nearer one; of curvatures 1
     ± ε the errors are ε²/3 and ε²/12."""
-    page = (ROOT / "docs" / "my-afm-map.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
     for ratio in (1.5, 2, 3, 5, 10, 30):
         mean, geometric = (100.0 * (1.0 - share) for share in forces_of_spheres(ratio))
         assert f"| {ratio} | −{mean:.1f} % | −{geometric:.1f} % |" in page

@@ -58,7 +58,7 @@ struct Ends {
 }
 
 impl Ends {
-    /// Sets the ends to those of an asperity.
+    /// Sets the ends for an asperity.
     fn set(&mut self, cycle: &Loop, lane: &Lane) {
         cycle.approach().ends(lane, &mut self.approach);
         cycle.retraction().ends(lane, &mut self.retraction);

@@ -6,8 +6,8 @@ use super::stray_table::StrayTable;
 use crate::asperity::{Facing, Law, Loop, Scratch, SolverStats};
 use std::cell::RefCell;
 
-/// Asperities that have yielded whose kinks are found. The highest is this many standard deviations above the mean
-/// height, and at least so many beyond the onset of yielding.
+/// The number of yielded asperities whose kinks are found; the highest, in standard deviations above the mean height; and its
+/// least distance beyond the onset of yielding, in standard deviations.
 const SAMPLED: usize = 8;
 const HIGHEST: f64 = 5.0;
 const LEAST_REACH: f64 = 0.1;

@@ -29,7 +29,7 @@ pub enum OutputError {
     #[error("{} is not a file; name a file", .0.display())]
     NotAFile(PathBuf),
     /// Something is mounted on the output, so no file of its folder can take its name.
-    #[error("{} is on another file system than its folder; name a file beside it", .0.display())]
+    #[error("{} is on another file system than its folder; name a file next to it", .0.display())]
     OtherFileSystem(PathBuf),
     /// The name of the output cannot be written.
     #[error("the name {} {problem}; give another name", path.display())]
@@ -49,7 +49,7 @@ pub enum OutputError {
     },
     /// A file that is kept next to the output is one that it is made from.
     #[error(
-        "{} has the name of what is kept beside {}, and this command reads it; give another name",
+        "{} has the name of what is kept next to {}, and this command reads it; give another name",
         input.display(), output.display()
     )]
     KeepsInput {

@@ -24,7 +24,7 @@ impl Merge<'_> {
         let (mut scene, identity) = (self.run.document.scene.clone(), &self.run.identity);
         set_ensemble(&mut scene, Some(identity.replicas), Some(identity.seed))?;
         let (lock, identity) = (task.lock, Identity::new(&scene, None));
-        lock.begin(task.policy, &KeptRun { lock, identity, with_targets: false })?;
+        lock.begin(task.policy, &KeptRun::new(lock, identity, false))?;
         self.point(scene, &self.run.places[0], task, observer)
     }
 

@@ -1,6 +1,6 @@
 //! One scene into its file of results, which goes on after an interruption.
 
-use super::kept::{Identity, Keeper, KeptRun, OutputLock, OverwritePolicy, PartialFile, advised};
+use super::kept::{Identity, Keeper, KeptRun, OutputLock, OverwritePolicy, advised};
 use super::task::{INTERVAL, Task};
 use crate::engine::{Batch, Outcome, ReductionTree};
 use crate::error::Error;
@@ -43,11 +43,13 @@ fn run_scene(
 ) -> Result<Option<Box<Results>>, Error> {
     let laws = task.laws(&scene, workers, workers.count())?;
     let curves = Curves::new(&scene, task.lock.folder());
-    let (identity, with_targets) = (Identity::new(&scene, task.shard()), scene.stopping.is_some());
-    if !task.lock.begin(task.policy, &KeptRun { lock: task.lock, identity, with_targets })? {
+    let identity = Identity::new(&scene, task.shard());
+    let kept = KeptRun::new(task.lock, identity, scene.stopping.is_some());
+    if !task.lock.begin(task.policy, &kept)? {
         return Ok(None);
     }
-    let state = match PartialFile::find(task.lock)? {
+    let found = if task.policy.resume { kept.found()? } else { None };
+    let state = match found {
         None => None,
         Some(found) => {
             let [piece] = &found.pieces[..] else { return Err(found.refused("is not of one scene").into()) };

@@ -320,6 +320,20 @@ fn what_is_kept_of_another_sweep_is_refused() {
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
 }
 
+/// What another run keeps under the name of a sweep that is complete is not of the sweep, and stays.
+#[test]
+fn a_complete_sweep_leaves_what_another_run_keeps() {
+    let folder = Folder::new(&swept(GRID));
+    std::fs::write(folder.path("other.toml"), small()).unwrap();
+    for arguments in [&["scene.toml"][..], &["other.toml", "--shard", "1/2", "-o", "other.shard"]] {
+        assert_exit(&folder.stiction(&[&["run"], arguments].concat()), 0);
+    }
+    std::fs::rename(folder.path("other.shard"), folder.path("scene.h5.partial")).unwrap();
+    let again = folder.stiction(&["run", "scene.toml", "--resume"]);
+    assert_eq!(text(&again.stderr), "scene.h5 is complete: nothing to resume\n");
+    assert_eq!(folder.files(), ["other.toml", "scene.h5", "scene.h5.partial", "scene.toml"]);
+}
+
 /// Holm's correction: one point that disagrees is seen, and named.
 #[test]
 fn validate_sees_a_point_that_disagrees() {

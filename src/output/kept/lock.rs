@@ -52,7 +52,7 @@ pub(crate) trait Kept {
     /// When what is kept cannot be read.
     fn unfinished(&self) -> Result<Option<Error>, Error>;
 
-    /// Removes what is kept.
+    /// Removes what this kind of run keeps.
     ///
     /// # Errors
     /// When it cannot be removed.
@@ -131,7 +131,7 @@ impl OutputLock {
             exists?;
             return match kept.unfinished()? {
                 Some(unfinished) if !policy.force => Err(unfinished),
-                Some(_) => kept.forget().map(|()| true),
+                Some(_) => self.forget().map_err(Error::from).and_then(|()| kept.forget()).map(|()| true),
                 None => Ok(true),
             };
         }
@@ -283,7 +283,7 @@ fn refuse_name(output: &Path) -> Result<(), OutputError> {
         path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename)
     };
     if kept(output).map(|(name, _)| name).chain([named(output, "", DEEPEST)]).any(is_too_long) {
-        return refused("is too long with the endings of the files that are kept beside it");
+        return refused("is too long with the endings of the files that are kept next to it");
     }
     Ok(())
 }

@@ -12,16 +12,36 @@ use crate::output::reader::Reader;
 use crate::output::schema::Layout;
 use crate::output::writer::Writer;
 use crate::scene::{Scene, difference, listed};
+use std::cell::OnceCell;
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What is kept of a run of one scene, or of a shard of it.
 pub(in crate::output) struct KeptRun<'a> {
-    pub lock: &'a OutputLock,
-    pub identity: Identity,
+    lock: &'a OutputLock,
+    identity: Identity,
     /// Whether the run ends at targets.
-    pub with_targets: bool,
+    with_targets: bool,
+    found: OnceCell<Option<PartialFile>>,
+}
+
+impl<'a> KeptRun<'a> {
+    /// What is kept of a run into an output that is locked.
+    pub fn new(lock: &'a OutputLock, identity: Identity, with_targets: bool) -> Self {
+        Self { lock, identity, with_targets, found: OnceCell::new() }
+    }
+
+    /// The partial result that there was when it was first asked for.
+    ///
+    /// # Errors
+    /// As [`PartialFile::open`].
+    pub fn found(&self) -> Result<Option<&PartialFile>, OutputError> {
+        if self.found.get().is_none() {
+            let _ = self.found.set(PartialFile::find(self.lock)?);
+        }
+        Ok(self.found.get().and_then(Option::as_ref))
+    }
 }
 
 impl Kept for KeptRun<'_> {
@@ -30,17 +50,17 @@ impl Kept for KeptRun<'_> {
     }
 
     fn require_own(&self) -> Result<(), Error> {
-        let Some(PartialFile { path, head, .. }) = PartialFile::find(self.lock)? else { return Ok(()) };
+        let Some(PartialFile { path, head, .. }) = self.found()? else { return Ok(()) };
         let difference = self.identity.difference("the interrupted run", ("was", "is now"), &head.identity);
-        difference.map_or(Ok(()), |problem| Err(Error::OtherRun { partial: path, problem }))
+        difference.map_or(Ok(()), |problem| Err(Error::OtherRun { partial: path.clone(), problem }))
     }
 
     fn unfinished(&self) -> Result<Option<Error>, Error> {
-        let unfinished = |PartialFile { path, head, pieces }: PartialFile| {
+        let unfinished = |PartialFile { path, head, pieces }: &PartialFile| {
             let done = pieces.iter().map(|piece| piece.done).sum();
-            Error::Unfinished { partial: path, done, of: head.identity.replicas }
+            Error::Unfinished { partial: path.clone(), done, of: head.identity.replicas }
         };
-        Ok(PartialFile::find(self.lock)?.map(unfinished))
+        Ok(self.found()?.map(unfinished))
     }
 
     fn forget(&self) -> Result<(), Error> {

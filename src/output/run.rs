@@ -6,7 +6,6 @@ use crate::engine::{Batch, Outcome, ReductionTree};
 use crate::error::Error;
 use crate::experiment::{Builder, Curves, Phases, PreparedRun, Results, Workers};
 use crate::scene::Scene;
-use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,8 +20,8 @@ impl Builder<'_> {
         let output = output.as_ref();
         let lock = OutputLock::new(output, &[])?;
         let policy = OverwritePolicy { resume: true, force: false };
-        let (lock, made, interval) = (&lock, Cell::default(), INTERVAL);
-        let task = Task { output, lock, policy, part: None, source: None, made, interval, host: &() };
+        let (lock, interval) = (&lock, INTERVAL);
+        let task = Task { output, lock, policy, part: None, source: None, interval, host: &() };
         self.into_output(&task).map(drop)
     }
 

@@ -6,7 +6,6 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::experiment::{Builder, Observer, SceneLaws, Workers, builder};
 use crate::scene::Scene;
-use std::cell::Cell;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,8 +60,7 @@ impl Session {
         source: &'a Path,
     ) -> Task<'a> {
         let (source, host) = (Some(source), self.host.as_ref());
-        let made = Cell::default();
-        Task { output, lock, policy, part: None, source, made, interval: self.interval, host }
+        Task { output, lock, policy, part: None, source, interval: self.interval, host }
     }
 
     /// A session on as many threads as there are cores, which nobody watches.
@@ -93,8 +91,6 @@ pub(crate) struct Task<'a> {
     pub part: Option<Part>,
     /// The file of the scene, if it is of one.
     pub source: Option<&'a Path>,
-    /// The laws of the scene, if they have been made.
-    pub made: Cell<Option<SceneLaws>>,
     /// The interval at which what has been done is kept.
     pub interval: Duration,
     pub host: &'a dyn Host,
@@ -121,7 +117,7 @@ impl Task<'_> {
     /// # Errors
     /// [`Error::Law`] and [`Error::TooLarge`], with the file of the scene; [`Error::Interrupted`].
     pub fn laws(&self, scene: &Scene, workers: &Workers, threads: usize) -> Result<SceneLaws, Error> {
-        let laws = self.made.take().map_or_else(|| SceneLaws::within(scene, workers), Ok).and_then(|laws| {
+        let laws = SceneLaws::within(scene, workers).and_then(|laws| {
             let Range { start, end } = self.replicas(scene);
             let replicas = (end - start) as f64;
             let estimate = Estimate { replicas, ..Estimate::new(scene, laws.law.view(), threads) };

@@ -17,16 +17,12 @@ use crate::output::layouts::{RUN, SWEEP};
 use crate::output::task::{Part, Session, Task};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
-use std::cell::{Cell, RefCell};
-use std::collections::HashMap;
 use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Times that the result of a point is on the disk when all are put together.
 const COPIES: f64 = 2.0;
-/// Most points whose laws are kept until they are computed: to make one takes up to ten seconds, and its tables some megabytes.
-const MOST_LAWS: usize = 64;
 /// Files of others that are named.
 const NAMED: usize = 5;
 
@@ -44,8 +40,6 @@ pub(crate) struct Points<'a> {
     pub seed: Option<u64>,
     /// The shard that is computed, if not all points.
     pub shard: Option<Shard>,
-    /// Laws of points that have been made before they are computed.
-    pub laws: RefCell<HashMap<usize, SceneLaws>>,
 }
 
 impl<'a> Points<'a> {
@@ -57,8 +51,7 @@ impl<'a> Points<'a> {
         lock: &'a OutputLock,
         policy: OverwritePolicy,
     ) -> Self {
-        let laws = RefCell::default();
-        Self { sweep, source, session, lock, policy, replicas: None, seed: None, shard: None, laws }
+        Self { sweep, source, session, lock, policy, replicas: None, seed: None, shard: None }
     }
 }
 
@@ -121,10 +114,6 @@ impl Points<'_> {
             if largest.is_none_or(|known| known.memory() < estimate.memory()) {
                 largest = Some(estimate);
             }
-            // A shard computes few of the points.
-            if self.shard.is_none() && point < MOST_LAWS {
-                self.laws.borrow_mut().insert(point, laws);
-            }
         }
         Ok(largest)
     }
@@ -179,9 +168,7 @@ impl Points<'_> {
     fn compute_one(&self, point: usize, batches: Range<u64>) -> Result<(), Error> {
         let scene = self.scene(point)?;
         let lock = self.lock_of(point)?;
-        let part = self.shard.map(|shard| Part { shard, batches });
-        let made = Cell::new(self.laws.borrow_mut().remove(&point));
-        let task = Task { made, ..self.task(&lock, part) };
+        let task = self.task(&lock, self.shard.map(|shard| Part { shard, batches }));
         if self.session.workers.is_stopped() {
             let Range { start, end } = task.replicas(&scene);
             return Err(Error::Interrupted { done: 0, of: end - start, kept: self.done() > 0 });

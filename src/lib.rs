@@ -88,6 +88,6 @@ pub use math::{
 pub use output::layouts;
 #[cfg(feature = "hdf5")]
 #[doc(inline)]
-pub use output::sweep::{SweepPoint, sweep};
+pub use output::sweep::{PointPullOff, SweepPoint, sweep};
 #[doc(inline)]
 pub use scene::Scene;

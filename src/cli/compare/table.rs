@@ -56,7 +56,8 @@ impl<'a> Row<'a> {
         let std = match scene.replicas {
             0 => f64::NAN,
             _ if has_preloads(&scene) => {
-                let largest = scene.instability.preload.iter().position(|preload| *preload == point.preload);
+                let preload = point.pull_off().and_then(|own| own.preload);
+                let largest = scene.instability.preload.iter().position(|known| Some(*known) == preload);
                 let stds = reader.at_point::<f64>("/instability/pull_off_after_preload_std", &[at])?;
                 largest.map_or(f64::NAN, |largest| stds[largest])
             }
@@ -187,24 +188,26 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
     let p_values: Vec<f64> = rows.iter().map(|row| row.point.p_value).collect();
     let disagree = disagreeing(&p_values);
     let mut agree = f64::NAN;
-    let first = rows[0].point.pull_off[0];
+    let first = rows[0].point.pull_off().map_or(f64::NAN, |own| own.force[0]);
     for (i, row) in rows.iter().enumerate() {
-        let ([mean, error], difference) = (row.point.pull_off, &row.point.differences[0]);
+        let (pull_off, difference) = (row.point.pull_off(), &row.point.differences[0]);
+        let [mean, error] = pull_off.map_or([f64::NAN; 2], |own| own.force);
+        let preload = pull_off.and_then(|own| own.preload);
         let mut cells = ["none", "", "", ""].map(str::to_owned);
         if mean > 0.0 {
             // Differences are of whole loops.
             let of_difference = if i > 0 && !is_pressed { difference.most_differing } else { f64::NAN };
-            agree = agree.max(row.point.most_differing).max(of_difference);
+            agree = agree.max(pull_off.map_or(f64::NAN, |own| own.most_differing)).max(of_difference);
             let off = deviation(if is_pressed { mean } else { first + difference.mean }, first);
             let last = match (is_pressed, i) {
-                (true, _) => si(row.point.preload, "N"),
+                (true, _) => preload.map_or(String::new(), |preload| si(preload, "N")),
                 (false, 0) => String::new(),
                 (false, _) if off.is_nan() => share(off),
                 (false, _) => share(difference.standard_error / first),
             };
             let off = if i == 0 { "first".to_owned() } else { signed_percent(off) };
             cells = [si_with_error(mean, error, "N"), share(row.std / mean), off, last];
-        } else if is_pressed && row.point.preload.is_nan() {
+        } else if is_pressed && preload.is_none() {
             cells[0] = "reaches no preload".to_owned();
         }
         let [pull_off, std, off, last] = cells;

@@ -5,8 +5,8 @@ mod rows;
 mod stack;
 
 pub(crate) use points::Points;
-pub use rows::SweepPoint;
 pub(crate) use rows::{DRY, run_sweep, stacked};
+pub use rows::{PointPullOff, SweepPoint};
 
 use super::kept::{OutputLock, OverwritePolicy};
 use super::task::Session;

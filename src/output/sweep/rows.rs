@@ -71,19 +71,8 @@ pub(crate) fn stacked(
 /// ```
 #[derive(Clone, Debug)]
 pub struct SweepPoint {
-    /// Mean pull-off force over replicas and its standard error, N, with control variates where there are some; after the
-    /// largest preload that is reached, where there are preloads.
-    pub pull_off: [f64; 2],
-    /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
-    /// confidence; otherwise NaN.
-    pub most_differing: f64,
-    /// The preload that the pull-off follows, N; NaN without one.
-    pub preload: f64,
-    /// Share of the replicas with a pull-off force above the restoring force of the device; NaN without one.
-    pub stuck_probability: f64,
-    /// The smallest and the largest by any plastic contact of that probability, or of the pull-off force, N, where there is
-    /// no device; NaN where no contacts yield.
-    pub model_range: [f64; 2],
+    /// The pull-off of the whole history, or after each preload of the scene, in its order; none without replicas.
+    pub pull_offs: Vec<PointPullOff>,
     /// Pull-off force of the integral, N.
     pub integral: f64,
     /// Difference of each of the [`SCALARS`] to the first point.
@@ -94,19 +83,41 @@ pub struct SweepPoint {
     pub independence: Option<Independence>,
 }
 
+/// The pull-off of a point of a sweep, of its whole history or after a preload.
+#[derive(Clone, Copy, Debug)]
+pub struct PointPullOff {
+    /// The preload, N; none where the pull-off is of the whole history.
+    pub preload: Option<f64>,
+    /// Mean pull-off force over the replicas and its standard error, N: of the whole history with control variates where there
+    /// are some, after a preload over the replicas that reach it; NaN where none does.
+    pub force: [f64; 2],
+    /// Where the pull-off force is the same in all replicas, the largest share of patches that may differ, with 95 %
+    /// confidence; otherwise NaN.
+    pub most_differing: f64,
+    /// Share of the replicas with a pull-off force above the restoring force of the device, and the ends of the 95 % interval
+    /// of that probability; none without a device.
+    pub stuck_probability: Option<[f64; 3]>,
+    /// The smallest and the largest pull-off force by any plastic contact, N; none where no contacts yield.
+    pub model_range: Option<[f64; 2]>,
+    /// The smallest and the largest of that probability by any plastic contact.
+    pub stuck_model_range: Option<[f64; 2]>,
+}
+
 impl SweepPoint {
     /// A point that is not there.
     const ABSENT: Self = Self {
-        pull_off: [f64::NAN; 2],
-        most_differing: f64::NAN,
-        preload: f64::NAN,
-        stuck_probability: f64::NAN,
-        model_range: [f64::NAN; 2],
+        pull_offs: Vec::new(),
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
         p_value: f64::NAN,
         independence: None,
     };
+
+    /// The pull-off of the whole history, or after the largest preload that is reached; none where none is.
+    pub fn pull_off(&self) -> Option<&PointPullOff> {
+        let reached = self.pull_offs.iter().filter(|own| !own.force[0].is_nan());
+        reached.max_by(|a, b| a.preload.partial_cmp(&b.preload).expect("preloads are numbers"))
+    }
 }
 
 /// Puts the points together into the output; none when it was interrupted.
@@ -333,60 +344,49 @@ fn compared(
     let group = scene.sampling.group() as usize;
     let are_whole = |point: &Compared| scene.stopping.is_some() || point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
-    let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
-    let of_loop = SweepPoint {
-        pull_off: [
-            of_pull_off("/ensemble/scalar_controlled_mean")?,
-            of_pull_off("/ensemble/scalar_controlled_standard_error")?,
-        ],
-        most_differing: of_pull_off("/ensemble/scalar_most_differing")?,
-        stuck_probability: stuck(&reader, "stuck_probability", 0)?,
-        model_range: model_range(&reader, ["pull_off_force", "stuck_probability"], 0)?,
+    Ok(SweepPoint {
+        pull_offs: pull_offs(&reader)?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
         ..of_integral(file)?
-    };
-    after_largest_preload(of_loop, &reader)
-}
-
-/// A probability of a device; NaN without one.
-fn stuck(reader: &Reader, name: &str, place: usize) -> Result<f64, OutputError> {
-    let path = format!("/device/{name}");
-    if reader.has(&path) { Ok(reader.values::<f64>(&path)?[place]) } else { Ok(f64::NAN) }
-}
-
-/// The range over plastic contacts of the last of these datasets that a run has, at a place of its other dimension; NaN
-/// without any.
-fn model_range(reader: &Reader, names: [&str; 2], place: usize) -> Result<[f64; 2], OutputError> {
-    let paths = names.map(|name| format!("/model_range/{name}"));
-    let Some(path) = paths.iter().rfind(|path| reader.has(path)) else { return Ok([f64::NAN; 2]) };
-    let values = reader.values::<f64>(path)?;
-    Ok(ends(&values, values.len() / PlasticContact::ALL.len()).map(|end| end[place]))
-}
-
-/// A point with the pull-off after the largest preload that is reached, where there are preloads: none where none is reached.
-fn after_largest_preload(of_loop: SweepPoint, reader: &Reader) -> Result<SweepPoint, OutputError> {
-    if !reader.has("/instability/pull_off_after_preload_mean") {
-        return Ok(of_loop);
-    }
-    let of = |name: &str| reader.values::<f64>(&format!("/instability/{name}"));
-    let preloads = of("preload")?;
-    let (means, errors) = (of("pull_off_after_preload_mean")?, of("pull_off_after_preload_standard_error")?);
-    let counts = reader.values::<u64>("/instability/preload_reached_count")?;
-    let is_reached = |i: &usize| preloads[*i].is_finite() && counts[*i] > 0;
-    let largest = (0..preloads.len()).filter(is_reached).max_by(|a, b| preloads[*a].total_cmp(&preloads[*b]));
-    let Some(i) = largest else {
-        let none = [f64::NAN; 2];
-        return Ok(SweepPoint { pull_off: none, stuck_probability: f64::NAN, model_range: none, ..of_loop });
-    };
-    let names = ["pull_off_after_preload", "stuck_probability_after_preload"];
-    Ok(SweepPoint {
-        model_range: model_range(reader, names, i)?,
-        pull_off: [means[i], errors[i]],
-        preload: preloads[i],
-        stuck_probability: stuck(reader, "stuck_probability_after_preload", i)?,
-        ..of_loop
     })
+}
+
+/// The pull-offs of a point: of its whole history, or after each preload.
+fn pull_offs(reader: &Reader) -> Result<Vec<PointPullOff>, OutputError> {
+    let is_pressed = reader.has("/instability/pull_off_after_preload_mean");
+    let (after, [mean, error], pull_off) = match is_pressed {
+        true => ("_after_preload", ["mean", "standard_error"], "/instability/pull_off_after_preload"),
+        false => ("", ["controlled_mean", "controlled_standard_error"], "/ensemble/scalar"),
+    };
+    let of = |path: String| if reader.has(&path) { reader.values::<f64>(&path).map(Some) } else { Ok(None) };
+    let of_pull_off = |name: &str| reader.values::<f64>(&format!("{pull_off}_{name}"));
+    let (means, errors) = (of_pull_off(mean)?, of_pull_off(error)?);
+    let stuck = ["", "_low", "_high"].map(|end| of(format!("/device/stuck_probability{end}{after}")));
+    let [stuck, low, high] = stuck;
+    let stuck = stuck?.zip(low?).zip(high?);
+    let preloads = if is_pressed { Some(reader.values::<f64>("/instability/preload")?) } else { None };
+    let ranges = [if is_pressed { "pull_off" } else { "pull_off_force" }, "stuck_probability"]
+        .map(|name| of(format!("/model_range/{name}{after}")));
+    let [force_range, stuck_range] = ranges;
+    let count = preloads.as_ref().map_or(1, Vec::len);
+    let [force_range, stuck_range] = [force_range?, stuck_range?]
+        .map(|of_contacts| of_contacts.map(|values| ends(&values, values.len() / PlasticContact::ALL.len())));
+    let range_at = |ends: &Option<[Vec<f64>; 2]>, i: usize| {
+        ends.as_ref().map(|[low, high]| [low[i], high[i]]).filter(|[low, _]| !low.is_nan())
+    };
+    let most_differing =
+        if is_pressed { f64::NAN } else { reader.values::<f64>("/ensemble/scalar_most_differing")?[0] };
+    let pull_off = |i: usize| PointPullOff {
+        preload: preloads.as_ref().map(|preloads| preloads[i]),
+        force: [means[i], errors[i]],
+        most_differing,
+        stuck_probability: stuck.as_ref().map(|((share, low), high)| [share[i], low[i], high[i]]),
+        model_range: range_at(&force_range, i),
+        stuck_model_range: range_at(&stuck_range, i),
+    };
+    let is_preload = |own: &PointPullOff| own.preload.is_none_or(f64::is_finite);
+    Ok((0..count).map(pull_off).filter(is_preload).collect())
 }
 
 fn write_differences(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {

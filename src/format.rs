@@ -61,6 +61,11 @@ pub(crate) fn si_to(digits: usize, values: &[f64], joint: &str, unit: &str) -> S
     format!("{} {prefix}{unit}", shown.join(joint))
 }
 
+/// A number rounded to some significant digits.
+pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
 /// Significant digits, at least three, for values from 1 to 1000.
 fn significant(value: f64, digits: usize) -> String {
     let whole = if value.abs() < 10.0 {
@@ -125,6 +130,14 @@ pub(crate) fn duration(seconds: f64) -> String {
         format!("{:.1} min", seconds / 60.0)
     } else {
         format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+/// A number of things, of which there may be one: `1 patch`, `2 patches`.
+pub(crate) fn counted(count: impl Into<u64>, one: &str, more: &str) -> String {
+    match count.into() {
+        1 => format!("1 {one}"),
+        count => format!("{count} {more}"),
     }
 }
 

@@ -22,7 +22,7 @@ const MOST_REPLICAS: u64 = 1_000_000_000_000;
 #[derive(Args)]
 pub(super) struct Execution {
     /// Threads; by default one per core, and at most 8 for each. They do not change the result
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096), allow_negative_numbers = true)]
     pub threads: Option<u16>,
     /// Overwrite an existing result, and drop what an interrupted run of it has kept
     #[arg(long)]
@@ -59,10 +59,10 @@ impl Execution {
 #[derive(Args)]
 pub(super) struct RunOptions {
     /// Number of replicas, of each point where there are several, instead of the scene's; 0 for the integral alone
-    #[arg(long, value_parser = replicas)]
+    #[arg(long, value_parser = replicas, allow_negative_numbers = true)]
     pub replicas: Option<u64>,
     /// Seed, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(long, value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Go on with an interrupted run of this output; begins it if nothing was kept
     #[arg(long)]
@@ -92,7 +92,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     /// The probability that the pull-off force is above this, such as "1 uN": sets device.restoring_force
-    #[arg(long, value_name = "FORCE")]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true)]
     above: Option<String>,
     /// Leave out the range of the results over plastic contacts: sets ensemble.model_range
     #[arg(long)]
@@ -110,11 +110,13 @@ impl RunArguments {
     /// # Errors
     /// [`Failure`] where it is none.
     pub fn document(&self) -> Result<Document, Failure> {
-        let above = self.above.as_ref().map(|force| format!("device.restoring_force={force:?}"));
-        let range = self.no_model_range.then(|| "ensemble.model_range=false".to_owned());
-        let settings: Result<Vec<Setting>, String> =
-            above.into_iter().chain(range).map(|setting| setting.parse()).collect();
-        self.scene.document_with(settings.map_err(Failure::Usage)?)
+        let above = self
+            .above
+            .as_deref()
+            .map(|force| Setting::by(&format!("--above {force}"), "device.restoring_force", force));
+        let range =
+            self.no_model_range.then(|| Setting::by("--no-model-range", "ensemble.model_range", false));
+        self.scene.document_with(above.into_iter().chain(range).collect())
     }
 
     /// The output that is named, or the scene's name with another extension.
@@ -146,6 +148,12 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
 fn replicas(text: &str) -> Result<u64, String> {
     let needed = || format!("a whole number from 0 to {MOST_REPLICAS} is needed");
     whole(text).filter(|count| *count <= MOST_REPLICAS).ok_or_else(needed)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    let most = i64::MAX as u64;
+    let needed = || format!("a whole number from 0 to {most} is needed");
+    text.parse().ok().filter(|seed| *seed <= most).ok_or_else(needed)
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

@@ -16,7 +16,7 @@ use crate::experiment::Observer;
 use crate::experiment::integral::Integral;
 use crate::experiment::model_range::others;
 use crate::experiment::{SceneLaws, thread_pool};
-use crate::format::bytes;
+use crate::format::{bytes, counted};
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
 use std::path::Path;
@@ -108,8 +108,8 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<Checked, Fai
             + &paragraph(&warning.explanation()));
     }
     let estimate = Estimate { files: 2.0 * sweep.count() as f64, ..largest };
-    text +=
-        &labelled("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
+    let threads = counted(estimate.threads as u64, "thread", "threads");
+    text += &labelled("memory", &format!("about {} on {threads}", bytes(estimate.memory())));
     text += &labelled("disk", &format!("at most about {}", bytes(estimate.disk())));
     Ok((text, resources::require(&estimate, Some(Path::new("out.h5"))).err()))
 }
@@ -141,7 +141,11 @@ fn model_range(scene: &Scene, expected: &Expectation) -> String {
     let names: Vec<&str> = others.iter().map(|contact| contact.name()).collect();
     labelled(
         "model range",
-        &format!("contacts yield: {replicas} replicas by each of {}, too", names.join(", ")),
+        &format!(
+            "contacts yield: {} by each of {}, too",
+            counted(replicas, "replica", "replicas"),
+            names.join(", ")
+        ),
     )
 }
 
@@ -163,10 +167,7 @@ fn threads() -> usize {
 
 /// Memory and disk.
 fn cost(estimate: &Estimate) -> String {
-    let threads = match estimate.threads {
-        1.0 => "1 thread".to_owned(),
-        threads => format!("{threads} threads"),
-    };
+    let threads = counted(estimate.threads as u64, "thread", "threads");
     let busy = estimate.workers();
     let idle = if busy > 0.0 && busy < estimate.threads {
         let part = if estimate.is_coupled() { "replica" } else { "batch of replicas" };

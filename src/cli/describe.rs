@@ -6,7 +6,7 @@ use crate::asperity::scale::Scale;
 use crate::background::NamedForce;
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
-use crate::format::{percent, pure, si};
+use crate::format::{counted, percent, pure, si};
 use crate::liquid::{Film, Meniscus};
 use crate::scene::echo::cut;
 use crate::scene::units::Dimension;
@@ -106,7 +106,10 @@ pub(super) fn numbers(scene: &Scene) -> String {
         CountLaw::Fixed => "",
         CountLaw::Poisson => " on average (Poisson)",
     };
-    text += &labelled("N", &format!("{} asperities per replica{varies}", surface.asperity_count));
+    text += &labelled(
+        "N",
+        &format!("{} per replica{varies}", counted(surface.asperity_count as u64, "asperity", "asperities")),
+    );
     if let Some(depths) = surface.heights.depths() {
         text += &labelled("shape", &depths.shape.about());
         text += &paragraph(&format!(
@@ -140,14 +143,18 @@ fn parameters(scene: &Scene) -> String {
     let [lambda, of_asperities, of_surface] =
         [lambda, scene.plasticity_index(), scene.surface_plasticity_index()].map(pure);
     let [length, critical] = [length, scene.asperity.critical_interference()].map(|length| si(length, "m"));
-    let plastic = "plasticity index, Greenwood and Williamson's: elastic below 0.6, plastic above 1";
-    let printed = format!("as Shi and Polycarpou print it (critical interference {critical})");
     let text = labelled("lambda", &format!("{lambda}: adhesion parameter (unit of approach {length})"));
     if scene.asperity.hardness == f64::INFINITY {
         return text + &labelled("psi", "none: without material.hardness nothing yields");
     }
-    text + &labelled("psi of sigma_s", &format!("{of_asperities}: {plastic}"))
-        + &labelled("psi of sigma", &format!("{of_surface}, {printed}"))
+    let text = text
+        + &labelled(
+            "psi",
+            &format!("{of_asperities}: plasticity index of sigma_s, elastic below 0.6, plastic above 1"),
+        );
+    text + &paragraph(&format!(
+        "{of_surface} of sigma, as Shi and Polycarpou print it (critical interference {critical})"
+    ))
 }
 
 /// The liquid that condenses around the asperities.

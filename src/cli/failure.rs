@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::error::OutputError;
+use crate::format::counted;
 use crate::scene::SceneError;
 use anyhow::anyhow;
 use std::path::Path;
@@ -108,9 +109,14 @@ impl From<Error> for Failure {
             }
             Error::AtPoint { point, error } => Self::AtPoint { point, failure: Box::new((*error).into()) },
             Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
-            Error::Kept { error, replicas, partial } => {
-                kept((*error).into(), &format!("{replicas} replicas are kept in {}", partial.display()))
-            }
+            Error::Kept { error, replicas, partial } => kept(
+                (*error).into(),
+                &format!(
+                    "{} in {}",
+                    counted(replicas, "replica is kept", "replicas are kept"),
+                    partial.display()
+                ),
+            ),
             Error::PointsKept { error, done, of, folder } => {
                 kept((*error).into(), &format!("{done} of {of} points are kept in {}", folder.display()))
             }

@@ -114,7 +114,7 @@ enum Command {
 pub fn main() -> ExitCode {
     parent::end_with_parent();
     watch::end_by(unread);
-    let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
+    let result = match Cli::try_parse_from(of_all(decimal(std::env::args_os()))) {
         Ok(Cli { command: Command::External(named) }) => return external(&named[0]),
         Ok(Cli { command }) => execute(command),
         Err(refused) if refused.use_stderr() => {
@@ -166,6 +166,18 @@ fn decimal(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = Os
         let number = text.and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
         number.map_or(argument, |number| number.to_string().into())
     })
+}
+
+/// The arguments, with the help of the help as the help of all.
+fn of_all(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.collect();
+    if let [_, first, second] = &arguments[..]
+        && first == "help"
+        && (second == "--help" || second == "-h")
+    {
+        arguments.remove(1);
+    }
+    arguments
 }
 
 fn execute(command: Command) -> Result<(), Failure> {

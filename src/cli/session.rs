@@ -3,14 +3,14 @@
 use super::arguments::{Execution, RunOptions};
 use super::failure::{Failure, INTERRUPTED};
 use super::parent::has_parent;
-use super::progress::{Display, Progress};
+use super::progress::{Display, Progress, Times};
 use super::resources;
 use super::terminal::note;
 use crate::estimate::Estimate;
 use crate::experiment::{Observer, Workers};
 use crate::output::OutputLock;
 use crate::output::sweep::Points;
-use crate::output::task::{self, Host};
+use crate::output::task::{self, Host, Run};
 use crate::scene::Sweep;
 use anyhow::Context;
 use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
@@ -34,7 +34,10 @@ impl Session {
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
         let display = execution.display();
-        let (workers, host) = (Workers::new(execution.threads(), stop)?, Box::new(Terminal { display }));
+        let (workers, host) = (
+            Workers::new(execution.threads(), stop)?,
+            Box::new(Terminal { display, times: Times::default() }),
+        );
         let shared = task::Session { workers, interval, host };
         Ok(Self { shared, display })
     }
@@ -51,11 +54,13 @@ impl Deref for Session {
 /// The terminal as the host of experiments.
 struct Terminal {
     display: Display,
+    /// The times of the runs of several.
+    times: Times,
 }
 
 impl Host for Terminal {
-    fn observer(&self, run: String) -> Box<dyn Observer> {
-        Box::new(Progress::of_run(self.display, run))
+    fn observer(&self, run: Run) -> Box<dyn Observer> {
+        Box::new(Progress::of_run(self.display, run, &self.times))
     }
 
     fn notice(&self, text: &str) {

@@ -9,7 +9,7 @@ use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::{Shard, batches_of};
 use crate::experiment::ensemble::set_ensemble;
-use crate::format::{duration, replicas};
+use crate::format::{counted, duration, replicas};
 use crate::output::OutputLock;
 use crate::output::kept::{PartialFile, Piece};
 use crate::output::sweep::{Points, run_sweep};
@@ -63,5 +63,5 @@ fn summary(shard: Shard, scene: &Scene, pieces: &[Piece], points: Option<usize>,
         text += &row("replicas", "none: there are more shards than batches of replicas");
     }
     let seconds = pieces.iter().map(|piece| piece.seconds).sum();
-    text + &row("time", &format!("{} on {threads} threads", duration(seconds)))
+    text + &row("time", &format!("{} on {}", duration(seconds), counted(threads as u64, "thread", "threads")))
 }

@@ -50,8 +50,9 @@ impl SceneArguments {
             return Err(Error::IsSweep(self.path().to_owned()).into());
         };
         let own = [scene.model.name.to_owned()];
-        let setting = format!("sweep.model.law={:?}", if laws.is_empty() { &own[..] } else { laws });
-        let setting = setting.parse::<Setting>().map_err(Failure::Usage)?;
+        let laws = if laws.is_empty() { &own[..] } else { laws };
+        let laws: toml_edit::Array = laws.iter().collect();
+        let setting = Setting::by("--laws", "sweep.model.law", laws);
         self.document_of(&text, &[&self.settings[..], &[setting]].concat())
     }
 

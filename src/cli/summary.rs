@@ -11,7 +11,7 @@ use crate::experiment::capillary;
 use crate::experiment::results::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
-use crate::format::{duration, percent, percents, si, si_all, si_to, si_with_error};
+use crate::format::{counted, duration, percent, percents, si, si_all, si_to, si_with_error};
 use crate::integral::IndependenceVerdict;
 use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
@@ -48,10 +48,10 @@ pub(super) fn warned(results: &Results) -> String {
 /// The law, the history and what is drawn.
 fn about(results: &Results) -> String {
     let scene = &results.scene;
-    let (patches, asperities) = (scene.replicas, scene.surface.asperity_count);
+    let patches = counted(scene.replicas, "patch", "patches");
+    let asperities = counted(scene.surface.asperity_count as u64, "asperity", "asperities");
     let law = format!("{} on {}", scene.model.name, scene.history_name());
-    let text =
-        paragraph(&format!("{law}, {patches} patches of {asperities} asperities, seed {}", scene.seed));
+    let text = paragraph(&format!("{law}, {patches} of {asperities}, seed {}", scene.seed));
     match sources_of_heights(scene) {
         [FROM_ASPERITIES, _] => text + &height_std(scene, FROM_ASPERITIES),
         _ => text,

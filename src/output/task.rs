@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::experiment::{Builder, Observer, SceneLaws, Workers, builder};
 use crate::scene::Scene;
+use std::fmt::{Display, Formatter};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,10 +15,24 @@ use std::time::Duration;
 /// The time after which what has been done is kept.
 pub(super) const INTERVAL: Duration = Duration::from_secs(30);
 
+/// A run of several, such as a point of a sweep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    /// Its number, from 1.
+    pub number: usize,
+    pub count: usize,
+}
+
+impl Display for Run {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "point {} of {}", self.number, self.count)
+    }
+}
+
 /// Whoever starts experiments. By default nobody watches, nothing is said, and everything is allowed.
 pub(crate) trait Host: Sync {
-    /// Somebody who watches one of several runs, by its name.
-    fn observer(&self, _run: String) -> Box<dyn Observer> {
+    /// Somebody who watches one of several runs.
+    fn observer(&self, _run: Run) -> Box<dyn Observer> {
         Box::new(())
     }
 

@@ -4,6 +4,7 @@ use super::error::{SceneError, Together};
 use super::files::{Column, Files, Input, MOST_VALUES, Values};
 use super::reader::{Entry, Section};
 use super::units::{Dimension, parse};
+use crate::format::counted;
 use toml::de::DeValue;
 
 /// What the rows of a law's file say.
@@ -47,7 +48,10 @@ pub(super) fn of_file(
     };
     if !(FEWEST..=MOST_VALUES).contains(&values.len()) {
         let count = values.len();
-        return Err(entry.wrong(&format!("has {count} values; {FEWEST} to {MOST_VALUES} are needed")));
+        return Err(entry.wrong(&format!(
+            "has {}; {FEWEST} to {MOST_VALUES} are needed",
+            counted(count as u64, "value", "values")
+        )));
     }
     if let Some(place) = values.iter().position(|value| !value.is_finite()) {
         return Err(entry.wrong(&format!("value {} is not finite: {}", place + 1, values[place])));

@@ -111,7 +111,7 @@ fn spring(entry: &Entry<'_>) -> Result<Option<f64>, SceneError> {
 }
 
 /// A value, or a list of them.
-fn one_or_more<T>(
+fn one_or_more<T: PartialEq>(
     entry: &Entry<'_>,
     read: impl Fn(&Entry<'_>) -> Result<T, SceneError>,
 ) -> Result<Vec<T>, SceneError> {
@@ -119,5 +119,13 @@ fn one_or_more<T>(
     if !(1..=MOST).contains(&array.len()) {
         return Err(entry.wrong(&format!("has {} values; 1 to {MOST} are needed", array.len())));
     }
-    array.iter().enumerate().map(|(i, element)| read(&entry.element(i, element))).collect()
+    let values: Vec<T> = array
+        .iter()
+        .enumerate()
+        .map(|(i, element)| read(&entry.element(i, element)))
+        .collect::<Result<_, _>>()?;
+    if let Some(twice) = (1..values.len()).find(|at| values[..*at].contains(&values[*at])) {
+        return Err(entry.element(twice, &array[twice]).wrong("is given twice; give it once"));
+    }
+    Ok(values)
 }

@@ -9,6 +9,7 @@ use super::laws::count;
 use super::population::{Around, Population, suits_body};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
+use crate::format::counted;
 use crate::surface::{CountLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface};
 
 /// The keys of measured asperities.
@@ -120,7 +121,10 @@ fn with_radii(found: Measured, is_equivalent: bool) -> Result<Measured, String> 
     let radii = if is_equivalent { equivalent_radii.ok_or(old)? } else { radii };
     match radii.len() {
         FEWEST..=MOST_VALUES => Ok(Measured { radii, equivalent_radii: None, ..found }),
-        count => Err(format!("has {count} asperities; {FEWEST} to {MOST_VALUES} are needed")),
+        count => Err(format!(
+            "has {}; {FEWEST} to {MOST_VALUES} are needed",
+            counted(count as u64, "asperity", "asperities")
+        )),
     }
 }
 

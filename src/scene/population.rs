@@ -201,6 +201,10 @@ fn rough_surface(
             mean_plane_offset: offset,
         },
     };
+    // Radii of a spectrum are of its shortest waves.
+    if spectrum.is_none() && surface_std.is_some_and(|std| std > asperity_radius) {
+        return Err(refused(section, SurfaceError::AboveRadius(asperity_radius)));
+    }
     Surface::new(&roughness).map_err(|error| refused(section, error))
 }
 
@@ -220,7 +224,7 @@ fn given_radius(section: &Section<'_>, radii: &Result<Radii, SceneError>) -> Res
 /// The error of a surface at the key that it is about.
 fn refused(section: &Section<'_>, error: SurfaceError) -> SceneError {
     let key = match error {
-        SurfaceError::NegativeVariance { .. } => "surface_height_std",
+        SurfaceError::NegativeVariance { .. } | SurfaceError::AboveRadius(_) => "surface_height_std",
         SurfaceError::NoHeightStd => "",
         SurfaceError::NoAsperity(_) | SurfaceError::TooMany { .. } => "nominal_area",
         SurfaceError::Length { name, .. } => name,

@@ -2,6 +2,7 @@
 
 use super::definition::Scene;
 use super::warning::{Warning, units};
+use crate::format::rounded;
 
 /// Moduli from soft gels to diamond against a rigid body, Pa.
 const MODULI: [f64; 2] = [1e3, 1.2e12];
@@ -30,6 +31,8 @@ pub(super) struct Range {
     range: [f64; 2],
     /// The unit of the range, and its value in SI.
     unit: (&'static str, f64),
+    /// The kind of things that the range is of.
+    of: &'static str,
     reason: &'static str,
     keys: &'static [&'static str],
 }
@@ -54,6 +57,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: asperity.reduced_modulus,
             range: MODULI,
             unit: ("GPa", 1e9),
+            of: "solids",
             reason: "gels and diamond are softest and stiffest of the solids (Ashby 2011)",
             keys: &["reduced_modulus"],
         },
@@ -62,6 +66,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: known(asperity.hardness / asperity.reduced_modulus),
             range: HARDNESSES,
             unit: ("", 1.0),
+            of: "solids",
             reason: "three times (Tabor 1951) the yield strains of solids (Ashby 2011)",
             keys: &["hardness", "reduced_modulus"],
         },
@@ -70,6 +75,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: asperity.work_of_adhesion,
             range: WORKS_OF_ADHESION,
             unit: ("J/m^2", 1.0),
+            of: "known surfaces",
             reason: "surfaces in liquids and clean metals or diamond have the least and the most (Israelachvili 2011)",
             keys: &["work_of_adhesion"],
         },
@@ -78,6 +84,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: asperity.equilibrium_spacing,
             range: EQUILIBRIUM_SPACINGS,
             unit: ("nm", 1e-9),
+            of: "atoms in contact",
             reason: "it is a distance of atoms (Israelachvili 2011)",
             keys: &["equilibrium_spacing"],
         },
@@ -86,6 +93,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: asperity.radius,
             range: RADII,
             unit: ("um", 1e-6),
+            of: "asperities",
             reason: "smaller ones are no continuum (Luan and Robbins 2005), larger ones no asperities",
             keys: &["asperity_radius"],
         },
@@ -94,6 +102,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: scene.scale().lambda,
             range: LAMBDAS,
             unit: ("", 1.0),
+            of: "known materials",
             reason: "asperities of known materials are within (Johnson and Greenwood 1997; Ashby 2011)",
             keys: &["work_of_adhesion", "reduced_modulus", "equilibrium_spacing", "asperity_radius"],
         },
@@ -102,6 +111,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: known(scene.plasticity_index()),
             range: PLASTICITY_INDICES,
             unit: ("", 1.0),
+            of: "known surfaces",
             reason: "known surfaces are within (Greenwood and Williamson 1966)",
             keys: &["hardness", "reduced_modulus", "surface_height_std", "asperity_radius"],
         },
@@ -110,6 +120,7 @@ pub(super) fn ranges(scene: &Scene) -> Vec<Range> {
             value: product,
             range: PRODUCTS,
             unit: ("", 1.0),
+            of: "isotropic Gaussian surfaces",
             reason: "an isotropic Gaussian surface has 0.0204 sqrt(alpha), with a Nayak parameter alpha from 1.5 \
                      to about 100 (McCool 1986), measured ones 0.03 to 0.05 (Johnson 1985)",
             keys: &["asperity_density", "asperity_radius", "surface_height_std"],
@@ -121,26 +132,22 @@ impl Range {
     /// The warning, if the number is outside.
     pub(super) fn warning(self) -> Option<Warning> {
         let [low, high] = self.range;
-        let (side, limit) = match self.value {
-            value if value < low => ("below", low),
-            value if value > high => ("above", high),
+        let (side, limit, end) = match self.value {
+            value if value < low => ("below", low, "least"),
+            value if value > high => ("above", high, "most"),
             _ => return None,
         };
         let (unit, size) = self.unit;
         let shown = |value: f64| format!("{} {unit}", number(value / size)).trim_end().to_owned();
-        let finding = format!("{} = {} is {side} {}", self.name, shown(self.value), shown(limit));
+        let (name, value, limit) = (self.name, shown(self.value), shown(limit));
+        let finding = format!("{name} = {value} is {side} {limit}, the {end} of {}", self.of);
         Some(Warning::new(finding, self.reason, units(self.keys)))
     }
 }
 
 /// A number with three significant digits, in powers of ten where they would hide it.
 fn number(value: f64) -> String {
-    if (1e-3..1e5).contains(&value) { format!("{}", rounded(value)) } else { format!("{value:.2e}") }
-}
-
-/// A number to three significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
+    if (1e-3..1e5).contains(&value) { format!("{}", rounded(value, 3)) } else { format!("{value:.2e}") }
 }
 
 #[cfg(test)]

@@ -403,7 +403,9 @@ impl<'a> Entry<'a> {
                 Err(self.wrong(&format!("the unit is that of {}; {needed}", other.name())))
             }
             Err(QuantityError::UnknownUnit(unit)) => {
-                Err(self.wrong(&format!("unknown unit `{}`; {needed}", shortened(&unit))))
+                let meant =
+                    dimension.meant(&unit, text).map(|meant| format!(" ({meant})")).unwrap_or_default();
+                Err(self.wrong(&format!("unknown unit `{}`{meant}; {needed}", shortened(&unit))))
             }
         }
     }

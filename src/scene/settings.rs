@@ -13,7 +13,8 @@ pub(super) const COUPLING: &str = "substrate.coupling";
 /// A key of a scene and the value that it is to have, `material.work_of_adhesion=0.1 J/m^2`.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    given: String,
+    /// The option that sets it, as messages name it.
+    option: String,
     /// The names of the tables around the key, and its own.
     path: Vec<String>,
     value: Value,
@@ -32,7 +33,7 @@ impl FromStr for Setting {
         let path: Vec<String> = keys.iter().map(|key| key.get().to_owned()).collect();
         let mut value: Value = text.trim().parse().unwrap_or_else(|_| text.into());
         value.decor_mut().clear();
-        Ok(Self { given: given.to_owned(), path: unquoted(path), value })
+        Ok(Self { option: format!("--set {}", shortened(given)), path: unquoted(path), value })
     }
 }
 
@@ -59,11 +60,14 @@ impl Setting {
     }
 
     fn refused(&self, problem: &str) -> SceneError {
-        SceneError::general(format!("{}: {problem}", self.shown()))
+        SceneError::general(format!("{}: {problem}", self.option))
     }
 
-    fn shown(&self) -> String {
-        format!("--set {}", shortened(&self.given))
+    /// The setting of a key by an option of its own, `--above 1 uN`.
+    #[must_use]
+    pub fn by(option: &str, key: &str, value: impl Into<Value>) -> Self {
+        let path = key.split('.').map(str::to_owned).collect();
+        Self { option: shortened(option), path: unquoted(path), value: value.into() }
     }
 
     fn put(&self, scene: &mut DocumentMut) -> Result<(), SceneError> {
@@ -162,7 +166,7 @@ fn line_before(text: &str, edited: &str, line: usize) -> Option<usize> {
 
 fn name_setting(problem: &mut Problem, settings: &[Setting]) {
     if let Some(setting) = settings.iter().rev().find(|setting| setting.is_in(&problem.text)) {
-        problem.text = format!("{}: {}", setting.shown(), problem.text);
+        problem.text = format!("{}: {}", setting.option, problem.text);
     }
 }
 

@@ -170,6 +170,16 @@ impl Dimension {
         format!("{} {unit}", rounded(value / size))
     }
 
+    /// Advice on what an unknown unit of a quantity may mean: a unit in other letters, or a Vickers hardness.
+    pub fn meant(self, unknown: &str, quantity: &str) -> Option<String> {
+        if self == Self::Pressure && unknown.to_uppercase().starts_with("HV") {
+            let number: f64 = quantity.trim()[..number_end(quantity.trim())].trim().parse().ok()?;
+            return Some(format!("1 HV is 9.807 MPa: \"{:.3} GPa\"", 9.807e-3 * number));
+        }
+        let same = |(unit, _): &&(&str, i32)| unit.eq_ignore_ascii_case(unknown);
+        Some(format!("did you mean `{}`?", units(self).iter().find(same)?.0))
+    }
+
     /// The units in messages.
     pub fn units(self) -> String {
         let others = OTHERS.iter().filter(|(dimension, ..)| *dimension == self).map(|(_, unit, _)| *unit);

@@ -145,7 +145,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     // Under a body there may be few.
     let is_flat = surface.heights.depths().is_none();
     if is_flat && surface.asperity_count < FEWEST_ASPERITIES {
-        warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
+        warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch with this few is no population of heights (Greenwood and Williamson 1966); its standard deviation is of \
                      the size of its mean", units(&["nominal_area", "asperity_density"])));
     }
     warnings
@@ -190,7 +190,7 @@ fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         Warning::new(
             format!(
                 "{near} of the {} given heights carry the pull-off, fewer than {FEWEST_NEAR}: replicas have copies of them at one \
-                 height, which hold too hard together",
+                 height, whose pull-off together is too large",
                 heights.len()
             ),
             "a surface has no two summits of exactly one height",
@@ -408,8 +408,9 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
         let finding = format!("{contacts:.1e} contacts are expected {place}");
         (finding, "nothing touches, only attraction across the gap is computed".to_owned())
     } else {
-        let finding =
-            format!("only {contacts:.0} contacts are expected {place}, fewer than {FEWEST_CONTACTS}");
+        let expected =
+            if contacts < 1.5 { "1 contact is".to_owned() } else { format!("{contacts:.0} contacts are") };
+        let finding = format!("only {expected} expected {place}, fewer than {FEWEST_CONTACTS}");
         (
             finding,
             format!("what rests on them has a relative error of {:.0} % (Poisson)", 100.0 / contacts.sqrt()),
@@ -511,7 +512,7 @@ fn pressed(scene: &Scene, model: &Model) -> Option<Warning> {
     let (psi, yields) = (scene.plasticity_index(), model.validity.plasticity != Plasticity::Without);
     (yields && psi > LARGEST_ELASTIC_PSI && !scene.turns()).then(|| {
         Warning::new(
-            format!("psi of sigma_s is {psi:.2}, more than {LARGEST_ELASTIC_PSI}: surfaces that were pressed together hold more"),
+            format!("psi of sigma_s = {psi:.3} is above {LARGEST_ELASTIC_PSI}: surfaces that were pressed together have a larger pull-off"),
             "summits that have yielded are flatter (Greenwood and Williamson 1966): model.history = \"approach\" is of the first \
                      touch",
             "for surfaces in use model.law = \"md_plastic\", model.history = \"loop\", instability.preload",

@@ -24,7 +24,7 @@ pub use scheme::SamplingScheme;
 pub use shape::{Depths, Shape};
 
 use crate::background::{Background, MeanPlaneForce};
-use crate::format::si;
+use crate::format::{rounded, si};
 use crate::liquid::{Spread, Spreads};
 use curved::Curved;
 use std::borrow::Cow;
@@ -175,18 +175,26 @@ pub enum SurfaceError {
     /// σ² is smaller than what the conversion subtracts.
     #[error(
         "with this asperity_radius R and asperity_density eta a Gaussian surface has more than {}, not {} \
-         (sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 would be negative): check R and eta, or give with surface_height_std also \
-         asperity_height_std, the height std of the summits; of two rough surfaces all are those of both together, with tops of \
-         sigma_s^2 = sigma_s1^2 + sigma_s2^2",
+         (sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 would be negative): R above {} or eta above {} /um^2 would do; or give also \
+         asperity_height_std, the height std of the summits",
         si(*least, "m"),
-        si(*given, "m")
+        si(*given, "m"),
+        si(*radius, "m"),
+        rounded(1e-12 * density, 4)
     )]
     NegativeVariance {
         /// σ, m.
         given: f64,
         /// The σ at which σ_s = 0, m.
         least: f64,
+        /// The R at which σ_s = 0, m.
+        radius: f64,
+        /// The η at which σ_s = 0, 1/m².
+        density: f64,
     },
+    /// σ is larger than R.
+    #[error("is above asperity_radius, {}: summits have radii far larger than the roughness; check the units of both", si(*.0, "m"))]
+    AboveRadius(f64),
     /// Neither standard deviation is known.
     #[error("neither surface_height_std nor asperity_height_std is given")]
     NoHeightStd,
@@ -235,10 +243,10 @@ impl Surface {
                 (Some(surface), None) => {
                     let variance = surface * surface - difference;
                     if !(variance > 0.0) {
-                        return Err(SurfaceError::NegativeVariance {
-                            given: surface,
-                            least: difference.sqrt(),
-                        });
+                        let (given, least) = (surface, difference.sqrt());
+                        let radius = roughness.asperity_radius * least / given;
+                        let density = roughness.asperity_density * least / given;
+                        return Err(SurfaceError::NegativeVariance { given, least, radius, density });
                     }
                     (surface, variance.sqrt())
                 }

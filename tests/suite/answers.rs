@@ -155,7 +155,7 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
         begins("of 40 replicas 40 do not reach 1.000 N: a pull-off after a preload is of those"),
         "{printed:?}"
     );
-    let table = text(&folder.stiction(&["info", "--csv", "scene.h5"]).stdout);
+    let table = text(&folder.stiction(&["info", "--csv", "--all", "scene.h5"]).stdout);
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let column = |name: &str| {
         let place =
@@ -169,14 +169,30 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     let errors: Vec<f64> = std.iter().zip(&reached).map(|(std, count)| std / count.sqrt()).collect();
     assert!(reached.iter().all(|count| *count > 30.0), "{reached:?}");
     assert_eq!(column("pull_off_after_preload_standard_error[2e-5 N] [N]"), errors);
-    // The row of a point is after the largest preload that is reached.
-    let means = of("/instability/pull_off_after_preload_mean");
+    // A row of each point and preload in two tables: its pull-off, and its probability with the interval.
+    let means = values(&folder, "scene.h5", "/instability/pull_off_after_preload_mean");
+    let stuck = ["", "_low", "_high"]
+        .map(|end| values(&folder, "scene.h5", &format!("/device/stuck_probability{end}_after_preload")));
     let printed = text(&run.stdout);
-    let rows_of_points: Vec<&str> = printed.lines().filter(|line| line.contains(" mJ/m^2  ")).collect();
-    assert_eq!(rows_of_points.len(), means.len(), "{printed}");
-    for (line, mean) in rows_of_points.into_iter().zip(means) {
-        let said = format!("{:.1} ± ", 1e6 * mean);
-        assert!(line.contains(&said) && line.contains("20.00 µN"), "{line}: {said}");
+    let (first, second) =
+        printed.split_once("P: the probability that the pull-off exceeds 40.00 µN").unwrap();
+    let rows_of = |table: &str| -> Vec<String> {
+        table.lines().filter(|line| line.contains(" mJ/m^2  ")).map(str::to_owned).collect()
+    };
+    let (first, second) = (rows_of(first), rows_of(second));
+    assert_eq!([first.len(), second.len()], [6, 6], "{printed}");
+    for (i, mean) in means.iter().enumerate() {
+        let begins =
+            format!("{} mJ/m^2  {}", ["50", "90"][i / 3], ["20.00 µN", "1.000 µN", " 1.000 N"][i % 3]);
+        assert!(first[i].contains(&begins) && second[i].contains(&begins), "{begins}: {printed}");
+        let [share, low, high] = [0, 1, 2].map(|k| format!("{:.1}", 100.0 * stuck[k][i]));
+        let (force, chance) = match mean.is_nan() {
+            true => (" -  ".to_owned(), vec!["-", "-", "-"]),
+            false => (format!(" {:.1} ± ", 1e6 * mean), vec![&share[..], "%", &low, "to", &high, "%"]),
+        };
+        assert!(first[i].contains(&force), "{force}: {printed}");
+        let words: Vec<&str> = second[i].split_whitespace().collect();
+        assert!(words.windows(chance.len()).any(|own| own == chance), "{chance:?}: {printed}");
     }
     for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
         let after = format!("{name}_after_preload");
@@ -190,6 +206,69 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     }
     column("differences/pull_off_force_mean_of_whole_loop [N]");
     column("integral/pull_off_force_of_whole_loop [N]");
+    // By default there are keys, pull-offs with intervals, probabilities and assessments; others are asked for by name or group.
+    let heads = |options: &[&str]| -> Vec<String> {
+        let table = folder.stiction(&[&["info", "--csv"], options, &["scene.h5"]].concat());
+        assert_exit(&table, 0);
+        let table = text(&table.stdout);
+        table
+            .lines()
+            .next()
+            .unwrap()
+            .split(',')
+            .map(|head| head.split([' ', '[']).next().unwrap().to_owned())
+            .collect()
+    };
+    let by_default = heads(&[]);
+    let answers = ["material_work_of_adhesion", "pull_off_after_preload_mean", "pull_off_after_preload_from"];
+    let others =
+        ["stuck_probability_after_preload", "stuck_probability_high_after_preload", "independence/verdict"];
+    for name in answers.iter().chain(&others).chain(&["validation/verdict"]) {
+        assert!(by_default.iter().any(|own| own == name), "{name}: {by_default:?}");
+    }
+    assert!(by_default.len() < 40 && rows[0].len() > 80, "{by_default:?}");
+    let chosen = heads(&["--columns", "validation,pull_off_after_preload_std"]);
+    assert_eq!(chosen[0], "material_work_of_adhesion");
+    assert_eq!(chosen.iter().filter(|own| *own == "pull_off_after_preload_std").count(), 3);
+    assert!(chosen[4..].iter().all(|own| own.starts_with("validation/")) && chosen.len() > 6, "{chosen:?}");
+    let refused = folder.stiction(&["info", "--csv", "--columns", "pull_off_after_preload_sd", "scene.h5"]);
+    assert_exit(&refused, 2);
+    let message = "has no column `pull_off_after_preload_sd`; --all prints every one; did you mean pull_off_after_preload_std?";
+    assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
+}
+
+/// Rows of a sweep have the values of their keys, of however many keys, and fit 80 columns.
+#[test]
+fn rows_of_a_sweep_have_the_values_of_their_keys() {
+    let keys = [
+        ("material.work_of_adhesion", ["50 mJ/m^2", "90 mJ/m^2"]),
+        ("material.hardness", ["10 GPa", "12 GPa"]),
+        ("surface.lubricant_thickness", ["1 nm", "2 nm"]),
+        ("surface.asperity_density", ["100 /um^2", "120 /um^2"]),
+        ("surface.asperity_radius", ["100 nm", "120 nm"]),
+        ("surface.surface_height_std", ["3 nm", "4 nm"]),
+    ];
+    let scene = "material.youngs_modulus = \"169 GPa\"\nmaterial.poisson_ratio = 0.22\nmaterial.hardness = \"12 GPa\"\n\
+        material.work_of_adhesion = \"20 mJ/m^2\"\nsurface.asperity_radius = \"100 nm\"\n\
+        surface.asperity_density = \"100 /um^2\"\nsurface.surface_height_std = \"4 nm\"\nsurface.nominal_area = \"4 um^2\"\n\
+        ensemble.replicas = 20\nensemble.model_range = false\ndevice.restoring_force = \"20 nN\"\n";
+    for count in [1, 2, 3, 6] {
+        let axes = keys[..count].iter().map(|(key, values)| format!("\"{key}\" = {values:?}\n"));
+        let folder = Folder::new(&format!("{scene}[sweep]\nmode = \"zip\"\n{}", axes.collect::<String>()));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        let printed = text(&run.stdout);
+        assert!(printed.lines().all(|line| line.chars().count() <= 80), "{printed}");
+        for (of, table) in printed.split("P: the probability").enumerate() {
+            for (key, value) in
+                keys[..count].iter().flat_map(|(key, values)| values.map(|value| (key, value)))
+            {
+                // The first table stands below the list of keys, which has their ends.
+                let often = table.matches(value).count();
+                assert!(often > usize::from(of == 0), "{key} = {value} {often} times: {printed}");
+            }
+        }
+    }
 }
 
 /// A preload that a share of the replicas misses is warned of.
@@ -226,10 +305,11 @@ fn points_that_miss_their_preload_have_no_pull_off() {
     let printed = text(&run.stdout);
     let rows: Vec<Vec<&str>> = printed.lines().map(|line| line.split_whitespace().collect()).collect();
     for energy in ["50", "90"] {
-        let row = rows.iter().find(|row| row.starts_with(&[energy, "mJ/m^2"])).unwrap();
-        assert_eq!(row[2], "-", "{printed}");
+        let of_point: Vec<_> = rows.iter().filter(|row| row.starts_with(&[energy, "mJ/m^2"])).collect();
+        assert_eq!(of_point.len(), 2, "{printed}");
+        assert!(of_point.iter().all(|row| row[2..5] == ["1.000", "N", "-"]), "{printed}");
     }
-    for of_loop in ["P(stuck)", "NaN", "integral  ", "to the first"] {
+    for of_loop in ["NaN", "integral  ", "to the first"] {
         assert!(!printed.contains(of_loop), "{of_loop}: {printed}");
     }
 }

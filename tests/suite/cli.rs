@@ -632,3 +632,67 @@ fn a_loop_that_gives_out_energy_is_no_result() {
     assert!(own.contains("md_plastic on loop"), "{own}");
     assert!(!own.contains(words) && !own.contains("dissipated per cycle: mean -"), "{own}");
 }
+
+/// A message names the option or key, what was given, and what would do.
+#[test]
+fn messages_say_what_would_do() {
+    let scene = looped(&small());
+    let folder = Folder::new(&scene);
+    let refused = |arguments: &[&str]| {
+        let run = folder.stiction(arguments);
+        assert_exit(&run, 2);
+        text(&run.stderr)
+    };
+    for (options, message) in [
+        (
+            &["--above", "80"][..],
+            "--above 80: `device.restoring_force = \"80\"`: the unit is missing; a force is needed",
+        ),
+        (
+            &["--above", "-1 uN"],
+            "--above -1 uN: `device.restoring_force = \"-1 uN\"`: has to be greater than 0",
+        ),
+        (&["--replicas", "-5"], "invalid value '-5' for '--replicas <REPLICAS>': a whole number from 0 to"),
+        (&["--seed", "-5"], "invalid value '-5' for '--seed <SEED>': a whole number from 0 to"),
+        (
+            &["--set", "material.hardness=12 GPA"],
+            "unknown unit `GPA` (did you mean `GPa`?); a pressure is needed",
+        ),
+        (&["--set", "material.hardness=1200 HV"], "unknown unit `HV` (1 HV is 9.807 MPa: \"11.768 GPa\")"),
+        (
+            &["--set", "instability.preload=[\"1 uN\", \"2 uN\", \"1 uN\"]"],
+            "`instability.preload[2] = \"1 uN\"`: is given twice; give it once",
+        ),
+        (
+            &["--set", "surface.surface_height_std=6 um"],
+            "`surface.surface_height_std = \"6 um\"`: is above asperity_radius, 3.330 µm",
+        ),
+    ] {
+        let printed = refused(&[&["run", "scene.toml"], options].concat());
+        assert!(printed.contains(message), "{message}: {printed}");
+    }
+    // R and eta that would do, do: sigma_s = 0 at them.
+    let printed = refused(&["run", "scene.toml", "--set", "surface.asperity_radius=1 um"]);
+    let (_, advice) = printed.split_once(": R above ").unwrap_or_else(|| panic!("{printed}"));
+    let words: Vec<&str> = advice.split_whitespace().collect();
+    let (radius, density) = (format!("{} {}", words[0], words[1]), format!("{} {}", words[5], words[6]));
+    for (least, key, others) in [
+        (radius, "asperity_radius", &[][..]),
+        (density, "asperity_density", &["--set", "surface.asperity_radius=1 um"]),
+    ] {
+        let (number, unit) = least.split_once(' ').unwrap();
+        let tried = |factor: f64| {
+            let number: f64 = number.parse().unwrap();
+            let setting = format!("surface.{key}={} {unit}", number * factor);
+            folder.stiction(&[&["check", "scene.toml", "--set", &setting], others].concat())
+        };
+        assert_exit(&tried(1.01), 0);
+        assert!(text(&tried(0.99).stderr).contains("would do"), "{least}");
+    }
+    let help = folder.stiction(&["help", "--help"]);
+    assert_exit(&help, 0);
+    assert_eq!(text(&help.stdout), text(&folder.stiction(&["--help"]).stdout));
+    let few = folder.stiction(&["check", "scene.toml", "--set", "surface.surface_height_std=20 nm"]);
+    let printed = text(&few.stdout).split_whitespace().collect::<Vec<&str>>().join(" ");
+    assert!(printed.contains("is above 0.204, the most of isotropic Gaussian surfaces"), "{printed}");
+}

@@ -203,7 +203,7 @@ fn given_values_are_taken_as_they_are() {
         (values[0] / 3e-6 - 1.0).abs() < 1e-12 && (values[1] / 5e-6 - 1.0).abs() < 1e-12 && values.len() == 2
     );
     let few = given("radii", "dataset = \"third\"", "um").unwrap_err();
-    assert!(few.contains("has 1 values; 2 to"), "{few}");
+    assert!(few.contains("has 1 value; 2 to"), "{few}");
     let none = given("radii", "column = 3", "um").unwrap_err();
     assert!(none.contains("radii are positive"), "{none}");
     // The unit above a column is its unit.

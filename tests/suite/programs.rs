@@ -168,7 +168,7 @@ fn progress_is_reported_in_json() {
     assert_eq!((&last["done"], &last["total"]), (&40.into(), &40.into()));
     for line in &lines {
         assert_eq!(line["run"], "");
-        assert_eq!(line.as_object().unwrap().len(), 4, "{line}");
+        assert_eq!(line.as_object().unwrap().len(), 5, "{line}");
         assert_eq!(line["done"].is_null(), line["phase"] != "ensemble", "{line}");
     }
     // What is not progress stays a text.
@@ -623,7 +623,8 @@ fn tables_are_what_is_in_the_file() {
     for (i, (name, dimension)) in files.iter().enumerate() {
         // The first of them are what there is by default.
         let by = ["--by", dimension];
-        let csv = folder.stiction(&[&["info", "--csv", name][..], if i < 6 { &[] } else { &by }].concat());
+        let csv =
+            folder.stiction(&[&["info", "--csv", "--all", name][..], if i < 6 { &[] } else { &by }].concat());
         assert_exit(&csv, 0);
         let csv = text(&csv.stdout);
         let file = unlocked::open(folder.path(name));

@@ -200,7 +200,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
 ];
 
 /// What surfaces are warned of where their summits yield, on approach.
-const PRESSED: &str = "surfaces that were pressed together hold more";
+const PRESSED: &str = "surfaces that were pressed together have a larger pull-off";
 
 /// A law that ends says how many asperities it leaves out, a loop whether its contacts part at their interface.
 #[test]
@@ -266,7 +266,7 @@ fn surfaces_that_were_never_pressed_are_warned_of_where_tops_flow() {
         let check = folder.stiction(&["check", "scene.toml"]);
         assert_exit(&check, 0);
         let found = warnings(&text(&check.stdout));
-        let psi = "more than 0.6: surfaces that were pressed together hold more";
+        let psi = "is above 0.6: surfaces that were pressed together have a larger pull-off";
         assert_eq!(found.iter().any(|warning| warning.contains(psi)), is_warned, "{to}: {found:#?}");
     }
 }

@@ -11,7 +11,7 @@ use crate::cli::sweep::{p_value, together};
 use crate::error::OutputError;
 use crate::estimate::beyond;
 use crate::experiment::SceneLaws;
-use crate::format::{percent, si, si_with_error, signed_percent};
+use crate::format::{counted, percent, si, si_with_error, signed_percent};
 use crate::math::moments::Moments;
 use crate::output::layouts::SWEEP;
 use crate::output::reader::Reader;
@@ -214,8 +214,7 @@ fn ensemble(scene: &Scene, rows: &[Row<'_>]) -> String {
         let p = p_value(p_values[i], disagree[i]);
         text += &format!("  {:<12}{pull_off:>20}{std:>9}{off:>11}{last:>12}{p:>9}\n", row.name);
     }
-    let replicas =
-        if scene.replicas == 1 { "1 replica".to_owned() } else { format!("{} replicas", scene.replicas) };
+    let replicas = counted(scene.replicas, "replica", "replicas");
     let sampling = match scene.sampling {
         SamplingScheme::Independent => String::new(),
         scheme => format!(", {}", scheme.name()),

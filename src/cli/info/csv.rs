@@ -1,12 +1,14 @@
 //! A result as a table: a row for each index of a dimension.
 
 use crate::asperity::PlasticContact;
+use crate::cli::failure::Failure;
 use crate::error::OutputError;
 use crate::experiment::model_range::ends;
 use crate::output::layouts::RUN;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;
+use crate::scene::nearest;
 
 /// Dimensions of the rows by default, for files without points.
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
@@ -19,72 +21,161 @@ const OF_WHOLE_LOOP: [&str; 4] =
 /// The dataset of the preloads.
 const PRELOADS: &str = "/instability/preload";
 
-/// A column: its name, and the texts in its rows.
-type Column = (String, Vec<String>);
+/// Datasets that a table of points has by default, after its keys and its pull-offs.
+const OF_POINTS: [&str; 4] =
+    ["/integral/pull_off_force", "/independence/verdict", "/validation/p_value", "/validation/verdict"];
 
-/// The table of a dimension, or what there is in its place. Coordinates come first, once each.
-pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, String>, OutputError> {
-    let points = reader.point_dimensions()?;
+/// The columns that are asked for.
+pub(super) enum Chosen<'a> {
+    /// The coordinates and what is mostly wanted.
+    ByDefault,
+    All,
+    /// The coordinates and these, by names without units, of columns or of whole groups.
+    Named(&'a [String]),
+}
+
+/// A column of a table.
+struct Column {
+    name: String,
+    /// The texts in its rows.
+    fields: Vec<String>,
+    is_coordinate: bool,
+    /// Whether it is there by default.
+    is_wanted: bool,
+}
+
+impl Column {
+    /// A coordinate, or a dataset that is not there by default.
+    fn new(name: String, fields: Vec<String>, is_coordinate: bool) -> Self {
+        Self { name, fields, is_coordinate, is_wanted: false }
+    }
+
+    /// A column that is there by default.
+    fn wanted(name: String, fields: Vec<String>) -> Self {
+        Self { name, fields, is_coordinate: false, is_wanted: true }
+    }
+
+    /// The name without preload and unit.
+    fn plain(&self) -> &str {
+        self.name.split(['[']).next().unwrap_or_default().trim_end()
+    }
+
+    /// Whether a name, of the column or of its group, means it.
+    fn is_named(&self, name: &str) -> bool {
+        let name = name.trim().trim_end_matches('/');
+        let group = self.plain().split_once('/').map(|(group, _)| group);
+        name == self.name || name == self.plain() || group == Some(name)
+    }
+}
+
+/// The table of a dimension. Coordinates come first, once each.
+///
+/// # Errors
+/// [`Failure::Usage`] where there is no such dimension or column.
+pub(super) fn csv(reader: &Reader, by: Option<&str>, chosen: &Chosen<'_>) -> Result<String, Failure> {
     let format = reader.layout().format;
     let default = BY_DEFAULT.iter().find(|(layout, _)| layout.format == format);
     let default = default.map_or(Dimension::Point, |(_, dimension)| *dimension).name();
     let by = by.unwrap_or(default);
-    // All points of a grid are the rows of a table of points.
-    let wanted_points = by == Dimension::Point.name();
-    let wanted = if wanted_points && !points.is_empty() { points } else { vec![by.to_owned()] };
     let described = reader.described()?;
-    let own: Vec<&Description> = described.iter().filter(|own| own.dimensions == wanted).collect();
-    let along = |dimension: &String| {
-        described.iter().find(|own| own.is_coordinate && own.dimensions == [dimension.clone()])
-    };
-    let Some(scales) = wanted.iter().map(along).collect::<Option<Vec<&Description>>>() else {
-        return Ok(Err(unknown(by, &described)));
-    };
-    let shape: Vec<usize> = scales.iter().map(|scale| scale.shape[0]).collect();
-    let mut columns: Vec<Column> = Vec::new();
-    if wanted.len() > 1 {
-        for (i, scale) in scales.iter().enumerate() {
-            let behind: usize = shape[i + 1..].iter().product();
-            let values = fields(reader.stored(&scale.path)?);
-            let rows = (0..shape.iter().product()).map(|row| values[row / behind % shape[i]].clone());
-            columns.push((named(scale.names().1, scale), rows.collect()));
-        }
-    }
+    let Rows { scales, shape, is_of_points } = Rows::new(reader, &described, by)?;
+    let wanted: Vec<String> = scales.iter().map(|scale| scale.dimensions[0].clone()).collect();
+    let own = described.iter().filter(|own| own.dimensions == wanted);
+    let (coordinates, others): (Vec<_>, Vec<_>) = own.partition(|own| own.is_coordinate);
     let rows: usize = shape.iter().product();
-    let (coordinates, others): (Vec<_>, Vec<_>) = own.into_iter().partition(|own| own.is_coordinate);
-    let places = coordinates.len();
-    let mut is_pressed = false;
-    for (i, own) in coordinates.into_iter().chain(others).enumerate() {
-        if i == places {
-            let pressed = if wanted_points {
-                after_preloads(reader, &described)?
-            } else {
-                each_after_preloads(reader, &described, by)?
-            };
-            is_pressed = !pressed.is_empty();
-            columns.extend(pressed);
-            if wanted_points && !is_pressed {
-                columns.extend(quoted(reader, &described, rows)?);
-            }
-        }
-        let (group, name) = own.names();
-        let is_of_loop = is_pressed && OF_WHOLE_LOOP.iter().any(|known| own.path.starts_with(known));
-        let end = if is_of_loop { "_of_whole_loop" } else { "" };
-        let name = match group {
-            _ if own.is_coordinate => named(name, own),
-            "" => named(name, own),
-            group => named(&format!("{group}/{name}{end}"), own),
-        };
-        if columns.iter().any(|(known, _)| *known == name) {
-            continue;
+    let mut columns = if scales.len() > 1 { grid(reader, &scales, &shape)? } else { Vec::new() };
+    let add = |columns: &mut Vec<Column>, name: String, own: &Description, is_wanted: bool| {
+        if columns.iter().any(|known| known.name == name) {
+            return Ok(());
         }
         if own.shape != shape {
             let problem = format!("has a dataset {} of the shape {:?}, not {shape:?}", own.path, own.shape);
-            return Ok(Err(problem));
+            return Err(Failure::Usage(problem));
         }
-        columns.push((name, fields(reader.stored(&own.path)?)));
+        let column = Column::new(name, fields(reader.stored(&own.path)?), own.is_coordinate);
+        columns.push(Column { is_wanted, ..column });
+        Ok(())
+    };
+    for own in coordinates {
+        add(&mut columns, named(own.names().1, own), own, true)?;
     }
-    Ok(Ok(table(&columns, rows)))
+    let pressed = match is_of_points {
+        true => after_preloads(reader, &described)?,
+        false => each_after_preloads(reader, &described, by)?,
+    };
+    let is_pressed = !pressed.is_empty();
+    columns.extend(pressed);
+    if is_of_points && !is_pressed {
+        columns.extend(quoted(reader, &described, rows)?);
+    }
+    for own in others {
+        let (group, name) = own.names();
+        let is_of_loop = is_pressed && OF_WHOLE_LOOP.iter().any(|known| own.path.starts_with(known));
+        let end = if is_of_loop { "_of_whole_loop" } else { "" };
+        let name = if group.is_empty() { name.to_owned() } else { format!("{group}/{name}{end}") };
+        let is_wanted = !is_of_points || OF_POINTS.contains(&own.path.as_str());
+        add(&mut columns, named(&name, own), own, is_wanted)?;
+    }
+    Ok(table(&chosen.of(columns)?, rows))
+}
+
+/// The rows of a table: the scales that they run along, the last fastest.
+struct Rows<'a> {
+    scales: Vec<&'a Description>,
+    shape: Vec<usize>,
+    is_of_points: bool,
+}
+
+impl<'a> Rows<'a> {
+    /// The rows by a dimension; by points all points of a grid.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where there is no such dimension.
+    fn new(reader: &Reader, described: &'a [Description], by: &str) -> Result<Self, Failure> {
+        let points = reader.point_dimensions()?;
+        let is_of_points = by == Dimension::Point.name();
+        let wanted = if is_of_points && !points.is_empty() { points } else { vec![by.to_owned()] };
+        let along = |dimension: &String| {
+            described.iter().find(|own| own.is_coordinate && own.dimensions == [dimension.clone()])
+        };
+        let scales = wanted.iter().map(along).collect::<Option<Vec<&Description>>>();
+        let scales = scales.ok_or_else(|| Failure::Usage(unknown(by, described)))?;
+        let shape = scales.iter().map(|scale| scale.shape[0]).collect();
+        Ok(Self { scales, shape, is_of_points })
+    }
+}
+
+/// The values of the keys of a grid at each of its points.
+fn grid(reader: &Reader, scales: &[&Description], shape: &[usize]) -> Result<Vec<Column>, Failure> {
+    let mut columns = Vec::new();
+    for (i, scale) in scales.iter().enumerate() {
+        let behind: usize = shape[i + 1..].iter().product();
+        let values = fields(reader.stored(&scale.path)?);
+        let rows = (0..shape.iter().product()).map(|row: usize| values[row / behind % shape[i]].clone());
+        columns.push(Column::new(named(scale.names().1, scale), rows.collect(), true));
+    }
+    Ok(columns)
+}
+
+impl Chosen<'_> {
+    /// The columns that are chosen of all.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where a name is of no column.
+    fn of(&self, mut columns: Vec<Column>) -> Result<Vec<Column>, Failure> {
+        let Self::Named(names) = self else {
+            columns.retain(|own| own.is_coordinate || own.is_wanted || matches!(self, Self::All));
+            return Ok(columns);
+        };
+        if let Some(name) = names.iter().find(|name| !columns.iter().any(|own| own.is_named(name))) {
+            let near = nearest(name, columns.iter().map(Column::plain));
+            let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
+            let name = shortened(name);
+            return Err(Failure::Usage(format!("has no column `{name}`; --all prints every one{near}")));
+        }
+        columns.retain(|own| own.is_coordinate || names.iter().any(|name| own.is_named(name)));
+        Ok(columns)
+    }
 }
 
 /// The columns of the pull-off force that is to be quoted at each of some points, in front of all others.
@@ -102,13 +193,20 @@ fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<V
         for (i, name) in names.iter().enumerate() {
             let of_points = values.chunks_exact((values.len() / points).max(1));
             let texts = of_points.map(|of_point| format!("{:?}", of_point[i]));
-            columns.push((format!("{name} [N]"), texts.collect()));
+            columns.push(Column::wanted(format!("{name} [N]"), texts.collect()));
+        }
+    }
+    for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
+        let values = numbers(reader, described, &format!("/device/{name}"))?;
+        if !values.is_empty() {
+            let texts = values.iter().map(f64::to_string);
+            columns.push(Column::wanted(format!("{name} [1]"), texts.collect()));
         }
     }
     for (name, unit) in [("pull_off_force", "N"), ("stuck_probability", "1")] {
         for (end, values) in by_contact(&numbers(reader, described, &format!("/model_range/{name}"))?, 1) {
             let texts = values.iter().map(|value| format!("{value:?}"));
-            columns.push((format!("{name}_{end} [{unit}]"), texts.collect()));
+            columns.push(Column::wanted(format!("{name}_{end} [{unit}]"), texts.collect()));
         }
     }
     Ok(columns)
@@ -145,11 +243,11 @@ fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Colu
         ("pull_off_after_preload_standard_error", "N", after("standard_error")?),
         ("pull_off_after_preload_from", "N", end(0)),
         ("pull_off_after_preload_to", "N", end(1)),
-        ("pull_off_after_preload_std", "N", after("std")?),
-        ("preload_reached_count", "1", of("/instability/preload_reached_count")?),
         ("stuck_probability_after_preload", "1", stuck("probability")?),
         ("stuck_probability_low_after_preload", "1", stuck("probability_low")?),
         ("stuck_probability_high_after_preload", "1", stuck("probability_high")?),
+        ("pull_off_after_preload_std", "N", after("std")?),
+        ("preload_reached_count", "1", of("/instability/preload_reached_count")?),
     ]
     .map(|(name, unit, values)| (name.to_owned(), unit, values))
     .to_vec();
@@ -159,7 +257,9 @@ fn after_preloads(reader: &Reader, described: &[Description]) -> Result<Vec<Colu
         all.extend(ends.into_iter().map(|(end, values)| (format!("{name}_{end}"), unit, values)));
     }
     let all = all.iter().filter(|(_, _, values)| !values.is_empty());
-    Ok(all.flat_map(|(name, unit, values)| of_each(&preloads, name, unit, values)).collect())
+    let columns = all.flat_map(|(name, unit, values)| of_each(&preloads, name, unit, values));
+    let is_wanted = |name: &str| !["preload_reached_count", "pull_off_after_preload_std"].contains(&name);
+    Ok(columns.map(|own| Column { is_wanted: is_wanted(own.plain()), ..own }).collect())
 }
 
 /// The columns of what follows each preload, of each index of a dimension; none without preloads.
@@ -184,7 +284,7 @@ fn of_each(preloads: &[f64], name: &str, unit: &str, values: &[f64]) -> Vec<Colu
     let column = |(i, preload): (usize, &f64)| {
         let of_rows = values.iter().skip(i).step_by(preloads.len());
         let texts = of_rows.map(|value| if unit == "1" { value.to_string() } else { format!("{value:?}") });
-        (format!("{name}[{preload:?} N] [{unit}]"), texts.collect())
+        Column::wanted(format!("{name}[{preload:?} N] [{unit}]"), texts.collect())
     };
     known.map(column).collect()
 }
@@ -225,9 +325,9 @@ fn unknown(by: &str, described: &[Description]) -> String {
 fn table(columns: &[Column], rows: usize) -> String {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     let mut write = |row: Vec<&str>| writer.write_record(row).expect("memory can be written to");
-    write(columns.iter().map(|(name, _)| name.as_str()).collect());
+    write(columns.iter().map(|own| own.name.as_str()).collect());
     for row in 0..rows {
-        write(columns.iter().map(|(_, fields)| fields[row].as_str()).collect());
+        write(columns.iter().map(|own| own.fields[row].as_str()).collect());
     }
     let bytes = writer.into_inner().expect("memory can be written to");
     String::from_utf8(bytes).expect("fields are texts")

@@ -34,12 +34,22 @@ pub(super) struct InfoArguments {
     /// dimensions, shape, units, long_name and values, row by row; NaN and infinities are null
     #[arg(long, conflicts_with = "csv")]
     json: bool,
-    /// Also the values of datasets with more than 100000
-    #[arg(long, requires = "json")]
-    all: bool,
-    /// A CSV table with a row for each index of a dimension and a column for each dataset over that alone
+    /// A CSV table with a row for each index of a dimension and a column for each dataset over that alone; of the points of a
+    /// sweep: its keys, pull-offs with interval, probabilities, assessments
     #[arg(long)]
     csv: bool,
+    /// Also the values of datasets with more than 100000 in JSON, and every column in a table of points
+    #[arg(long)]
+    all: bool,
+    /// The columns of the table, by names without preload and unit, or by groups, such as `integral`; coordinates are there in any case
+    #[arg(
+        long,
+        value_name = "NAME,NAME...",
+        value_delimiter = ',',
+        requires = "csv",
+        conflicts_with = "all"
+    )]
+    columns: Vec<String>,
     /// The dimension of the table; by default what the file is about: separations of a run, points of a
     /// sweep, asperities
     #[arg(long, value_name = "DIMENSION", requires = "csv")]
@@ -50,6 +60,9 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<(), Failure> {
     let [partial, folder] = [PARTIAL, ".points"].map(|suffix| beside(&arguments.file, suffix));
     let is_partial = !arguments.file.exists() && partial.exists();
     let path = if is_partial { partial.as_path() } else { arguments.file.as_path() };
+    if arguments.all && !arguments.json && !arguments.csv {
+        return Err(Failure::Usage("--all is for --json or --csv: give one of them, too".to_owned()));
+    }
     if arguments.json || arguments.csv {
         return print(&text_of(path, arguments)?);
     }
@@ -76,9 +89,17 @@ pub(super) fn of_result(path: &Path) -> Result<String, Failure> {
 fn text_of(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
     let refused = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
     let reader = Reader::open(path, &LAYOUTS)?;
+    let chosen = match &arguments.columns[..] {
+        _ if arguments.all => csv::Chosen::All,
+        [] => csv::Chosen::ByDefault,
+        names => csv::Chosen::Named(names),
+    };
     let text = match arguments.json {
         true => json::json(&reader, arguments.all)?,
-        false => csv::csv(&reader, arguments.by.as_deref())?.map_err(refused)?,
+        false => csv::csv(&reader, arguments.by.as_deref(), &chosen).map_err(|failure| match failure {
+            Failure::Usage(problem) => refused(problem),
+            other => other,
+        })?,
     };
     if text.len() > LONGEST {
         let problem = format!("is more than {} MB as a text; read it by HDF5", LONGEST >> 20);

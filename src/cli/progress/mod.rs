@@ -4,6 +4,7 @@
 mod json;
 
 use crate::experiment::Observer;
+use crate::output::task::Run;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -29,70 +30,134 @@ pub(super) enum Display {
     Json,
 }
 
+/// The times of the runs that belong together, such as the points of a sweep.
+#[derive(Clone, Default)]
+pub(super) struct Times(Arc<Mutex<Taken>>);
+
+/// The runs that are done, and the time that they took.
+#[derive(Clone, Copy, Default)]
+struct Taken {
+    runs: u32,
+    time: Duration,
+}
+
+impl Times {
+    fn taken(&self) -> Taken {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn add(&self, time: Duration) {
+        let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *taken = Taken { runs: taken.runs + 1, time: taken.time + time };
+    }
+}
+
+/// A run of several.
+#[derive(Clone)]
+struct OfSeveral {
+    run: Run,
+    times: Times,
+    /// The beginning of its first phase.
+    begun: Option<Instant>,
+}
+
+impl OfSeveral {
+    /// The time that this run has taken.
+    fn own(&self) -> Duration {
+        self.begun.map_or(Duration::ZERO, |begun| begun.elapsed())
+    }
+
+    /// The time that all runs have taken so far.
+    fn so_far(&self) -> Duration {
+        self.times.taken().time + self.own()
+    }
+
+    /// The time that all runs are still going to take, by the time of the runs before; of the first run by what is left of its phase.
+    fn left(&self, of_phase: Option<Duration>) -> Option<Duration> {
+        let (taken, own) = (self.times.taken(), self.own());
+        let each = match taken.runs {
+            0 => own + of_phase?,
+            runs => taken.time / runs,
+        };
+        let of_run = each.saturating_sub(own).max(of_phase.unwrap_or_default());
+        Some(of_run + each * (self.run.count - self.run.number) as u32)
+    }
+}
+
 /// Shows the phases of a run, one after the other, on standard error.
 pub(super) struct Progress {
     display: Display,
     /// The run that the phases belong to, of several.
-    run: String,
+    of: Option<OfSeveral>,
     bar: ProgressBar,
     /// The log in the place of the bar where nobody would see that.
     log: Option<Log>,
     /// The phase that is reported in JSON.
-    json: Option<json::Phase>,
+    json: Option<json::Report>,
 }
 
 impl Progress {
     /// Shows nothing yet.
     pub fn new(display: Display) -> Self {
-        Self::of_run(display, String::new())
+        Self::of(display, None)
     }
 
-    /// Shows nothing yet; then, before each phase, which run of several it is of.
-    pub fn of_run(display: Display, run: String) -> Self {
+    /// Shows nothing yet; then which run of several it is, and the time that is left of all.
+    pub fn of_run(display: Display, run: Run, times: &Times) -> Self {
+        Self::of(display, Some(OfSeveral { run, times: times.clone(), begun: None }))
+    }
+
+    fn of(display: Display, of: Option<OfSeveral>) -> Self {
         let is_log = display == Display::Text && !std::io::stderr().is_terminal();
         let log = is_log.then(|| Log::new(&SCHEDULE, std::io::stderr()));
-        Self { display, run, bar: ProgressBar::hidden(), log, json: None }
+        Self { display, of, bar: ProgressBar::hidden(), log, json: None }
     }
 
     fn begin(&mut self, name: &'static str, count: Option<(u64, u64)>, bar: ProgressBar, template: &str) {
         self.end();
-        let title = if self.run.is_empty() { name.to_owned() } else { format!("{}: {name}", self.run) };
+        if let Some(of) = &mut self.of {
+            of.begun.get_or_insert_with(Instant::now);
+        }
+        let phase = Phase::new(name, count, self.of.clone());
         if let Some(log) = &self.log {
-            log.set(Some(Phase::new(title.clone(), count)));
+            log.set(Some(phase.clone()));
         }
         if self.display == Display::Json {
-            self.json = Some(json::Phase::new(self.run.clone(), name, count));
+            self.json = Some(json::Report::new(phase.clone()));
         }
         bar.set_draw_target(match self.display {
             Display::Text => ProgressDrawTarget::stderr(),
             Display::None | Display::Json => ProgressDrawTarget::hidden(),
         });
+        bar.set_message(phase.title());
         let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
-        bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
-            let _ = write!(out, "{:.1} per second", state.per_sec());
+        bar.set_style(style.with_key("time", move |state: &ProgressState, out: &mut dyn Write| {
+            let [so_far, left] = phase.advanced(state.pos()).times();
+            let _ = write!(out, "{}", if left.is_empty() { so_far } else { left });
         }));
-        bar.set_message(title);
         self.bar = bar;
         self.bar.tick();
     }
 }
 
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(OfSeveral { times, begun: Some(begun), .. }) = &self.of {
+            times.add(begun.elapsed());
+        }
+    }
+}
+
 impl Observer for Progress {
     fn phase(&mut self, name: &'static str) {
-        self.begin(name, None, ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}");
+        self.begin(name, None, ProgressBar::new_spinner(), "{spinner} {msg}: {time}");
         self.bar.enable_steady_tick(Duration::from_millis(100));
     }
 
     fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
         let bar = ProgressBar::new(total);
-        self.begin(
-            name,
-            Some((done, total)),
-            bar,
-            "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left",
-        );
+        self.begin(name, Some((done, total)), bar, "{msg} {wide_bar} {pos}/{len} replicas, {time}");
         self.bar.set_position(done);
-        self.bar.reset_eta();
     }
 
     fn advance(&mut self, replicas: u64) {
@@ -116,31 +181,66 @@ impl Observer for Progress {
     }
 }
 
-/// The line of a log for a phase.
+/// A phase of a run.
+#[derive(Clone)]
 struct Phase {
-    name: String,
+    name: &'static str,
     begun: Instant,
     /// Replicas that were done before, that are done, and all.
     count: Option<[u64; 3]>,
+    /// The run that it belongs to, of several.
+    of: Option<OfSeveral>,
 }
 
 impl Phase {
-    fn new(name: String, count: Option<(u64, u64)>) -> Self {
-        Self { name, begun: Instant::now(), count: count.map(|(done, total)| [done, done, total]) }
+    fn new(name: &'static str, count: Option<(u64, u64)>, of: Option<OfSeveral>) -> Self {
+        let count = count.map(|(done, total)| [done, done, total]);
+        Self { name, begun: Instant::now(), count, of }
     }
 
-    /// The line of a phase that has lasted so long.
-    fn line(&self, elapsed: Duration) -> String {
-        let since = format!("{} so far", lasting(elapsed));
-        let Some([before, done, total]) = self.count else { return format!("{}: {since}", self.name) };
-        let line = format!("{}: {done} of {total} replicas, {since}", self.name);
-        match done.saturating_sub(before) {
-            0 => line,
-            own => {
-                let left = elapsed.mul_f64(total.saturating_sub(done) as f64 / own as f64);
-                format!("{line}, about {} left", lasting(left))
-            }
+    /// The phase where this number of replicas is done.
+    fn advanced(&self, done: u64) -> Self {
+        Self { count: self.count.map(|[before, _, total]| [before, done, total]), ..self.clone() }
+    }
+
+    /// The name of the run, of several; empty for one.
+    fn run(&self) -> String {
+        self.of.as_ref().map_or_else(String::new, |of| of.run.to_string())
+    }
+
+    fn title(&self) -> String {
+        let run = self.run();
+        if run.is_empty() { self.name.to_owned() } else { format!("{run}: {}", self.name) }
+    }
+
+    /// The time that is left, of all runs where it is of several.
+    fn left(&self) -> Option<Duration> {
+        let of_phase = self.count.and_then(|[before, done, total]| {
+            let own = done.saturating_sub(before);
+            let left = total.saturating_sub(done) as f64 / own as f64;
+            (own > 0).then(|| self.begun.elapsed().mul_f64(left))
+        });
+        match &self.of {
+            Some(of) => of.left(of_phase),
+            None => of_phase,
         }
+    }
+
+    /// The time so far, and the time that is left; empty where it is not known.
+    fn times(&self) -> [String; 2] {
+        let (so_far, all) = match &self.of {
+            Some(of) => (of.so_far(), " of all"),
+            None => (self.begun.elapsed(), ""),
+        };
+        let left = self.left().map(|left| format!("about {} left{all}", lasting(left)));
+        [format!("{} so far", lasting(so_far)), left.unwrap_or_default()]
+    }
+
+    /// The line of a log.
+    fn line(&self) -> String {
+        let count = self.count.map(|[_, done, total]| format!("{done} of {total} replicas"));
+        let parts = count.into_iter().chain(self.times()).filter(|part| !part.is_empty());
+        format!("{}: {}", self.title(), parts.collect::<Vec<String>>().join(", "))
     }
 }
 
@@ -198,7 +298,7 @@ impl Log {
                 let phase = shared.lock().unwrap_or_else(PoisonError::into_inner);
                 if let Some(phase) = phase.as_ref() {
                     // Nobody may be there to read it.
-                    let _ = writeln!(out, "stiction: {}", phase.line(phase.begun.elapsed()));
+                    let _ = writeln!(out, "stiction: {}", phase.line());
                 }
                 if let Some(schedule) = schedule.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
                     schedule.next(LINES.1);
@@ -235,16 +335,37 @@ impl Drop for Log {
 mod tests {
     use super::*;
 
+    /// A phase that began a number of seconds ago.
+    fn begun(seconds: u64, phase: Phase) -> Phase {
+        Phase { begun: Instant::now() - Duration::from_secs(seconds), ..phase }
+    }
+
     #[test]
     fn a_line_says_what_is_done_and_left() {
-        let mut phase = Phase::new("point 2 of 6: ensemble".to_owned(), Some((40, 400)));
-        let line = |phase: &Phase| phase.line(Duration::from_secs(30));
-        assert_eq!(line(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 s so far");
-        phase.count = Some([40, 130, 400]);
-        let expected = "point 2 of 6: ensemble: 130 of 400 replicas, 30 s so far, about 90 s left";
-        assert_eq!(line(&phase), expected);
-        assert_eq!(line(&Phase::new("integral".to_owned(), None)), "integral: 30 s so far");
+        let phase = begun(30, Phase::new("ensemble", Some((40, 400)), None));
+        assert_eq!(phase.line(), "ensemble: 40 of 400 replicas, 30 s so far");
+        let expected = "ensemble: 130 of 400 replicas, 30 s so far, about 90 s left";
+        assert_eq!(phase.advanced(130).line(), expected);
+        assert_eq!(begun(30, Phase::new("integral", None, None)).line(), "integral: 30 s so far");
         assert_eq!([600, 7200].map(|seconds| lasting(Duration::from_secs(seconds))), ["10 min", "2.0 h"]);
+    }
+
+    /// Of several runs a line has the time of all, by the time of the runs before; of the first by its phase.
+    #[test]
+    fn a_line_of_several_runs_is_of_all() {
+        let times = Times::default();
+        let of = |number, seconds| {
+            let begun = Some(Instant::now() - Duration::from_secs(seconds));
+            Some(OfSeveral { run: Run { number, count: 6 }, times: times.clone(), begun })
+        };
+        let first = begun(20, Phase::new("ensemble", Some((0, 400)), of(1, 40))).advanced(200);
+        let expected = "point 1 of 6: ensemble: 200 of 400 replicas, 40 s so far, about 5 min left of all";
+        assert_eq!(first.line(), expected);
+        times.add(Duration::from_secs(50));
+        times.add(Duration::from_secs(30));
+        let third = begun(1, Phase::new("integral", None, of(3, 10)));
+        let expected = "point 3 of 6: integral: 90 s so far, about 2 min left of all";
+        assert_eq!(third.line(), expected);
     }
 
     /// Lines come at growing intervals, whatever run they are of, and end with it.
@@ -265,7 +386,7 @@ mod tests {
         let (sender, lines) = channel();
         *SOON.lock().unwrap() = Some(Schedule::new(Duration::from_millis(5)));
         let log = Log::new(&SOON, Lines(sender));
-        log.set(Some(Phase::new("ensemble".to_owned(), Some((0, 10)))));
+        log.set(Some(Phase::new("ensemble", Some((0, 10)), None)));
         log.advance(3);
         let printed: String = lines
             .recv_timeout(Duration::from_secs(60))

@@ -10,6 +10,7 @@ use super::failure::Failure;
 use super::rows::{labelled, paragraph};
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
+use crate::format::counted;
 use crate::output::OutputLock;
 use crate::output::layouts::SWEEP;
 use crate::output::reader::Reader;
@@ -76,5 +77,6 @@ pub(super) fn described(sweep: &Sweep) -> String {
     }
     let numbers =
         if sweep.common_random_numbers { "the same random numbers" } else { "random numbers of its own" };
-    text + &paragraph(&format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
+    let points = counted(sweep.count() as u64, "point", "points");
+    text + &paragraph(&format!("{points} ({}), each with {numbers}", sweep.mode.name()))
 }

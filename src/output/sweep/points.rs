@@ -14,7 +14,7 @@ use crate::output::kept::{
     Identity, Kept, OutputLock, OverwritePolicy, PARTIAL, PartialFile, beside, is_result_of,
 };
 use crate::output::layouts::{RUN, SWEEP};
-use crate::output::task::{Part, Session, Task};
+use crate::output::task::{Part, Run, Session, Task};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, SceneError, Sweep};
 use std::ffi::OsString;
@@ -190,7 +190,7 @@ impl Points<'_> {
 
     /// Somebody who watches the run of a point.
     pub fn observer(&self, point: usize) -> Box<dyn Observer> {
-        self.session.host.observer(format!("point {} of {}", point + 1, self.sweep.count()))
+        self.session.host.observer(Run { number: point + 1, count: self.sweep.count() })
     }
 
     /// An error at a point.

@@ -8,7 +8,7 @@ import shutil
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -18,9 +18,9 @@ import pandas as pd
 import xarray
 
 from . import files, quantities, stored
-from .errors import FileError
+from .errors import FileError, SceneError
 
-__all__ = ["OF_WHOLE_LOOP", "Asperities", "CrossCheck", "Finding", "Format", "PullOff", "Result", "Run", "Sweep", "agreement", "format_of", "indexed", "is_result"]
+__all__ = ["OF_WHOLE_LOOP", "Asperities", "CrossCheck", "Finding", "Format", "PullOff", "Result", "Run", "Sweep", "agreement", "format_of", "indexed", "is_preload", "is_result"]
 
 # Numbers of replicas that are of the whole loop, where they may be taken for the ones after a preload.
 OF_WHOLE_LOOP = ("pull_off_force", "pull_off_separation")
@@ -30,6 +30,26 @@ def agreement(replicas: int, most_differing: float) -> str:
     """The statement where all replicas agree; most_differing is the fraction of patches that differ at most."""
     share = quantities.number(100.0 * most_differing)
     return f"all {replicas} replicas agree: with 95 % confidence at most {share} % of patches differ"
+
+
+def is_preload(known: xarray.DataArray, given: Any) -> xarray.DataArray:
+    """Which of the preloads of a scene, N, are the one that is given, a text such as ``"100 uN"`` or N.
+
+    Raises
+    ------
+    SceneError
+        None is.
+    """
+    try:
+        wanted = float(quantities.in_si("preload", given, "N"))
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+    found = xarray.zeros_like(known, dtype=bool) + np.isclose(known, wanted, rtol=1e-9, atol=0.0)
+    if not found.any():
+        loads = np.unique(known.values[np.isfinite(known.values)])
+        has = ", ".join(quantities.si(load, "N") for load in loads) or "none"
+        raise SceneError(f"preload = {given}: the file has {has}; name one of them, or run with it in [instability]")
+    return found
 
 
 @dataclass(frozen=True)
@@ -311,16 +331,34 @@ class _Curves(Result):
 
     @cached_property
     def after_largest_preload(self) -> xarray.Dataset | None:
-        """Pull-off after the largest preload that replicas reach, of a sweep at each point; None without preloads.
+        """Pull-off after the largest preload that replicas reach; see `after_preload`."""
+        return self.after_preload()
 
-        `mean_over_patches`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
-        replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval. All are NaN
-        where no replica reaches a preload.
+    def after_preload(self, preload: Any = None) -> xarray.Dataset | None:
+        """Pull-off after a preload, of a sweep at each point; None for a scene without preloads or without replicas.
+
+        Parameters
+        ----------
+        preload : str or float, optional
+            One of the scene, a text such as ``"100 uN"`` or N; by default the largest that replicas reach.
+
+        Returns
+        -------
+        xarray.Dataset or None
+            `mean_over_patches`, `standard_error`, `interval` (95 %, over `range_end`) and `std` of the force, N; `separation`, m; `count`, the
+            replicas that reach it; `preload`, N; of a scene with ``[device]`` `stuck_probability` and the ends of its interval. All are NaN
+            where no replica reaches the preload.
+
+        Raises
+        ------
+        SceneError
+            The scene has no such preload.
         """
         if not self.has_preload or not self.has_replicas:
+            if preload is not None:
+                is_preload(xarray.DataArray([np.nan]), preload)
             return None
-        group = self.group("instability")
-        of = self._after_largest
+        group, of = self.group("instability"), partial(self._after, preload=preload)
         names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval", "std": "std"}
         found = {name: of(group[f"pull_off_after_preload_{own}"]) for name, own in names.items()}
         found["count"] = of(group["preload_reached_count"])
@@ -332,30 +370,48 @@ class _Curves(Result):
                 found[name] = of(device[f"{name}_after_preload"])
         return xarray.Dataset(found)
 
-    def _after_largest(self, array: xarray.DataArray) -> xarray.DataArray:
-        """Values after the largest preload that replicas reach, NaN where they reach none."""
-        group = self.group("instability")
-        reached = (group["preload_reached_count"] > 0) & group["preload"].notnull()
-        largest = group["preload"].where(reached, -np.inf).argmax("preload")
+    def _after(self, array: xarray.DataArray, preload: Any = None) -> xarray.DataArray:
+        """Values after a preload, by default the largest that replicas reach; NaN where they do not reach it."""
+        known = self.group("instability")["preload"]
+        chosen = known.notnull() if preload is None else is_preload(known, preload)
+        reached = chosen & (self.group("instability")["preload_reached_count"] > 0)
+        largest = known.where(reached, -np.inf).argmax("preload")
         return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
 
     @cached_property
     def model_range(self) -> xarray.Dataset | None:
+        """Results by every plastic contact after the largest preload that replicas reach; see `model_range_after`."""
+        return self.model_range_after()
+
+    def model_range_after(self, preload: Any = None) -> xarray.Dataset | None:
         """Results by every plastic contact, over `plastic_contact`: the error of the model. None where no contacts yield, or it was left out.
 
-        `pull_off_force`, N; of a scene with ``[device]`` `stuck_probability`; of a loop `dissipated_energy`, J; `replica_count`, the
-        replicas of every contact but the scene's own. Where there are preloads, force and probability follow the largest that
-        replicas reach, and are not there if none is reached. Sweeps have them at each point.
+        Parameters
+        ----------
+        preload : str or float, optional
+            As of `after_preload`.
+
+        Returns
+        -------
+        xarray.Dataset or None
+            `pull_off_force`, N; of a scene with ``[device]`` `stuck_probability`; of a loop `dissipated_energy`, J; `replica_count`, the
+            replicas of every contact but the scene's own. Where there are preloads, force and probability follow the preload, and are not
+            there if none is reached. Sweeps have them at each point.
+
+        Raises
+        ------
+        SceneError
+            The scene has no such preload.
         """
         if "model_range" not in self:
             return None
         group = self.group("model_range")
         found = {str(name): of for name, of in group.data_vars.items() if not str(name).endswith("_after_preload")}
-        if self.after_largest_preload is not None:
+        if self.has_preload and self.has_replicas:
             for name, own in (("pull_off_force", "pull_off_after_preload"), ("stuck_probability", "stuck_probability_after_preload")):
                 found.pop(name, None)
                 if own in group:
-                    found[name] = self._after_largest(group[own])
+                    found[name] = self._after(group[own], preload)
         return xarray.Dataset(found)
 
     @cached_property

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray
 from numpy.typing import NDArray
-from scipy import optimize, stats
 
 from ..errors import SceneError
 from ..results import Sweep
@@ -191,12 +190,15 @@ class Approach:
         >>> round(law.exponent, 6), round(law.count(0.025)[0])
         (0.5, 6400)
         """
+        # Imported only where they are needed: results that are no study are drawn and read in half of the time.
+        from scipy.special import chdtrc
+
         with np.errstate(invalid="ignore"):
             small = np.flatnonzero(np.isfinite(bias) & (error > 0.0) & (bias <= _FITTED))
         for first in range(small.size - _FEWEST + 1):
             taken = small[first:]
             fit = cls._fitted(counts, bias, error, taken)
-            if stats.chi2.sf(fit.chi_squared, fit.degrees_of_freedom) >= _REJECTED:
+            if chdtrc(fit.degrees_of_freedom, fit.chi_squared) >= _REJECTED:
                 return fit
             if taken.size == _FEWEST:
                 one, two = -np.diff(np.log(bias[taken])) / np.diff(np.log(counts[taken]))
@@ -210,6 +212,8 @@ class Approach:
     @classmethod
     def _fitted(cls, counts: Array, bias: Array, error: Array, taken: NDArray[np.intp]) -> Approach:
         """The fit to these sizes, of which there are three at least."""
+        from scipy.optimize import least_squares
+
         falls_not = NoApproach("the bias does not fall with N within its errors")
         # About the middle of the counts the two parameters are all but independent.
         centre = float(np.log(counts[taken]).mean())
@@ -226,7 +230,7 @@ class Approach:
 
         level, exact = math.log(of.max()), 1e-15
         fits = [
-            optimize.least_squares(
+            least_squares(
                 lambda p: law(p) - of / scale,
                 start,
                 jac=slopes,

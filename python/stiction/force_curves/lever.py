@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import quantities
 from ..errors import FileError, SceneError
-from ..results import Run
+from ..results import Run, is_preload
 
 __all__ = ["force_curve", "of_run"]
 
@@ -198,23 +198,15 @@ def _stiffness(run: Run, given: Any) -> float:
 
 def _turn(run: Run, spot: xarray.Dataset, given: Any) -> int | None:
     """The preload that the patch turns at, by its index: one that is given, or the largest that it reaches; None at the smallest separation."""
-    known = spot["preload"].values if "preload" in spot else np.array([np.nan])
-    loads = known[np.isfinite(known)]
-    if given is None and not loads.size:
+    known = spot["preload"] if "preload" in spot else xarray.DataArray([np.nan])
+    if given is None and known.isnull().all():
         return None
     if given is None:
         reached = np.isfinite(spot["preload_separation"].values)
         if not reached.any():
             raise FileError(f"{run.path}: replica {int(spot['replica'])} reaches no preload; take another replica")
         return int(np.where(reached, known, -np.inf).argmax())
-    try:
-        wanted = float(quantities.in_si("preload", given, "N"))
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    found = np.flatnonzero(np.isclose(known, wanted, rtol=1e-9, atol=0.0))
-    if not found.size:
-        has = ", ".join(quantities.si(load, "N") for load in loads) or "none"
-        raise SceneError(f"preload = {given}: the file has {has}; name one of them, or run with it in [instability]")
-    if not np.isfinite(spot["preload_separation"].values[found[0]]):
+    turn = int(np.flatnonzero(is_preload(known, given))[0])
+    if not np.isfinite(spot["preload_separation"].values[turn]):
         raise SceneError(f"preload = {given}: replica {int(spot['replica'])} does not reach it; take another replica, or a smaller preload")
-    return int(found[0])
+    return turn

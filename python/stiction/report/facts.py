@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -111,7 +111,9 @@ def _of_contacts(values: Any, unit: str) -> tuple[list[str], str]:
 def _range(values: Any, unit: str) -> str:
     """The range of numbers over plastic contacts, in words; a dash where there are none."""
     numbers, written = _of_contacts(values, unit)
-    return f"{numbers[0]} to {numbers[-1]} {written}" if numbers else "–"
+    if not numbers:
+        return "–"
+    return f"{numbers[0]} {written}" if numbers[0] == numbers[-1] else f"{numbers[0]} to {numbers[-1]} {written}"
 
 
 def _model_range(run: Run, name: str, label: str, unit: str) -> list[Number]:
@@ -312,8 +314,8 @@ def _run(run: Run) -> Facts:
         if not single and not quoted.agreement:
             numbers += [
                 Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
-                Number("scatter from patch to patch", _percent(quoted.scatter, 4),
-                       f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
+                Number("standard deviation of patches", _percent(quoted.scatter, 4),
+                       f"{quantities.si(quoted.std, 'N')}: the next patch differs by about that", quoted.scatter),
             ]
         numbers += [
             *_model_range(run, "pull_off_force", "", "N"),
@@ -335,6 +337,8 @@ def _run(run: Run) -> Facts:
     else:
         why = "no patch pulls" if quoted.mean_over_patches <= 0.0 else "no patch reaches a preload"
         numbers = [Number("pull-off force", "none", why, 0.0)]
+    if "device" in run:
+        numbers += [_chances(run, preload) for preload in _preloads(run)]
     if loop:
         numbers.append(_mean("pull-off on approach", run["replicas/approach_pull_off_force"].values, "N"))
         for label, name in (("energy dissipated in a cycle", "replicas/dissipated_energy"),
@@ -495,14 +499,13 @@ def _stuck(run: Run) -> Iterator[Table]:
         rows = [(quantities.si(load, "N", 3), "_after_preload") for load in group["preload"].values]
 
     def cell(name: str, of: str, place: int) -> str:
-        return quantities.number(float(np.atleast_1d(group[f"stuck_{name}{of}"].values)[place]), 3)
+        return _percent(float(np.atleast_1d(group[f"stuck_{name}{of}"].values)[place]))
 
     names = ("probability", "probability_low", "probability_high")
-    restoring = quantities.si(float(group["restoring_force"]), "N")
     ranges = _ranges(run, f"stuck_probability{rows[0][1]}", "%")
     header = ["preload", "probability", "95 % interval from", "to", *["model range"] * bool(ranges)]
     cells = [[load, *(cell(name, of, i) for name in names), *ranges[i : i + 1]] for i, (load, of) in enumerate(rows)]
-    yield Table(f"Probability that the pull-off is above {restoring}", header, cells)
+    yield Table(f"Probability that the pull-off is above {_restoring(run)}", header, cells)
 
 
 def _sweep(sweep: Sweep) -> Facts:
@@ -515,6 +518,7 @@ def _sweep(sweep: Sweep) -> Facts:
         span = _span(np.nanmin(means), np.nanmax(means), "N")
         note = f"smallest and largest mean of {_several(means.size, 'point')}"
         numbers = _after_preloads(sweep) or [Number("pull-off force", span, note), *numbers]
+        numbers += [_chances(sweep, preload) for preload in _preloads(sweep)] if "device" in sweep else []
         overall = str(sweep["validation"].attrs["overall_verdict"])
         smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
         level = 100 * float(sweep["validation"].attrs["significance"])
@@ -535,9 +539,29 @@ def _sweep(sweep: Sweep) -> Facts:
         texts = [sweep.key_text(key, value) for value in values]
         computed.append((key, ", ".join(texts) if of.dtype.kind == "U" or len(texts) == 1 else f"{len(texts)} values, {texts[0]} to {texts[-1]}"))
     computed += [*_law(sweep), *_draws(sweep)]
-    table = _points(sweep, keys)
-    found = Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), [table])
+    tables = list(_points(sweep, keys))
+    found = Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), paths_in(sweep.scene), tables)
     return _finite_size(sweep, found) if is_study(sweep) else found
+
+
+def _chances(result: Run | Sweep, preload: float | None) -> Number:
+    """The probability of a device after a preload: of a run with its interval, of a sweep the smallest and the largest of its points."""
+    after = "" if preload is None else f" after {quantities.si(preload, 'N', 3)}"
+    label = f"P(pull-off > {_restoring(result)}){after}"
+    of = result.group("device") if preload is None else result.after_preload(preload)
+    low, value, high = (np.ravel(of[f"stuck_probability{end}"].values) for end in ("_low", "", "_high"))
+    if np.isnan(value).all():
+        return Number(label, "none", "no patch reaches the preload")
+    if isinstance(result, Sweep):
+        first, last = int(np.nanargmin(value)), int(np.nanargmax(value))
+        text = f"{_percent(value[first])} to {_percent(value[last])}"
+        ends = [_interval(low[i], high[i]) for i in (first, last)]
+        return Number(label, text, f"smallest and largest of {_several(value.size, 'point')}, 95 % intervals {' and '.join(ends)}")
+    ranges = result.model_range_after(preload)
+    note = f"95 % interval {_interval(low[0], high[0])}"
+    if ranges is not None and "stuck_probability" in ranges:
+        note += f"; model range {_range(ranges['stuck_probability'].values, '%')}"
+    return Number(label, _percent(value[0]), note, float(value[0]))
 
 
 def _edges(sweep: Sweep) -> Any:
@@ -545,39 +569,113 @@ def _edges(sweep: Sweep) -> Any:
     return np.concatenate([np.ravel(h[..., 0]), np.ravel(h[..., -1])])
 
 
-def _points(sweep: Sweep, keys: list[str]) -> Table:
+def _points(sweep: Sweep, keys: list[str]) -> Iterator[Table]:
+    """The points: their pull-offs after every preload, and of a device their probabilities."""
+    preloads = _preloads(sweep)
+    pull_offs = [_cells(sweep, keys, preload, _pull_off_words(sweep)) for preload in preloads]
+    yield Table("Points", [*sweep.keys, *pull_offs[0][0]], _rows([rows for _, rows in pull_offs]))
+    if sweep.has_replicas and "device" in sweep:
+        chances = [_cells(sweep, keys, preload, _PROBABILITY_WORDS) for preload in preloads]
+        yield Table(f"Probability that the pull-off is above {_restoring(sweep)}", [*sweep.keys, *chances[0][0]], _rows([rows for _, rows in chances]))
+
+
+def _preloads(result: Run | Sweep) -> list[float | None]:
+    """The preloads of the scene, N, the largest first; None where pull-offs are of the whole history."""
+    if not (result.has_preload and result.has_replicas):
+        return [None]
+    known = result["instability/preload"].values
+    return [float(load) for load in np.unique(known[np.isfinite(known)])[::-1]]
+
+
+def _rows(tables: list[list[list[str]]]) -> list[list[str]]:
+    """The rows of tables of one length, of each point one after the other."""
+    return [row for rows in zip(*tables, strict=True) for row in rows]
+
+
+def _restoring(result: Run | Sweep) -> str:
+    force = np.unique(result["device/restoring_force"].values)
+    return quantities.si(force[0], "N") if force.size == 1 else "the restoring force"
+
+
+def _pull_off_words(sweep: Sweep) -> dict[str, tuple[str, Callable[[Any], str]]]:
+    """The columns of the pull-offs of points: names of data, heads, and the words of a row."""
+
+    def mean(row: Any) -> str:
+        if math.isnan(row["mean_over_patches"]):
+            return "–"
+        return "none" if row["mean_over_patches"] <= 0.0 else quantities.with_error(row["mean_over_patches"], row["standard_error"], "N")
+
+    words: dict[str, tuple[str, Callable[[Any], str]]] = {
+        "preload": ("preload", lambda row: quantities.si(row["preload"], "N", 3)),
+        "mean_over_patches": ("pull-off force", mean),
+        "of_integral": ("of the integral", lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N")),
+        "model_range": ("model range", lambda row: str(row["model_range"])),
+        "verdict": ("cross-check", lambda row: str(row["verdict"])),
+        "independence": ("independence", lambda row: str(row["independence"])),
+    }
+    if sweep.has_preload and sweep.has_replicas:
+        del words["of_integral"]
+    return words
+
+
+_PROBABILITY_WORDS: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "preload": ("preload", lambda row: quantities.si(row["preload"], "N", 3)),
+    "stuck_probability": ("probability", lambda row: "–" if math.isnan(row["stuck_probability"]) else _percent(row["stuck_probability"])),
+    "stuck_probability_low": ("95 % interval", lambda row: _interval(row["stuck_probability_low"], row["stuck_probability_high"])),
+    "stuck_model_range": ("model range", lambda row: str(row["stuck_model_range"])),
+}
+
+
+def _interval(low: float, high: float) -> str:
+    """The interval of a probability, per cent; a dash where it is not known."""
+    return "–" if math.isnan(low) else f"{quantities.number(100.0 * low, 3)} to {_percent(high)}"
+
+
+def _cells(
+    sweep: Sweep, keys: list[str], preload: float | None, words: dict[str, tuple[str, Callable[[Any], str]]]
+) -> tuple[list[str], list[list[str]]]:
+    """Heads of the columns behind the keys, and a row for each point after a preload."""
     import xarray
 
-    pull_off, heads = sweep.pull_off, {"mean_over_patches": "pull-off force", "of_integral": "of the integral", "verdict": "cross-check"}
-    second = "preload" if "preload" in pull_off else "of_integral"
-    whole = xarray.Dataset({name: pull_off[name] for name in ("mean_over_patches", "standard_error", second) if name in pull_off})
-    for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
-        if path in sweep:
-            whole[name] = sweep[path].drop_vars(list(sweep[path].coords))
-    if sweep.model_range is not None:
-        name, unit = ("stuck_probability", "%") if "stuck_probability" in sweep.model_range else ("pull_off_force", "N")
-        heads["model_range"] = f"model range of {'P(stuck)' if unit == '%' else 'the pull-off'}"
-        whole["model_range"] = xarray.apply_ufunc(
-            lambda values: _range(values, unit), sweep.model_range[name].drop_vars("plastic_contact"),
-            input_core_dims=[["plastic_contact"]], vectorize=True, output_dtypes=[object],
-        )  # fmt: skip
+    whole = _numbers_of_points(sweep, preload)
     for name in keys:
         if name not in whole.variables:
             whole[name] = sweep[name]
-    words = {
-        "mean_over_patches": lambda row: "none" if row["mean_over_patches"] <= 0.0 else quantities.with_error(row["mean_over_patches"], row["standard_error"], "N"),
-        "of_integral": lambda row: "none" if row["of_integral"] <= 0.0 else quantities.si(row["of_integral"], "N"),
-        "preload": lambda row: quantities.si(row["preload"], "N", 3),
-        "model_range": lambda row: str(row["model_range"]),
-        "verdict": lambda row: str(row["verdict"]),
-        "independence": lambda row: str(row["independence"]),
-    }
+    if preload is not None:
+        whole["preload"] = xarray.full_like(sweep["integral/pull_off_force"], preload)
     columns = [name for name in words if name in whole]
     rows = [
-        [*(sweep.key_text(name, row[name]) for name in keys), *(words[name](row) for name in columns)]
+        [*(sweep.key_text(name, row[name]) for name in keys), *(words[name][1](row) for name in columns)]
         for row in whole.to_dataframe().reset_index().to_dict("records")
     ]
-    return Table("Points", [*sweep.keys, *(heads.get(name, name) for name in columns)], rows)
+    return [words[name][0] for name in columns], rows
+
+
+def _numbers_of_points(sweep: Sweep, preload: float | None) -> Any:
+    """The numbers of the points after a preload, or of the whole history: a dataset over the points."""
+    import xarray
+
+    of: dict[str, Any] = {}
+    if preload is not None:
+        after = sweep.after_preload(preload)
+        of = {str(name): after[name] for name in after.data_vars if name not in ("interval", "preload")}
+    else:
+        of = {str(name): own for name, own in sweep.pull_off.data_vars.items() if name != "interval"}
+        if "device" in sweep:
+            device = sweep.group("device")
+            of |= {str(name): device[name] for name in device.data_vars if str(name).startswith("stuck_") and not str(name).endswith("_after_preload")}
+    for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
+        if path in sweep:
+            of[name] = sweep[path]
+    ranges = sweep.model_range_after(preload)
+    for name, own, unit in (("model_range", "pull_off_force", "N"), ("stuck_model_range", "stuck_probability", "%")):
+        if ranges is not None and own in ranges:
+            of[name] = xarray.apply_ufunc(
+                lambda values, unit=unit: _range(values, unit), ranges[own],
+                input_core_dims=[["plastic_contact"]], vectorize=True, output_dtypes=[object],
+            )  # fmt: skip
+    keys = {key.replace(".", "_") for key in sweep.keys}
+    return xarray.Dataset({name: own.drop_vars([c for c in own.coords if c not in keys]) for name, own in of.items()})
 
 
 def _finite_size(sweep: Sweep, of_sweep: Facts) -> Facts:

@@ -86,6 +86,36 @@ def test_the_number_to_quote_is_that_of_the_file(result):
     assert float(interval[2]) * scales[interval[3]] == pytest.approx(high, rel=1e-3)
 
 
+def test_probabilities_of_a_device_are_of_every_preload(result):
+    """The tables of a sweep have a row for each point and preload, with the values of its key; a missed preload has dashes."""
+    sweep = result("yielding_sweep")
+    found = facts(sweep)
+    pull_offs, chances = (table for table in found.tables if table.caption.startswith(("Points", "Probability that the pull-off is above 2.000 µN")))
+    device, after = sweep.group("device"), sweep.group("instability")
+    ranges = sweep.group("model_range")["stuck_probability_after_preload"]
+    expected, means = [], []
+    for point, energy in enumerate(("20.00 mJ/m²", "50.00 mJ/m²")):
+        for place, load in ((1, "10.0 N"), (0, "1.00 mN")):
+            share, low, high = (float(device[f"stuck_probability{end}_after_preload"][point, place]) for end in ("", "_low", "_high"))
+            mean = float(after["pull_off_after_preload_mean"][point, place])
+            means.append([energy, load, "–" if np.isnan(mean) else quantities.si(mean, "N", 3).split(" ")[1]])
+            if np.isnan(mean):
+                expected.append([energy, load, "–", "–", "–"])
+                continue
+            numbers = [quantities.number(100.0 * float(of(ranges[point].isel(preload=place))), 3) for of in (np.min, np.max)]
+            of = f"{numbers[0]} %" if numbers[0] == numbers[1] else f"{numbers[0]} to {numbers[1]} %"
+            interval = f"{quantities.number(100.0 * low, 3)} to {quantities.number(100.0 * high, 3)} %"
+            expected.append([energy, load, f"{quantities.number(100.0 * share, 3)} %", interval, of])
+    assert chances.header[1:] == ["preload", "probability", "95 % interval", "model range"] and chances.rows == expected
+    assert [[*row[:2], row[2].split(" ")[-1]] for row in pull_offs.rows] == means
+    labels = [number.label for number in found.numbers]
+    assert "P(pull-off > 2.000 µN) after 1.00 mN" in labels
+    of_run = {number.label: number for number in facts(result("device")).numbers}
+    run = result("device").after_preload("100 mN")
+    number = of_run["P(pull-off > 600.0 µN) after 100 mN"]
+    assert number.value == float(run["stuck_probability"]) and number.note.startswith("95 % interval ") and "model range" in number.note
+
+
 def test_equal_patches_have_their_bound_in_place_of_an_error():
     """One soft asperity pulls 2πRΔγ in every patch: of 74 or more that agree at most 1 − 0.05^(1/n) differ, less than two errors of 2 %."""
     tables = rare_patches.Scene("dmt", 1, 1.0).tables()

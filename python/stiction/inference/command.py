@@ -10,7 +10,7 @@ from .. import files
 from ..errors import FileError, StictionError
 from ..progress import Bar, work
 from ..scenes import named_files
-from ..terminal import ended
+from ..terminal import ended, given_words
 
 __all__ = ["main"]
 
@@ -49,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, infers, and prints the result; returns the exit code."""
     parser = _parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(given_words(arguments))
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
     return ended("stiction infer", lambda: _infer(given))

@@ -9,6 +9,7 @@ import termios
 import time
 
 import pytest
+
 from stiction import progress
 
 

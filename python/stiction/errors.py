@@ -1,6 +1,9 @@
 """Exceptions that carry the program's own message."""
 
-__all__ = ["FileError", "SceneError", "StictionError"]
+import contextlib
+from collections.abc import Iterator
+
+__all__ = ["FileError", "SceneError", "StictionError", "written_at_end"]
 
 
 class StictionError(Exception):
@@ -30,3 +33,12 @@ class FileError(StictionError):
 
     def __init__(self, message: str, exit_code: int = 2) -> None:
         super().__init__(message, exit_code)
+
+
+@contextlib.contextmanager
+def written_at_end() -> Iterator[None]:
+    """Work of several runs that writes its result at its end: an interruption states that nothing was kept."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("interrupted; nothing was kept, since the result is written at the end") from None

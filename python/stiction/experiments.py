@@ -50,7 +50,7 @@ def run(
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
-        Whether to show it; by default in notebooks and on terminals.
+        Whether to show it, as bars on terminals and in notebooks, else as lines; by default on terminals and in notebooks only.
     **overrides
         Keys of the scene by their dotted names: ``**{"material.work_of_adhesion": "0.1 J/m^2"}``.
 

@@ -70,7 +70,7 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
     text : str
         Standard input.
     progress : bool, optional
-        Whether progress is shown, for commands that compute; None: in notebooks and on terminals.
+        Whether progress is shown, for commands that compute, as in `progress.Bar`.
 
     Raises
     ------
@@ -159,28 +159,38 @@ def _read(lines: IO[str], kept: list[str], bars: _Bars) -> None:
 
 
 class _Bars:
-    """A bar for the phase at hand that has a count."""
+    """The bar of the phase at hand; of a sweep, one of all its points."""
 
     def __init__(self, progress: bool | None) -> None:
         self.progress = progress
         self.bar: Bar | None = None
-        self.of: tuple[str, str] | None = None
+        self.phase = ""
 
     def show(self, event: dict[str, Any]) -> None:
-        if self.progress is False or event["total"] is None:
+        point = re.fullmatch(r"point (\d+) of (\d+)", event["run"])
+        done, total = event["done"], event["total"]
+        if point is None:
+            if self.bar is None or self.phase != event["phase"]:
+                self._begin(event["phase"], total, "replicas", done or 0)
+            if self.bar is not None and total is not None:
+                self.bar.to(done)
             return
-        of = (event["run"], event["phase"])
-        if self.bar is None or self.of != of:
-            self.close()
-            name = ": ".join(part for part in of if part)
-            self.bar = Bar(event["total"], name, "replicas", done=event["done"], progress=self.progress)
-            self.of = of
-        self.bar.to(event["done"])
+        before = int(point[1]) - 1
+        if self.bar is None:
+            self._begin("", int(point[2]), "points", before)
+        # A point ends where the next one begins: its last phases have no count.
+        share = done / total if event["phase"] == "ensemble" and total else 0.0
+        if self.bar is not None:
+            self.bar.to(max(self.bar.done, before + min(share, 0.99)))
+
+    def _begin(self, phase: str, total: int | None, unit: str, done: int) -> None:
+        self.close()
+        self.phase, self.bar = phase, Bar(phase, total, unit, done=done, progress=self.progress)
 
     def close(self) -> None:
         if self.bar is not None:
             self.bar.close()
-        self.bar, self.of = None, None
+        self.bar = None
 
 
 def options(**named: Any) -> Iterable[str]:

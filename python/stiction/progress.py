@@ -1,89 +1,192 @@
-"""Progress: a bar on terminals and in notebooks, a line a minute in the logs of commands."""
+"""Progress: a bar on terminals and in notebooks, lines in logs."""
 
 from __future__ import annotations
 
+import contextlib
+import contextvars
 import sys
+import threading
 import time
+import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
-__all__ = ["Bar", "of_command", "steps"]
+__all__ = ["Bar", "of_command", "steps", "work"]
 
 T = TypeVar("T")
 
-# Seconds between the lines of a log.
-_APART = 60.0
-# The command that runs, whose logs have lines.
-_command = ""
+# Seconds until the first line of a log, from that to the second, and at most between lines: each interval is
+# twice the one before.
+_FIRST, _APART, _MOST = 1.0, 10.0, 60.0
+# Seconds between times that a bar shows, and characters of its words: those of the work around go first.
+_SHOWN, _WORDS = 1.0, 42
+
+
+@dataclass
+class _Log:
+    """The lines of this process: their first word, whether a command writes them unasked, and when the next one is due."""
+
+    name: str = "stiction"
+    is_command: bool = False
+    due: float | None = None
+    apart: float = 0.0
+
+    def wait(self) -> float:
+        """Seconds until the next line."""
+        if self.due is None:
+            self.due = time.monotonic() + _FIRST
+        return max(self.due - time.monotonic(), 0.0)
+
+    def write(self, text: str) -> None:
+        self.apart = min(2.0 * self.apart, _MOST) if self.apart else min(_APART, _MOST)
+        self.due = time.monotonic() + self.apart
+        # Nobody may be there to read it.
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            print(f"{self.name}: {text}", file=sys.stderr, flush=True)
+
+
+_log = _Log()
+# Whether bars are shown of the work at hand, and its words.
+_around: contextvars.ContextVar[tuple[bool | None, str]] = contextvars.ContextVar("around", default=(None, ""))
 
 
 def of_command(name: str) -> None:
-    """Begins the command of a name, such as ``stiction infer``."""
-    global _command
-    _command = name
+    """Begins the command of a name, such as ``stiction infer``: where there is no terminal its progress is lines."""
+    global _log
+    _log = _Log(name, is_command=True)
 
 
-class Bar:
-    """How much of some work is done.
+@contextlib.contextmanager
+def work(words: str = "", progress: bool | None = None) -> Iterator[None]:
+    """Work whose bars have its words before their own.
 
     Parameters
     ----------
-    total, done : int
-        Steps in all, and those that are done.
-    words, unit : str
-        What is done, and what it is counted in.
+    words : str
+        Such as ``batch 2``; none of their own.
     progress : bool, optional
-        Whether it is shown as a bar; None: on terminals and in notebooks, and in logs of commands as lines.
-    is_all : bool
-        Whether it is all of the work: else nothing is said of the time that is left.
+        Whether its bars are shown, as in `Bar`; None: as those of the work around it.
+    """
+    shown, before = _around.get()
+    token = _around.set((shown if progress is None else progress, ": ".join(part for part in (before, words) if part)))
+    try:
+        yield
+    finally:
+        _around.reset(token)
+
+
+class Bar:
+    """How much of some work is done, and since when; on leaving a `with` statement it goes.
+
+    Parameters
+    ----------
+    words : str
+        What is done.
+    total, unit : int and str, optional
+        Steps in all, and what they are; without them only the time is shown.
+    done : float
+        Steps that are done.
+    progress : bool, optional
+        Whether it is shown: as a bar on terminals and in notebooks, else as lines. None: as the work around says,
+        and without that on terminals, in notebooks, and as lines of commands.
+    at_most : bool
+        Whether fewer steps may do: then nothing is said of the time that is left.
     """
 
     def __init__(
-        self, total: int, words: str, unit: str, *, done: int = 0, progress: bool | None = None, is_all: bool = True
-    ) -> None:
-        self._is_all = is_all
-        self.total, self.done, self._words = total, done, f"{words}: " if words else ""
-        self._unit, self._first, self._begun = unit, done, time.monotonic()
-        self._next = self._begun + _APART
+        self, words: str, total: int | None = None, unit: str = "", *, done: float = 0, progress: bool | None = None,
+        at_most: bool = False,
+    ) -> None:  # fmt: skip
+        shown, before = _around.get()
+        shown = shown if progress is None else progress
+        self._words = ": ".join(part for part in (before, words) if part)
+        self._total, self._unit, self._at_most = total, unit, at_most
+        self.done = self._before = done
+        self._begun = time.monotonic()
         self._bar: Any = None
-        shown = (sys.stderr.isatty() or "ipykernel" in sys.modules) if progress is None else progress
-        self._is_log = progress is None and not shown and _command != ""
-        if shown:
-            from tqdm.auto import tqdm
+        self._end = threading.Event()
+        self._thread: threading.Thread | None = None
+        has_bars = (sys.stderr is not None and sys.stderr.isatty()) or "ipykernel" in sys.modules
+        if shown is not False and has_bars:
+            self._bar = self._drawn()
+        elif shown is False or (shown is None and not _log.is_command):
+            return
+        self._thread = threading.Thread(target=self._tell, daemon=True)
+        self._thread.start()
 
-            self._bar = tqdm(total=total, initial=done, desc=words, unit=f" {unit}", leave=False)
+    def __enter__(self) -> Bar:
+        return self
 
-    def to(self, done: int) -> None:
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def to(self, done: float) -> None:
         """Shows the number of steps that are done."""
-        if self._bar is not None:
-            self._bar.update(done - self.done)
         self.done = done
-        now = time.monotonic()
-        if self._is_log and now >= self._next and done > self._first:
-            self._next = now + _APART
-            past = now - self._begun
-            left = f", about {_lasting(past * (self.total - done) / (done - self._first))} left" if self._is_all else ""
-            print(
-                f"{_command}: {self._words}{done} of {self.total} {self._unit}, {_lasting(past)} so far{left}",
-                file=sys.stderr, flush=True,
-            )  # fmt: skip
+        if self._bar is not None:
+            self._bar.bar_format = self._form()
+            self._bar.update(done - self._bar.n)
 
     def close(self) -> None:
         """Takes the bar away."""
+        self._end.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
         if self._bar is not None:
             self._bar.close()
+            self._bar = None
+
+    def _drawn(self) -> Any:
+        with warnings.catch_warnings():
+            # Without ipywidgets a notebook has bars of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
+        words = self._words
+        while len(words) > _WORDS and ": " in words:
+            words = words.partition(": ")[2]
+        return tqdm(
+            desc=words, total=self._total, initial=self.done, bar_format=self._form(), miniters=0, smoothing=0.0,
+            dynamic_ncols=True, leave=False,
+        )  # fmt: skip
+
+    def _form(self) -> str:
+        words = "{desc}: " if self._words else ""
+        if self._total is None:
+            return words + "{elapsed}"
+        left = "" if self._at_most else ", {remaining} left"
+        return f"{words}{{bar}} {self._count()}, {{elapsed}}{left}"
+
+    def _count(self) -> str:
+        return f"{int(self.done)} of {'at most ' if self._at_most else ''}{self._total} {self._unit}"
+
+    def _line(self) -> str:
+        past, own = time.monotonic() - self._begun, self.done - self._before
+        parts = [self._count()] if self._total is not None else []
+        parts.append(f"{_lasting(past)} so far")
+        if self._total is not None and not self._at_most and own > 0:
+            parts.append(f"about {_lasting(past * (self._total - self.done) / own)} left")
+        return ": ".join(part for part in (self._words, ", ".join(parts)) if part)
+
+    def _tell(self) -> None:
+        """Shows the time, in a thread: the work itself may be long silent."""
+        while not self._end.wait(_SHOWN if self._bar is not None else _log.wait()):
+            if self._bar is not None:
+                self._bar.refresh()
+            else:
+                _log.write(self._line())
 
 
-def steps(of: Sequence[T], words: str, unit: str, progress: bool | None = None, *, is_all: bool = True) -> Iterator[T]:
+def steps(of: Sequence[T], words: str, unit: str, progress: bool | None = None) -> Iterator[T]:
     """The elements of a sequence, with their progress."""
-    bar = Bar(len(of), words, unit, progress=progress, is_all=is_all)
-    try:
+    with Bar(words, len(of), unit, progress=progress) as bar:
         for done, one in enumerate(of):
             yield one
             bar.to(done + 1)
-    finally:
-        bar.close()
 
 
 def _lasting(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 99.5 else f"{seconds / 60.0:.0f} min"
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5970.0 else f"{seconds / 3600.0:.1f} h"

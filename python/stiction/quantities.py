@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 __all__ = [
     "Unit",
     "as_text",
+    "counted",
     "factor_and_unit",
     "in_si",
     "is_pint",
@@ -30,7 +31,7 @@ __all__ = [
     "with_error",
 ]
 
-_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Units that take a prefix; "m2" and its kin would have it squared.
 _PREFIXED = {"N", "m", "Pa", "J", "N/m", "J/m2", "s", "N m-1", "V"}
 _WRITTEN = {
@@ -84,7 +85,7 @@ def factor_and_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
         return 1e12, "µm⁻²"
     if unit not in _PREFIXED or not largest > 0.0:
         return 1.0, plain_unit(unit)
-    exponent = min(max(3 * math.floor(math.log10(largest) / 3.0 + 1e-12), -15), 9)
+    exponent = min(max(3 * math.floor(math.log10(largest) / 3.0 + 1e-12), -18), 9)
     return float(f"1e{exponent}"), f"{_PREFIXES[exponent]}{plain_unit(unit)}"
 
 
@@ -125,6 +126,17 @@ def si(value: Any, unit: str, digits: int = 4) -> str:
         return number(value)
     factor, written = factor_and_unit([value], unit)
     return f"{number(value / factor, digits)} {written}".strip()
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things.
+
+    Examples
+    --------
+    >>> counted(1, "patch"), counted(2, "patch"), counted(3, "thread")
+    ('1 patch', '2 patches', '3 threads')
+    """
+    return f"{count} {noun}{'' if count == 1 else 'es' if noun.endswith('ch') else 's'}"
 
 
 def with_error(value: Any, error: Any, unit: str) -> str:
@@ -234,6 +246,11 @@ class _Degree(Unit):
         return math.radians(super().value(text))
 
 
+# Units that others write, and what they are in units of scenes.
+_OTHERS = {
+    "HV": "1 HV is 9.807 MPa", "micron": 'did you mean "um"?', "N/mm^2": 'did you mean "MPa"?',
+    "kgf/mm^2": "1 kgf/mm^2 is 9.807 MPa", "erg/cm^2": 'did you mean "mJ/m^2"?', "dyn/cm": 'did you mean "mN/m"?',
+}  # fmt: skip
 _UNITS = {"": Unit("1"), "%": Unit("1", -2), "degC": _Celsius("K"), "deg": _Degree("rad")}
 _UNITS |= {name: Unit(of.si, power) for of in _DIMENSIONS for name, power in of.units.items()}
 
@@ -267,11 +284,17 @@ def unit(written: str) -> Unit:
                 sides[0].append(factor)
     name = " ".join(sides[0]) + "".join(f"/{below}" for below in sides[1])
     if name not in _UNITS or not (name or not plain):
-        known = ", ".join(of.si for of in _DIMENSIONS)
-        raise ValueError(
-            f"{written} is no unit of a scene; {known}, degC and deg are, the usual prefixes, and %"
-        )
+        raise ValueError(f'unknown unit "{written}"; {_meant(name)}')
     return _UNITS[name]
+
+
+def _meant(name: str) -> str:
+    """What was probably meant by a unit that is none: one with other capitals, or what another one is."""
+    alike = [f'"{known}"' for known in _UNITS if known and known.lower() == name.lower()]
+    if alike:
+        return f"did you mean {' or '.join(alike)}?"
+    known = ", ".join(of.si for of in _DIMENSIONS)
+    return _OTHERS.get(name) or f"scenes have {known}, degC and deg, with the usual prefixes, and %"
 
 
 def as_text(value: Any, unit: str) -> str:
@@ -336,7 +359,8 @@ def parsed(name: str, value: Any) -> tuple[float, str]:
         of = unit(written)
         return of.value(number), of.si
     except ValueError as error:
-        raise ValueError(f"{name} = {value!r}: {error}") from None
+        in_scenes = f": {si(9.80665e6 * float(number), 'Pa')}" if "9.807 MPa" in str(error) else ""
+        raise ValueError(f"{name} = {value!r}: {error}{in_scenes}") from None
 
 
 def of_one_dimension(units: Iterable[str]) -> bool:

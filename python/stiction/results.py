@@ -488,7 +488,7 @@ class Run(_Curves):
         for load, mean, std, count in zip(group["preload"].values, means, stds, counts, strict=True):
             if np.isfinite(load) and count > 0:
                 value = quantities.with_error(mean, std / math.sqrt(count), "N")
-                rows += [("pull-off", f"{value} after {quantities.si(load, 'N')}, mean over {count} replicas")]
+                rows += [("pull-off", f"{value} after {quantities.si(load, 'N')}, mean over {quantities.counted(int(count), 'replica')}")]
         return rows
 
     def _summary(self) -> list[tuple[str, str]]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import codecs
 import io
 import os
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from . import progress
 from .errors import StictionError
 
-__all__ = ["ended"]
+__all__ = ["ended", "given_words"]
 
 # The exit code of a command that was interrupted.
 _INTERRUPTED = 130
@@ -25,6 +26,17 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
 
 
 codecs.register_error("stiction", _plain)
+
+
+def given_words(arguments: Sequence[str] | None) -> list[str]:
+    """The words of a command line for argparse, which takes a quantity below 0, such as ``-5 nm``, for an option."""
+    words: list[str] = []
+    for word in sys.argv[1:] if arguments is None else arguments:
+        if words and re.fullmatch(r"--[a-z-]+", words[-1]) and re.match(r"-\.?[0-9]", word):
+            words[-1] += f"={word}"
+        else:
+            words.append(word)
+    return words
 
 
 def ended(name: str, work: Callable[[], None]) -> int:

@@ -13,7 +13,7 @@ import xarray
 from .. import files, priors, quantities
 from ..errors import SceneError
 from ..scenes import named_files
-from ..terminal import ended
+from ..terminal import ended, given_words
 from .estimate import Probability
 from .search import Best, Design, best, design, event, probability
 
@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, computes, and says what was found; returns the exit code."""
     parser = _parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(given_words(arguments))
     key = given.maximise or given.minimise
     if (key is None) != (given.probability is None):
         parser.error("--probability: it is needed with --maximise or --minimise, and with them alone")

@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import experiments, quantities
 from ..errors import SceneError, StictionError
+from ..progress import Bar
 from . import heights, splitting, tilting
 from .estimate import NEVER, Probability, checked
 from .heights import Array
@@ -96,7 +97,8 @@ class Patches:
     def _sampled(self, replicas: int) -> Any:
         """A run of patches of the scene's own law."""
         tables = {**self.tables, "ensemble": {"replicas": replicas}, "output": {"curves": True}}
-        return experiments.run(tables, seed=self._first, threads=self.threads, progress=False, **experiments.ONE_MODEL)
+        with Bar("patches of the scene itself"):
+            return experiments.run(tables, seed=self._first, threads=self.threads, progress=False, **experiments.ONE_MODEL)
 
     def _of(self, run: Any) -> Array:
         """Pull-off force of the patches of a run, N; after the largest preload, if there is one, and 0 where it is not reached."""
@@ -241,18 +243,19 @@ class Patches:
 
     def _pilot(self, threshold: float, error: float, most: int | None) -> tuple[tilting.Mixture, tilting.Drawn] | None:
         """A mixture for patches above a threshold and the first patches of it; none where the event never happens."""
-        mixture = self._tilts.mixture(threshold)
+        with Bar("heights to sample"):
+            mixture = self._tilts.mixture(threshold)
         if mixture is None:
             return None
         wanted, most = int(np.clip(1.0 / error**2, *_HITS)), most or _MOST_ABOVE
-        pilot = mixture.drawn(_DRAWN * wanted, self._seeds)
+        pilot = mixture.drawn(_DRAWN * wanted, self._seeds, "trial")
         while (hits := int((pilot.pull_off > threshold).sum())) < wanted:
             if (size := pilot.pull_off.size) >= most:
                 raise StictionError(
                     f"of {size} patches {hits} pull more than {quantities.si(threshold, 'N')}, and {wanted} are needed for its probability: "
                     "`most` of more patches, or a lower threshold"
                 )
-            pilot = pilot.and_more(mixture.drawn(min(size, most - size), self._seeds))
+            pilot = pilot.and_more(mixture.drawn(min(size, most - size), self._seeds, "trial"))
         return mixture, pilot
 
     def _main(
@@ -267,7 +270,7 @@ class Patches:
                 f"the probability of a pull-off above {quantities.si(threshold, 'N')} takes {size} patches for an error of "
                 f"{100 * error:.0f} %, and {most} are allowed: a larger `error`, or `most` of more patches"
             )
-        drawn = fitted.drawn(size, self._seeds)
+        drawn = fitted.drawn(size, self._seeds, "sampling")
         found = fitted.estimate(drawn, threshold)
         what = f"the probability of a pull-off above {quantities.si(threshold, 'N')}"
         return checked(found, what, _EFFECTIVE, "patches"), (fitted, drawn)

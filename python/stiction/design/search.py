@@ -12,7 +12,8 @@ import numpy as np
 from scipy import optimize
 
 from .. import priors, quantities
-from ..errors import SceneError
+from ..errors import SceneError, written_at_end
+from ..progress import work
 from ..scenes import Scene
 from .estimate import LEAST, Probability
 from .heights import Array
@@ -121,7 +122,7 @@ def event(above: Any = None, below: Any = None) -> Event:
 
 def probability(
     scene: Scene, *, above: Any = None, below: Any = None, error: float = 0.1, seed: int | None = None, threads: int | None = None,
-    most: int | None = None,
+    most: int | None = None, progress: bool | None = None,
 ) -> Probability:  # fmt: skip
     """The probability that a patch pulls harder (or less) than a threshold, however small.
 
@@ -137,6 +138,8 @@ def probability(
         As in `stiction.run`.
     most : int, optional
         Patches at most; by default 200 000 above a threshold, and 20 million below, with those that are moved.
+    progress : bool, optional
+        Whether to show it, as in `stiction.run`.
 
     Raises
     ------
@@ -154,14 +157,16 @@ def probability(
     """
     happens = event(above, below)
     _checked(error)
-    return Patches(_fixed(scene), seed=seed, threads=threads).probability(
-        happens.threshold, below=happens.below, error=error, most=most
-    )
+    tables = _fixed(scene)
+    with written_at_end(), work(progress=progress):
+        return Patches(tables, seed=seed, threads=threads).probability(
+            happens.threshold, below=happens.below, error=error, most=most
+        )
 
 
 def design(
     scene: Scene, wanted: float, *, above: Any = None, below: Any = None, largest: bool = True, error: float = 0.1,
-    seed: int | None = None, threads: int | None = None,
+    seed: int | None = None, threads: int | None = None, progress: bool | None = None,
 ) -> Design:  # fmt: skip
     """The largest (or smallest) value of a number with which an event is at most as probable as wanted.
 
@@ -181,6 +186,8 @@ def design(
         Relative standard error of each probability.
     seed, threads : int, optional
         As in `stiction.run`; each value has random numbers of its own that follow from the seed.
+    progress : bool, optional
+        Whether to show it, as in `stiction.run`.
 
     Raises
     ------
@@ -203,7 +210,8 @@ def design(
         value = float(prior.distribution.ppf(share))
         tables = _with(found.tables, prior.key, prior.text(value))
         own = int(np.random.default_rng([first, len(tried)]).integers(2**62))
-        of = Patches(tables, seed=own, threads=threads).probability(happens.threshold, below=happens.below, error=error)
+        with written_at_end(), work(f"value {len(tried) + 1} of at most {_STEPS + 2}", progress):
+            of = Patches(tables, seed=own, threads=threads).probability(happens.threshold, below=happens.below, error=error)
         tried.append((value, of))
         if of.value == 0.0:
             return math.log(LEAST / wanted), 0.0
@@ -261,7 +269,7 @@ def _crossing(shares: Array, values: Array, spreads: Array) -> tuple[float, floa
 
 def best(
     scene: Scene, probability: float, *, largest: bool = False, points: int = 9, error: float = 0.1, seed: int | None = None,
-    threads: int | None = None,
+    threads: int | None = None, progress: bool | None = None,
 ) -> Best:  # fmt: skip
     """The value of a number with the least pull-off that patches exceed, or the largest that they stay below, with a probability.
 
@@ -275,7 +283,7 @@ def best(
         Whether to find the largest force.
     points : int
         Values of the number at first, from end to end of the range; then as many between the neighbours of the best one.
-    error, seed, threads
+    error, seed, threads, progress
         As in `design`.
 
     Raises
@@ -297,7 +305,8 @@ def best(
         for share in np.linspace(low, high, points).tolist():
             if share not in forces:
                 tables = _with(found.tables, prior.key, prior.text(float(prior.distribution.ppf(share))))
-                forces[share] = Patches(tables, seed=seed, threads=threads).quantile(probability, below=largest, error=error)
+                with written_at_end(), work(f"value {len(forces) + 1} of at most {2 * points - 2}", progress):
+                    forces[share] = Patches(tables, seed=seed, threads=threads).quantile(probability, below=largest, error=error)
         chosen = (max if largest else min)(forces, key=lambda share: forces[share][0])
         if chosen in (0.0, 1.0):
             # Nothing is between the end and the end.

@@ -37,7 +37,7 @@ from scipy import sparse
 
 from .. import quantities
 from ..errors import StictionError
-from ..progress import steps
+from ..progress import Bar, steps
 from .estimate import LEAST, NEVER, Probability, checked, shared
 from .heights import Array
 
@@ -362,7 +362,8 @@ class Splitting:
 
     def probability(self, threshold: float, error: float, most: int) -> Probability:
         """The probability that a patch pulls less than a threshold, N; see `Patches.probability`."""
-        found = self._levels(lambda level, _: level <= threshold)
+        with Bar("levels"):
+            found = self._levels(lambda level, _: level <= threshold)
         if found is None:
             return NEVER
         levels, spent = found
@@ -377,7 +378,8 @@ class Splitting:
             place = np.searchsorted(np.cumsum(weights[order]), wanted)
             return float(forces[order[min(int(place), order.size - 1)]])
 
-        reached = self._levels(lambda _, below: below < probability)
+        with Bar("levels"):
+            reached = self._levels(lambda _, below: below < probability)
         if reached is None:
             raise StictionError(f"no force was found below which a patch pulls with the probability {probability:g}")
         levels, spent = reached
@@ -410,7 +412,7 @@ class Splitting:
     ) -> tuple[Probability, _Runs]:
         """Runs of fixed levels, as many as the error takes by the standard deviation of the first ones, which are thrown away."""
         patches = _PATCHES * (1 + _MOVES * len(levels))
-        first = self._runs(levels, _RUNS)
+        first = self._runs(levels, _RUNS, "trial")
         x = threshold(first)
         each = first.below(x)
         what = f"the probability of a pull-off below {quantities.si(x, 'N')}"
@@ -423,7 +425,7 @@ class Splitting:
                 f"{what} takes {spent} patches for an error of {100 * error:.0f} %, and {most} are allowed: a larger "
                 "`error`, or `most` of more patches"
             )
-        runs = self._runs(levels, number)
+        runs = self._runs(levels, number, "sampling")
         x = threshold(runs)
         each, totals = runs.below(x), np.array(runs.totals)
         value, standard_error, total, total_error = (
@@ -433,9 +435,9 @@ class Splitting:
         found = Probability(value, standard_error, spent, hits, total, total_error, *shared(each))
         return checked(found, what, _EFFECTIVE, "runs"), runs
 
-    def _runs(self, levels: list[tuple[float, float]], number: int) -> _Runs:
+    def _runs(self, levels: list[tuple[float, float]], number: int, words: str) -> _Runs:
         runs = _Runs()
-        for _ in steps(range(number), "", "runs"):
+        for _ in steps(range(number), words, "runs"):
             some, reached = self.curves.drawn(_PATCHES, self.rng), 1.0
             runs.totals.append(float(self.curves.weights(some).mean()))
             for level, q in levels:

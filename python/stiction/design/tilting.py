@@ -41,7 +41,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, special
 
-from ..progress import steps
+from ..progress import Bar
 from .estimate import LEAST, Probability, shared
 from .heights import Array
 
@@ -149,12 +149,16 @@ class Mixture:
     ratios: Array
     shares: Array
 
-    def drawn(self, patches: int, rng: np.random.Generator) -> Drawn:
-        """Patches, of each law as many as its fraction on average."""
+    def drawn(self, patches: int, rng: np.random.Generator, words: str) -> Drawn:
+        """Patches, of each law as many as its fraction on average; `words` are those of their progress."""
         places = (np.arange(patches) + rng.random()) / patches
         laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)
-        parts = [self._part(laws[first : first + step], rng) for first in steps(range(0, laws.size, step), "", f"parts of {laws.size} patches", is_all=False)]
+        parts = []
+        with Bar(words, patches, "patches") as bar:
+            for first in range(0, patches, step):
+                parts.append(self._part(laws[first : first + step], rng))
+                bar.to(first + parts[-1][0].size)
         forces, likelihoods = (np.concatenate(of) for of in zip(*parts, strict=True))
         return Drawn(forces, likelihoods)
 

@@ -16,7 +16,7 @@ from .. import quantities
 from ..errors import SceneError
 from ..results import Sweep, agreement
 from ..scenes import Scene
-from ..terminal import ended
+from ..terminal import ended, given_words
 from .patches import run
 from .study import study
 
@@ -56,7 +56,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, computes the sweep and prints its table; returns the exit code."""
-    given = _parser().parse_args(arguments)
+    given = _parser().parse_args(given_words(arguments))
     return ended("stiction finite-size", lambda: _study(given))
 
 
@@ -156,7 +156,8 @@ def _approach(found: xarray.Dataset) -> Iterator[str]:
     law = f"bias = {attrs['fit_coefficient']:.3f} N^-{attrs['fit_exponent']:.3f}"
     yield _row("approach", f"{law}, exponent ± {attrs['fit_exponent_standard_error']:.2g}")
     freedom, chi = attrs["fit_degrees_of_freedom"], attrs["fit_chi_squared"]
-    yield _row("", f"fitted to {freedom + 2} sizes, chi squared {chi:.1f} for {freedom} degrees of freedom")
+    degrees = "1 degree" if freedom == 1 else f"{freedom} degrees"
+    yield _row("", f"fitted to {freedom + 2} sizes, chi squared {chi:.1f} for {degrees} of freedom")
 
 
 def _reached(found: xarray.Dataset, count: float, source: str) -> str:

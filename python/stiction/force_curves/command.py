@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import files
-from ..terminal import ended
+from ..quantities import counted
+from ..terminal import ended, given_words
 from .recorded import SLOPES, listed, pull_offs, remarks, written
 
 __all__ = ["main"]
@@ -47,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line and the curves, and writes the table; returns the exit code."""
-    given = _parser().parse_args(arguments)
+    given = _parser().parse_args(given_words(arguments))
     return ended("stiction force-curves", lambda: _table(given))
 
 
@@ -68,4 +69,4 @@ def _table(given: argparse.Namespace) -> None:
     with files.writing(given.output, force=given.force, inputs=read) as part:
         part.write_text(text, encoding="utf-8")
     seen = int((found["pull_off_force"] > found["resolution"]).sum())
-    print(f"{len(found)} curves of {found['file'].nunique()} files, {seen} with a pull-off\n{given.output}")
+    print(f"{counted(len(found), 'curve')} of {counted(found['file'].nunique(), 'file')}, {seen} with a pull-off\n{given.output}")

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from .. import files
 from ..errors import FileError, StictionError
+from ..progress import Bar, work
 from ..scenes import named_files
-from ..terminal import ended
+from ..terminal import ended, given_words
 
 __all__ = ["main"]
 
@@ -48,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, infers, and prints the result; returns the exit code."""
     parser = _parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(given_words(arguments))
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
     return ended("stiction infer", lambda: _infer(given))
@@ -56,8 +57,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _infer(given: argparse.Namespace) -> None:
     try:
-        from ..plot.style import picture
-        from . import figures, found, posterior
+        with Bar("loading"):
+            from ..plot.style import picture
+            from . import figures, found, posterior
     except ImportError as error:
         raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
     output = given.output or Path(f"{given.scene.stem}_infer.h5")
@@ -76,7 +78,8 @@ def _infer(given: argparse.Namespace) -> None:
     options = {"missing": given.missing, "seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
     results = {}
     for scene, path in zip((given.scene, *given.model), outputs, strict=True):
-        results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
+        with work(scene.name if given.model else ""):
+            results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
         print(f"{scene}\n{result}", flush=True)
         if given.figure is not None and scene == given.scene:
             with files.writing(given.figure, force=given.force, inputs=inputs) as part:

@@ -16,6 +16,7 @@ from scipy.stats import qmc
 from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
+from ..progress import work
 from ..results import OF_WHOLE_LOOP, Sweep
 from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, fit, log_sum_exp
@@ -85,7 +86,6 @@ def simulate(
     replicas: int,
     seed: int,
     threads: int | None = None,
-    progress: bool | None = False,
     floors: Array | float = 0.0,
     conditions: Mapping[str, Any] | None = None,
 ) -> Patches:
@@ -108,7 +108,7 @@ def simulate(
         In SI units.
     units : tuple of str, optional
         SI units of the data, which have to be the units of the datasets.
-    replicas, seed, threads, progress
+    replicas, seed, threads
         As in `stiction.sweep`.
     floors : array (outcomes,) or float
         Outcomes below are taken as these (SI): what no measurement distinguishes.
@@ -122,7 +122,7 @@ def simulate(
     """
     tables = _tables(priors, conditions or {}, replicas)
     scale = _force_scale(tables, priors, values)
-    known = _known(_swept(tables, priors, values, seed=seed, threads=threads, progress=progress))
+    known = _known(_swept(tables, priors, values, seed=seed, threads=threads))
     if "calibration" in tables and not any(_has_newton(known[name]) for name in outcomes if name in known):
         raise SceneError(f"{FORCE_SCALE}: none of {', '.join(outcomes)} is a force, a stiffness or an energy; leave it out")
     columns = []
@@ -172,7 +172,8 @@ def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]
     """
     tables, values = _tables(priors, conditions, 2), _middle(priors)
     _force_scale(tables, priors, values)
-    known = _known(_swept(tables, priors, values, seed=1, progress=False))
+    with work(progress=False):
+        known = _known(_swept(tables, priors, values, seed=1))
     return {name: str(of.attrs["units"]) for name, of in known.items()}
 
 
@@ -186,10 +187,11 @@ def try_out(priors: Priors, measured: Measurements) -> None:
     """
     for group in measured.groups:
         for values in (_middle(priors), design(priors, _TRIED, 1)):
-            patches = simulate(
-                priors, measured.outcomes, values, units=measured.units, replicas=2, seed=1,
-                floors=float(np.finfo(float).tiny), conditions=group.conditions,
-            )  # fmt: skip
+            with work(progress=False):
+                patches = simulate(
+                    priors, measured.outcomes, values, units=measured.units, replicas=2, seed=1,
+                    floors=float(np.finfo(float).tiny), conditions=group.conditions,
+                )  # fmt: skip
             problem = _far_off(group, measured, patches)
             if not problem:
                 break

@@ -89,7 +89,7 @@ class Inference:
 
     def __str__(self) -> str:
         gaps = f"; not measured: {self.attrs['gaps']}" if self.attrs.get("gaps") else ""
-        rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}{gaps}")]
+        rows = [("data", f"{quantities.counted(int(self.attrs['patches']), 'patch')}: {self.attrs['outcomes']}{gaps}")]
         for name, row in self.summary().iterrows():
             unit = str(self.data.posterior[name].attrs["units"])
             low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))

@@ -6,6 +6,7 @@ import copy
 import math
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import arviz
@@ -17,8 +18,9 @@ from threadpoolctl import threadpool_limits
 
 from .. import files, quantities
 from .. import priors as scenes
-from ..errors import SceneError, StictionError
+from ..errors import SceneError, StictionError, written_at_end
 from ..priors import Priors
+from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
 from . import data as measurements
 from .check import check_p_values, farthest
@@ -84,7 +86,7 @@ def infer(
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
-        Whether to show the progress of the simulations.
+        Whether to show it, as in `stiction.run`.
 
     Raises
     ------
@@ -101,10 +103,10 @@ def infer(
     if output is not None:
         inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
         files.check(output, force=force, inputs=inputs)
-    measured, priors = checked(data, scene, missing)
     # Matrices are so small that threads would only wait for each other.
-    with threadpool_limits(1):
-        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas, progress)
+    with written_at_end(), work(progress=progress), threadpool_limits(1):
+        measured, priors = checked(data, scene, missing)
+        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas)
     if output is not None:
         result.save(output, force=force)
     return result
@@ -124,38 +126,43 @@ def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refus
         # What is no table is found before anything runs.
         conditions = measurements.first_conditions(data)
         priors = scenes.read(scene)
-        measured = measurements.read(data, outcomes=outcomes_of(priors, conditions), missing=missing)
-    try_out(priors, measured)
+        with Bar("trial patches"):
+            known = outcomes_of(priors, conditions)
+        measured = measurements.read(data, outcomes=known, missing=missing)
+    with Bar("trial patches"):
+        try_out(priors, measured)
     return measured, priors
 
 
 def _inferred(
     measured: Measurements, priors: Priors, seed: int, threads: int | None, end_error: float,
-    emulator_error: float, replicas: int, progress: bool | None,
+    emulator_error: float, replicas: int,
 ) -> Inference:  # fmt: skip
     first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
     seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
 
-    def simulated(values: Array) -> list[Patches]:
+    def simulated(values: Array, batch: int) -> list[Patches]:
         # One seed under all conditions: they differ in nothing else.
-        of = int(next(seeds))
-        return [
-            simulate(
-                priors, measured.outcomes, values, units=measured.units, replicas=replicas, seed=of, threads=threads, progress=progress, floors=measured.floors,
-                conditions=group.conditions,
-            )
-            for group in measured.groups
-        ]
+        of, found = int(next(seeds)), []
+        for number, group in enumerate(measured.groups, 1):
+            with _of_batch(batch), work(f"condition {number} of {len(measured.groups)}" if len(measured.groups) > 1 else "simulation"):
+                found.append(simulate(
+                    priors, measured.outcomes, values, units=measured.units, replicas=replicas, seed=of, threads=threads, floors=measured.floors,
+                    conditions=group.conditions,
+                ))  # fmt: skip
+        return found
 
-    patches = simulated(design(priors, first, int(next(seeds))))
+    patches = simulated(design(priors, first, int(next(seeds))), 1)
     _check_scatter(measured, patches)
     random = np.random.default_rng(int(next(seeds)))
     centre: Array | None = None
     covariance: Array | None = None
     start: Array | None = None
     for batch in range(1, _MOST_BATCHES + 1):
-        emulator = Emulator(priors, patches, centre=centre, covariance=covariance, seed=int(next(seeds)))
-        rough = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=0.1, effective=400.0, start=start)
+        with _of_batch(batch):
+            with Bar("density"):
+                emulator = Emulator(priors, patches, centre=centre, covariance=covariance, seed=int(next(seeds)))
+            rough = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=0.1, effective=400.0, start=start)
         start = rough.z.reshape(-1, len(priors.priors))
         natural = priors.natural(priors.of_scores(start))
         share = _share(emulator, measured.groups, priors, start)
@@ -166,10 +173,16 @@ def _inferred(
             # Wider than the posterior, so that its flanks are known as well as its middle.
             middle = start.mean(axis=0)
             wide = middle + 2.0 * (start[random.choice(len(start), first // 2, replace=False)] - middle)
-            more = simulated(priors.of_scores(np.clip(wide, -3.0, 3.0)))
+            more = simulated(priors.of_scores(np.clip(wide, -3.0, 3.0)), batch + 1)
             patches = [one + two for one, two in zip(patches, more, strict=True)]
-    chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)
-    return _result(chains, priors, measured, emulator, random, share, sum(of.logs[:, :, 0].size for of in patches), batch)
+    with work("result"):
+        chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)
+        with Bar("checks"):
+            return _result(chains, priors, measured, emulator, random, share, sum(of.logs[:, :, 0].size for of in patches), batch)
+
+
+def _of_batch(batch: int) -> AbstractContextManager[None]:
+    return work(f"batch {batch} of at most {_MOST_BATCHES}")
 
 
 def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import StictionError
 from ..priors import Priors
+from ..progress import Bar, steps
 
 __all__ = ["Chains", "sample"]
 
@@ -98,7 +99,7 @@ def sample(
     # Proposals from a density estimate of the other walkers forget where a walker was; the others reach where that is thin.
     moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
     samplers, states = [], []
-    for _ in range(_ENSEMBLES):
+    for _ in steps(range(_ENSEMBLES), "first steps", "ensembles"):
         sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, vectorize=True, moves=moves)
         begin = _spread(log_probability, start, walkers, dimensions, random)
         state = emcee.State(begin, random_state=np.random.RandomState(random.integers(2**31)).get_state())
@@ -106,27 +107,29 @@ def sample(
         states.append(sampler.run_mcmc(state, 100, store=False, skip_initial_state_check=True))
         samplers.append(sampler)
     draws = 0
-    while True:
-        for place, sampler in enumerate(samplers):
-            states[place] = sampler.run_mcmc(states[place], _BLOCK, thin_by=_THIN, skip_initial_state_check=True)
-        draws += _BLOCK
-        # The first quarter is dropped.
-        skip = draws // 4
-        z = np.stack([sampler.get_chain()[skip:] for sampler in samplers])  # (ensembles, draws, walkers, parameters)
-        logs = np.stack([sampler.get_log_prob()[skip:] for sampler in samplers])
-        acceptance = float(np.mean([sampler.acceptance_fraction.mean() for sampler in samplers]))
-        judged = _judged(z, logs, acceptance)
-        enough = judged.effective.min() >= effective and judged.end_errors.max() <= end_error
-        if enough and judged.r_hat.max() < r_hat:
-            return judged
-        if draws >= _MOST_DRAWS:
-            if judged.r_hat.max() < r_hat:
-                # The error that was reached is reported with the result.
+    with Bar("posterior", _MOST_DRAWS, "draws", at_most=True) as bar:
+        while True:
+            for place, sampler in enumerate(samplers):
+                states[place] = sampler.run_mcmc(states[place], _BLOCK, thin_by=_THIN, skip_initial_state_check=True)
+            draws += _BLOCK
+            bar.to(draws)
+            # The first quarter is dropped.
+            skip = draws // 4
+            z = np.stack([sampler.get_chain()[skip:] for sampler in samplers])  # (ensembles, draws, walkers, parameters)
+            logs = np.stack([sampler.get_log_prob()[skip:] for sampler in samplers])
+            acceptance = float(np.mean([sampler.acceptance_fraction.mean() for sampler in samplers]))
+            judged = _judged(z, logs, acceptance)
+            enough = judged.effective.min() >= effective and judged.end_errors.max() <= end_error
+            if enough and judged.r_hat.max() < r_hat:
                 return judged
-            raise StictionError(
-                f"the chains do not agree after {draws} draws of {_ENSEMBLES} ensembles: R̂ = {judged.r_hat.max():.3f}, below {r_hat:g} is needed. "
-                "Narrower priors help where the posterior has several maxima"
-            )
+            if draws >= _MOST_DRAWS:
+                if judged.r_hat.max() < r_hat:
+                    # The error that was reached is reported with the result.
+                    return judged
+                raise StictionError(
+                    f"the chains do not agree after {draws} draws of {_ENSEMBLES} ensembles: R̂ = {judged.r_hat.max():.3f}, below {r_hat:g} is needed. "
+                    "Narrower priors help where the posterior has several maxima"
+                )
 
 
 def _spread(log_probability: Callable[[Array], Array], start: Array | None, walkers: int, dimensions: int, random: Any) -> Array:

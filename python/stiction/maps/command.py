@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError, StictionError
-from ..terminal import ended
+from ..terminal import ended, given_words
 from .figure import draw
 from .file import write
 from .level import LEVELS, ROWS
@@ -88,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, finds the asperities and prints the summary; returns the exit code."""
-    given = _parser().parse_args(arguments)
+    given = _parser().parse_args(given_words(arguments))
 
     def work() -> None:
         try:

@@ -178,5 +178,5 @@ def _caveats(of: Moments, length: float, pixel: float) -> Iterator[str]:
             "coarse for slopes and curvatures"
         )
     if (maxima := length / of.wavelength) < _FEWEST_MAXIMA:
-        yield f"{maxima:.0f} maxima are few: moments are uncertain by {100.0 / math.sqrt(maxima):.0f} % or more"
+        yield f"few maxima ({maxima:.0f}): moments are uncertain by {100.0 / math.sqrt(maxima):.0f} % or more"
     yield from far_from_theory(of)

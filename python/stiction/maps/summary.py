@@ -47,7 +47,7 @@ def of_line(line: LineScan, path: str | Path) -> str:
     shape = f"skewness {of.skewness:.3f}, excess kurtosis {of.excess_kurtosis:.3f}"
     rows = [
         ("line scan", f"{line.count} heights over {_m(line.length)}"),
-        *([("missing", f"{line.missing} heights")] if line.missing else []),
+        *([("missing", quantities.counted(line.missing, "height"))] if line.missing else []),
         ("levelled", "less the straight line of least squares"),
         ("heights", f"standard deviation {_m(math.sqrt(of.m0))}, {shape}"),
         ("moments", f"m0 = {m0} m^2, m2 = {m2}, m4 = {m4} /m^2, alpha = {_pure(of.alpha)}"),
@@ -96,7 +96,7 @@ def _map(surface: Surface) -> Iterator[str]:
     yield from _row("map", f"{columns} x {rows} pixels of {_m(width)} x {_m(height)}{channel}")
     if surface.missing:
         yield from _row(
-            "missing", f"{surface.missing} heights, {100.0 * surface.missing / grid.heights.size:.2f} %"
+            "missing", f"{quantities.counted(surface.missing, 'height')}, {100.0 * surface.missing / grid.heights.size:.2f} %"
         )
     if steps.level_rows is not None:
         yield from _row("rows levelled", f"less the {ROWS[steps.level_rows]}")

@@ -258,7 +258,7 @@ def grid_of(height_map: HeightMap) -> Grid:
     heights = height_map.heights
     rows, columns = heights.shape
     if rows == 1 and columns < SMALLEST:
-        raise SceneError(f"the line scan has {columns} heights; at least {SMALLEST} are needed")
+        raise SceneError(f"the line scan has {quantities.counted(columns, 'height')}; at least {SMALLEST} are needed")
     if 1 < rows < SMALLEST or columns < SMALLEST:
         raise SceneError(
             f"the map has {rows} rows and {columns} columns; at least {SMALLEST} of each are needed"
@@ -300,16 +300,17 @@ def _series(grid: Grid, steps: Steps) -> list[AtCutoff]:
 def _caveats(surface: Surface) -> Iterator[str]:
     """Assumptions of the parameters that the surface does not meet: number and consequence."""
     of, count = surface.moments, len(surface.summits)
-    yield from wrong_unit(math.sqrt(of.m2))
+    yield from (wrong := [*wrong_unit(math.sqrt(of.m2))])
     largest = max(surface.grid.pixel)
-    if (pixels := of.wavelength / largest) < FEWEST_PIXELS:
-        radius = surface.measured.radius / largest
+    # In a wrong unit radii are of no surface either.
+    if (pixels := of.wavelength / largest) < FEWEST_PIXELS and not wrong:
+        radius = quantities.number(surface.measured.radius / largest, 3)
         yield (
             f"{pixels:.1f} pixels from one maximum of a profile to the next, fewer than {FEWEST_PIXELS:g}: "
-            f"pixels are too coarse for the summits, which have a radius of {radius:.2f} pixels"
+            f"pixels are too coarse for the summits, which have a radius of {radius} pixels"
         )
     if count < _FEWEST_SUMMITS:
-        yield f"{count} summits are few: their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
+        yield f"few summits ({count}): their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
     yield from _not_gaussian(of)
     ratio = of.slope_x / of.slope_y if of.slope_y else math.inf
     if not 1.0 / _ANISOTROPIC <= ratio <= _ANISOTROPIC:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import stored
-from ..terminal import ended
+from ..terminal import ended, given_words
 from .page import write
 
 __all__ = ["main"]
@@ -32,7 +32,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, writes the page, and says where it is; returns the exit code."""
     parser = _parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(given_words(arguments))
     output = given.output or given.files[0].parent / f"{given.files[0].stem}.html"
     if output.suffix.lower() not in (".html", ".htm"):
         parser.error(f"--output {output}: a name that ends with .html is needed")

@@ -93,10 +93,6 @@ def _value(result: Result, path: str) -> float:
     return float(result[path].values)
 
 
-def _several(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 'es' if noun.endswith('ch') else 's'}"
-
-
 def _span(low: float, high: float, unit: str) -> str:
     return f"{quantities.si(low, unit)} to {quantities.si(high, unit)}"
 
@@ -152,7 +148,7 @@ def _draws(result: Result) -> Iterator[tuple[str, str]]:
     attrs = result.attrs
     if "replicas" in attrs:
         seed = f", seed {attrs['seed']}" if "seed" in attrs else ""
-        yield "replicas", f"{_several(int(attrs['replicas']), 'patch')}, {attrs.get('sampling', 'independent')}{seed}"
+        yield "replicas", f"{quantities.counted(int(attrs['replicas']), 'patch')}, {attrs.get('sampling', 'independent')}{seed}"
 
 
 def _separations(result: Result, path: str = "integral") -> Iterator[tuple[str, str]]:
@@ -185,7 +181,7 @@ def _validity(result: Result) -> Verdict:
         psi = float(result.attrs.get("asperity_plasticity_index", 0.0))
         yielding = f"; contacts yield (ψ of σ_s = {quantities.number(psi, 2)}), which the law computes" if psi > 1.0 else ""
         return Verdict("validity", "good", "no warning", f"the scene is within the limits of its law and of known materials and surfaces{yielding}")
-    return Verdict("validity", "caution", _several(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
+    return Verdict("validity", "caution", quantities.counted(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
 
 
 def _worst(words: Iterable[str], grades: dict[str, str]) -> tuple[str, str]:
@@ -394,9 +390,9 @@ def _after_preloads(result: Run | Sweep) -> list[Number]:
         if not (np.isfinite(load).all() and (count > 0).any()):
             continue
         if isinstance(result, Sweep):
-            text, note = _span(np.nanmin(mean), np.nanmax(mean), "N"), f"smallest and largest mean of {_several(mean.size, 'point')}"
+            text, note = _span(np.nanmin(mean), np.nanmax(mean), "N"), f"smallest and largest mean of {quantities.counted(mean.size, 'point')}"
         else:
-            text, note = quantities.with_error(mean[0], std[0] / math.sqrt(count[0]), "N"), f"mean over {count[0]} patches"
+            text, note = quantities.with_error(mean[0], std[0] / math.sqrt(count[0]), "N"), f"mean over {quantities.counted(int(count[0]), 'patch')}"
         numbers.append(Number(f"pull-off force after {quantities.si(load[0], 'N', 3)}", text, note))
     return numbers
 
@@ -516,7 +512,7 @@ def _sweep(sweep: Sweep) -> Facts:
     if sweep.has_replicas:
         means = pull_off["mean_over_patches"].values
         span = _span(np.nanmin(means), np.nanmax(means), "N")
-        note = f"smallest and largest mean of {_several(means.size, 'point')}"
+        note = f"smallest and largest mean of {quantities.counted(means.size, 'point')}"
         numbers = _after_preloads(sweep) or [Number("pull-off force", span, note), *numbers]
         numbers += [_chances(sweep, preload) for preload in _preloads(sweep)] if "device" in sweep else []
         overall = str(sweep["validation"].attrs["overall_verdict"])
@@ -528,11 +524,11 @@ def _sweep(sweep: Sweep) -> Facts:
     coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
     resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
     if edge.any() or coarse:
-        seen = coarse[:1] + [f"{_several(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
+        seen = coarse[:1] + [f"{quantities.counted(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
         resolution = Verdict("resolution", "bad" if edge.any() else "caution", "look", "; ".join(seen))
     verdicts = [*checked, _validity(sweep), _independence(sweep), resolution]
     keys = [key.replace(".", "_") for key in sweep.keys]
-    computed = [("sweep", f"{_several(integrals.size, 'point')} ({sweep.attrs['sweep_mode']})")]
+    computed = [("sweep", f"{quantities.counted(integrals.size, 'point')} ({sweep.attrs['sweep_mode']})")]
     for key, name in zip(sweep.keys, keys, strict=True):
         of = points[name] if name in points.variables else sweep[name]
         values = list(dict.fromkeys(of.values.ravel())) if of.dtype.kind == "U" else np.unique(of.values)

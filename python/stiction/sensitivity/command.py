@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import files
 from ..scenes import named_files
-from ..terminal import ended
+from ..terminal import ended, given_words
 from .figure import draw
 from .study import sensitivity
 
@@ -38,7 +38,7 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Reads the command line, computes, writes file and figure, and says what matters; returns the exit code."""
     parser = _parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(given_words(arguments))
     output = given.output or Path(f"{given.scene.stem}_sensitivity.h5")
     picture = output.with_suffix(".png")
     if output.suffix.lower() not in (".h5", ".nc"):

@@ -10,7 +10,7 @@ import xarray
 from numpy.typing import NDArray
 
 from .. import experiments, files, priors
-from ..errors import SceneError, StictionError
+from ..errors import SceneError, StictionError, written_at_end
 from ..progress import steps
 from ..results import Result
 from ..scenes import Scene, named_files, toml
@@ -61,7 +61,7 @@ def sensitivity(
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
-        Whether to show it; by default in notebooks and on terminals.
+        Whether to show it, as in `stiction.run`.
 
     Returns
     -------
@@ -94,14 +94,15 @@ def sensitivity(
     cube = indices.points(k, rows, BLOCKS, first)
     seeds = np.random.SeedSequence([first, 1]).generate_state(BLOCKS)
     outcomes = {name: np.empty((BLOCKS, rows, k + 2, patches)) for name in QUANTITIES}
-    for block in steps(range(BLOCKS), "points", "blocks", progress):
-        axes = found.axes(found.draw(cube[block]))
-        with experiments.sweep(
-            tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False,
-            **experiments.ONE_MODEL,
-        ) as sweep:  # fmt: skip
-            for name, values in _outcomes(sweep).items():
-                outcomes[name][block] = values.reshape(rows, k + 2, patches)
+    with written_at_end():
+        for block in steps(range(BLOCKS), "", "blocks of points", progress):
+            axes = found.axes(found.draw(cube[block]))
+            with experiments.sweep(
+                tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False,
+                **experiments.ONE_MODEL,
+            ) as sweep:  # fmt: skip
+                for name, values in _outcomes(sweep).items():
+                    outcomes[name][block] = values.reshape(rows, k + 2, patches)
     estimated = {}
     for name, values in outcomes.items():
         if not np.isfinite(values).all():

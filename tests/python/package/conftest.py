@@ -136,7 +136,8 @@ def command(tmp_path, monkeypatch):
 
 @contextlib.contextmanager
 def begun(code, *arguments, folder):
-    """A Python that runs a scene with a bar of progress, once the first batch is done: what is interrupted before keeps nothing."""
+    """A Python that runs a scene with progress, once the first batch is done: what is interrupted before keeps nothing."""
+    code = f"from stiction import progress\nprogress._FIRST = progress._APART = progress._MOST = 0.1\n{code}"
     process = subprocess.Popen(
         [sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "TMPDIR": str(folder)},
@@ -144,7 +145,7 @@ def begun(code, *arguments, folder):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     shown = ""
-    while not re.search(r"\| *[1-9]\d*/", shown):
+    while not re.search(r"\b[1-9]\d* of", shown):
         read = process.stderr.read(1)
         assert read, shown
         shown += read

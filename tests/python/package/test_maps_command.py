@@ -287,7 +287,7 @@ def test_an_existing_output_is_kept_unless_forced(command):
     ("change", "part"),
     [
         (lambda z: z[::3, ::3], "pixels are too coarse for the summits"),
-        (lambda z: z[:50, :50], "summits are few"),
+        (lambda z: z[:50, :50], "few summits"),
         (lambda z: np.round(z / 0.5) * 0.5, "of neighbouring pixels are equally high"),
         (lambda z: z + 3.0 * np.sin(0.4 * np.arange(z.shape[1])), "mean square slopes along x and y differ"),
         (lambda z: z**3, "heights are far from Gaussian"),

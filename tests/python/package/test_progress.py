@@ -1,31 +1,132 @@
-"""Progress in logs: lines of commands, and silence elsewhere."""
+"""Progress: lines in logs, bars on terminals and in notebooks, and silence elsewhere."""
 
+import os
+import pty
 import re
+import subprocess
+import sys
+import termios
+import time
+
+import pytest
 
 from stiction import progress
 
 
-def test_commands_without_a_terminal_have_lines(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "_APART", 0.0)
-    monkeypatch.setattr(progress, "_command", "")
-    assert list(progress.steps("abc", "letters", "letters")) == ["a", "b", "c"]
-    assert capsys.readouterr().err == ""
+@pytest.fixture
+def log(monkeypatch, capsys):
+    """The lines of a command so far; they come a hundredth of a second apart."""
+    for name in ("_FIRST", "_APART", "_MOST"):
+        monkeypatch.setattr(progress, name, 0.01)
+    monkeypatch.setattr(progress, "_log", progress._Log())
+
+    def lines():
+        return capsys.readouterr().err.splitlines()
+
+    return lines
+
+
+def spelled(words="words", **options):
+    for _ in progress.steps("abc", words, "letters", **options):
+        time.sleep(0.05)
+
+
+def test_commands_without_a_terminal_have_lines(log):
+    spelled()
+    assert log() == []
+    spelled(progress=True)
+    assert any(re.fullmatch(r"stiction: words: 2 of 3 letters, 0 s so far, about 0 s left", line) for line in log())
     progress.of_command("stiction spell")
-    assert list(progress.steps("abc", "words", "letters")) == ["a", "b", "c"]
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 3 and re.fullmatch(r"stiction spell: words: 2 of 3 letters, \d+ s so far, about \d+ s left", lines[1])
-    list(progress.steps("abc", "", "letters", is_all=False))
-    part = capsys.readouterr().err.splitlines()
-    assert re.fullmatch(r"stiction spell: 2 of 3 letters, \d+ s so far", part[1])
-    list(progress.steps("abc", "words", "letters", progress=False))
-    assert capsys.readouterr().err == ""
+    spelled()
+    lines = log()
+    assert lines[0] == "stiction spell: words: 0 of 3 letters, 0 s so far"
+    assert any(re.fullmatch(r"stiction spell: words: 2 of 3 letters, \d+ s so far, about \d+ s left", line) for line in lines)
+    spelled(progress=False)
+    assert log() == []
 
 
-def test_lines_are_a_minute_apart(monkeypatch, capsys):
-    """Steps of 25 s: lines after 75 s, 150 s, 225 s."""
+def test_work_without_a_count_has_lines_too(log):
+    """Also while it is silent."""
+    progress.of_command("stiction spell")
+    with progress.Bar("thinking"):
+        time.sleep(0.1)
+    assert log()[0] == "stiction spell: thinking: 0 s so far"
+    with progress.Bar("guesses", 9, "letters", at_most=True) as bar:
+        bar.to(4)
+        time.sleep(0.1)
+    assert log()[-1] == "stiction spell: guesses: 4 of at most 9 letters, 0 s so far"
+
+
+def test_work_has_its_words_before_others_and_decides_for_them(log):
+    progress.of_command("stiction spell")
+    with progress.work("batch 2"):
+        spelled()
+        assert log()[0].startswith("stiction spell: batch 2: words: 0 of 3 letters")
+        with progress.work("page 3", progress=False):
+            spelled()
+    assert log() == []
+    spelled()
+    assert log()[0].startswith("stiction spell: words: 0")
+
+
+def test_lines_become_rarer(monkeypatch):
+    """Lines after 1, 11, 31, 71 s, then every minute."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    progress.of_command("stiction spell")
-    for _ in progress.steps(range(10), "", "steps"):
-        now[0] += 25.0
-    assert re.findall(r"(\d+) of 10 steps, (\S+ \S+) so far", capsys.readouterr().err) == [("3", "75 s"), ("6", "2 min"), ("9", "4 min")]
+    lines, times = progress._Log(), []
+    for _ in range(7):
+        now[0] += lines.wait()
+        times.append(now[0])
+        lines.write("")
+    assert times == [1.0, 11.0, 31.0, 71.0, 131.0, 191.0, 251.0]
+
+
+ON_TERMINAL = """
+import sys, time
+from stiction import progress
+progress._SHOWN = 0.1
+with progress.work("another scene.toml: batch 1 of at most 8: condition 11 of 12"):
+    for _ in progress.steps(range(30), "", "points"):
+        time.sleep(0.02)
+    with progress.Bar("density"):
+        time.sleep(0.5)
+"""
+
+
+def test_a_terminal_has_one_line_that_goes():
+    """Of 80 columns, whatever the words."""
+    main, terminal = pty.openpty()
+    termios.tcsetwinsize(main, (24, 80))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen([sys.executable, "-c", ON_TERMINAL], stderr=terminal, env=environment) as process:
+        os.close(terminal)
+        shown = b""
+        while True:
+            try:
+                shown += os.read(main, 65536)
+            except OSError:
+                break
+    os.close(main)
+    assert process.returncode == 0
+    parts = shown.decode().split("\r")
+    assert "\n" not in shown.decode() and max(map(len, parts)) <= 80
+    assert any(part.startswith("batch 1 of at most 8: condition 11 of 12: ") and re.search(r"\d+ of 30 points, 00:00, 00:00 left", part) for part in parts)
+    assert any("density: 00:00" in part for part in parts)
+    # Nothing is left of it.
+    assert parts[-1].strip() == "" and parts[-2].strip() == ""
+
+
+def test_points_of_a_sweep_are_one_bar(monkeypatch):
+    """Whole points, with a part of the one at hand."""
+    from stiction import program
+
+    seen = []
+    monkeypatch.setattr(program.Bar, "to", lambda bar, done: (seen.append((bar._total, bar._unit, done)), setattr(bar, "done", done)))
+    bars = program._Bars(progress=False)
+    for run, phase, done, total in [
+        ("point 1 of 2", "integral", None, None), ("point 1 of 2", "ensemble", 0, 400), ("point 1 of 2", "ensemble", 100, 400),
+        ("point 1 of 2", "ensemble", 400, 400), ("point 1 of 2", "cross-check", None, None), ("point 2 of 2", "integral", None, None),
+        ("point 2 of 2", "ensemble", 200, 400),
+    ]:  # fmt: skip
+        bars.show({"run": run, "phase": phase, "done": done, "total": total})
+    assert seen == [(2, "points", done) for done in (0, 0, 0.25, 0.99, 0.99, 1, 1.5)]

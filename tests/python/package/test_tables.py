@@ -83,7 +83,7 @@ def test_what_pandas_writes_is_read(tmp_path):
         ("force (uN),Force (nN)\n1,2\n", "line 1: the columns 1 and 2 are both `force`; leave one out"),
         ("pull-off force (uN),pull_off_force_uN\n1,2\n", "are both `pull_off_force`"),
         ("force (uN),\n1,2\n", "line 1: column 2 has no name"),
-        ("force (furlong)\n1\n", "line 1, column 1 (force): furlong is no unit of a scene"),
+        ("force (furlong)\n1\n", "line 1, column 1 (force): unknown unit \"furlong\"; scenes have m, "),
         ("force (uN)\n1\n5_2.6\n", "line 3, column 1 (force): 5_2.6 is not a number"),
         ("force (uN)\n1\n1.2.3\n", "line 3, column 1 (force): 1.2.3 is not a number"),
         ("force (uN)\n1\ninf\n", "line 3, column 1 (force): inf is not a number"),

@@ -204,12 +204,13 @@ fn repeated(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
 fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let Some(meniscus) = scene.model.meniscus().filter(|_| model.is_wet()) else { return warnings };
-    let kelvin = meniscus.kelvin_radius;
+    let (kelvin, dry_range) = (meniscus.kelvin_radius, scene.asperity.attraction_range());
     let keys: &[&str] = match scene.draining_film {
         Some(_) => &["film_thickness", "asperity_radius"],
         None => &["relative_humidity", "asperity_radius"],
     };
-    if kelvin < SMALLEST_MENISCUS {
+    // In dry air there is no meniscus to be too small.
+    if kelvin < SMALLEST_MENISCUS && meniscus.share_beyond(dry_range) > 0.0 {
         warnings.push(Warning::new(
             format!("the Kelvin radius is {}, below {}", si(kelvin, "m"), si(SMALLEST_MENISCUS, "m")),
             "a meniscus of a few molecules is no surface of a liquid (Fisher and Israelachvili 1981)",
@@ -228,7 +229,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
             units(if scene.draining_film.is_some() { keys } else { &["relative_humidity", "contact_angles", "asperity_radius"] }),
         ));
     }
-    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion, scene.asperity.attraction_range());
+    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion, dry_range);
     if !(solid > 0.0) {
         warnings.push(Warning::new(
             format!(

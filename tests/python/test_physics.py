@@ -275,3 +275,21 @@ def test_a_pull_off_after_a_preload_is_that_of_a_loop_that_turns_there(tmp_path)
             # Both are the smallest force to 1e-6.
             assert file["replicas/pull_off_force"][0] == pytest.approx(force, rel=2e-6)
             assert abs(file["replicas/pull_off_separation"][0] - place) < 0.5 * (h[1] - h[0])
+
+
+def page_on_humidity() -> str:
+    return (ROOT / "docs" / "humidity.md").read_text(encoding="utf-8")
+
+
+def test_the_angles_of_the_page_on_humidity():
+    """Energies of water between surfaces by IAPWS R1-76(2014), and of a surface from two angles by Owens and Wendt (1969)."""
+    page, tau = page_on_humidity(), 1.0 - 293.15 / 647.096
+    twice = 2.0 * 235.8 * tau**1.256 * (1.0 - 0.625 * tau)
+    named = re.search(r"water at 20 °C (\d+) mJ/m² cos θ", page)[1]
+    assert float(named) == pytest.approx(twice, abs=0.5)
+    of_template = re.search(r"\| the template \| (\d+)° \| at least (\d+) mJ/m²", page)
+    assert float(of_template[2]) == pytest.approx(twice * np.cos(np.radians(float(of_template[1]))), abs=0.5)
+    first, second, work = map(float, re.search(r"With\s+(\d+)° and (\d+)° that is (\d+) mJ/m²", page).groups())
+    liquids = np.array([[21.8, 51.0], [48.5, 2.3]])
+    halves = 0.5 * liquids.sum(axis=1) * (1.0 + np.cos(np.radians([first, second])))
+    assert 2.0 * np.sum(np.linalg.solve(np.sqrt(liquids), halves) ** 2) == pytest.approx(work, abs=0.5)

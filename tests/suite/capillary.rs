@@ -523,6 +523,8 @@ fn menisci_out_of_range_are_reported() {
     };
     assert!(!warned("0.6", "0.6").contains("Kelvin radius is"));
     assert!(warned("relative_humidity = 0.6", "relative_humidity = 0.3").contains("below 500.0 pm"));
+    // Dry air has no meniscus.
+    assert!(!warned("relative_humidity = 0.6", "relative_humidity = 0.001").contains("Kelvin radius is"));
     // J r_K²/(c h₀), c² = 2Rh₀, by hand of water at 20 °C around 3.33 μm, s = 0.842.
     assert!(
         warned("relative_humidity = 0.6", "relative_humidity = 0.995")

@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 /// SI prefixes with their powers of ten.
-const PREFIXES: [(&str, i32); 10] = [
+const PREFIXES: [(&str, i32); 12] = [
+    ("z", -21),
+    ("a", -18),
     ("f", -15),
     ("p", -12),
     ("n", -9),
@@ -156,7 +158,8 @@ mod tests {
         assert_eq!(si(-7.56e-2, "N"), "-75.60 mN");
         assert_eq!(si(2.5e9, "Pa"), "2.500 GPa");
         assert_eq!(si(0.0, "N"), "0 N");
-        assert_eq!(si(1e-20, "N"), "1.000e-20 N");
+        assert_eq!(si(1.2e-19, "J"), "120.0 zJ");
+        assert_eq!(si(1e-25, "N"), "1.000e-25 N");
     }
 
     #[test]

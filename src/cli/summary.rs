@@ -91,8 +91,16 @@ fn quoted(mean: &ControlledMean, is_controlled: bool, unit: &str) -> String {
     if !(interval[1] > interval[0]) {
         return format!("{value}, one group of replicas: no standard error");
     }
-    let few = if mean.samples < FEWEST { " (less than that: few replicas)" } else { "" };
-    format!("mean over patches {value}, {:.0} % {}{few}", 100.0 * LEVEL, si_all(&interval, " to ", unit))
+    let few = if mean.samples < FEWEST { " (few replicas: it covers less)" } else { "" };
+    format!("mean over patches {value}, {}{few}", ends(interval, unit))
+}
+
+/// The interval of a mean that is not negative by nature, in words.
+fn ends(interval: [f64; 2], unit: &str) -> String {
+    match interval {
+        [low, high] if low < 0.0 && high > 0.0 => format!("{:.0} % below {}", 100.0 * LEVEL, si(high, unit)),
+        _ => format!("{:.0} % {}", 100.0 * LEVEL, si_all(&interval, " to ", unit)),
+    }
 }
 
 /// The pull-off: the number to quote and what it is of, and its standard deviation.
@@ -188,7 +196,7 @@ fn preloads(results: &Results) -> String {
             continue;
         }
         let range = match interval[1] > interval[0] {
-            true => format!(", {:.0} % {}", 100.0 * LEVEL, si_all(&interval, " to ", "N")),
+            true => format!(", {}", ends(interval, "N")),
             false => String::new(),
         };
         let value = si_with_error(mean, standard_error, "N") + &range;

@@ -57,7 +57,7 @@ pub(crate) fn stacked(
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let (source, output) = (folder.path().join("sweep.toml"), folder.path().join("sweep.h5"));
-/// use stiction::SweepPoint;
+/// use stiction::{PointPullOff, SweepPoint};
 ///
 /// let sweep = r#"[sweep]
 /// "material.work_of_adhesion" = ["0.05 J/m^2", "0.09 J/m^2"]
@@ -67,6 +67,8 @@ pub(crate) fn stacked(
 /// let points: Vec<SweepPoint> = stiction::sweep(&source, &output)?;
 /// let difference = points[1].differences[0];
 /// assert!(difference.mean > 10.0 * difference.standard_error, "more adhesion pulls harder");
+/// let PointPullOff { preload, force: [mean, error], .. } = points[1].pull_offs[0];
+/// assert!(preload.is_none() && mean > 10.0 * error);
 /// # Ok::<(), stiction::Error>(())
 /// ```
 #[derive(Clone, Debug)]

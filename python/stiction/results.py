@@ -329,6 +329,62 @@ class _Curves(Result):
             for name, value in after.items() for i, preload in enumerate(preloads.tolist()) if np.isfinite(preload)
         }  # fmt: skip
 
+    @property
+    def preloads(self) -> list[float]:
+        """The preloads of the scene, N, the largest first; none where pull-offs are of the whole history."""
+        if not (self.has_preload and self.has_replicas):
+            return []
+        known = self.group("instability")["preload"].values
+        return [float(load) for load in np.unique(known[np.isfinite(known)])[::-1]]
+
+    def stuck_after(self, preload: Any = None) -> xarray.Dataset:
+        """Probability that the pull-off exceeds the restoring force of the device.
+
+        Parameters
+        ----------
+        preload : str or float, optional
+            As of `after_preload`.
+
+        Returns
+        -------
+        xarray.Dataset
+            `stuck_probability`, and `stuck_probability_low` and `stuck_probability_high`, the ends of its 95 % interval; of a sweep at each point.
+
+        Raises
+        ------
+        FileError
+            The scene has no ``[device]``, or no replicas.
+        SceneError
+            The scene has no such preload.
+        """
+        if "device" not in self or not self.has_replicas:
+            raise FileError(f"{self.path}: has no probability of a device; run with `--above`, or with [device] in the scene")
+        pressed = self.after_preload(preload)
+        of = self.group("device") if pressed is None else pressed
+        return of[[f"stuck_probability{end}" for end in ("", "_low", "_high")]]
+
+    def _stuck(self) -> list[tuple[str, str]]:
+        """The lines of a device: probabilities with their intervals, of a sweep the smallest and the largest of its points."""
+        if "device" not in self or not self.has_replicas:
+            return []
+        force = np.unique(self["device/restoring_force"].values)
+        label = f"above {quantities.si(force[0], 'N')}" if force.size == 1 else "stuck"
+        rows = []
+        loads: list[float | None] = [*self.preloads]
+        for preload in loads or [None]:
+            of = self.stuck_after(preload)
+            low, share, high = (100.0 * np.ravel(of[f"stuck_probability{end}"].values) for end in ("_low", "", "_high"))
+            after = "" if preload is None else f" after {quantities.si(preload, 'N')}"
+            if np.isnan(share).all():
+                text = "no replica reaches the preload"
+            elif share.size == 1:
+                text = f"P = {share[0]:.4g} % ({low[0]:.4g} to {high[0]:.4g} %)"
+            else:
+                text = f"P = {np.nanmin(share):.4g} to {np.nanmax(share):.4g} %"
+            rows.append((label, text + after))
+            label = ""
+        return rows
+
     @cached_property
     def after_largest_preload(self) -> xarray.Dataset | None:
         """Pull-off after the largest preload that replicas reach; see `after_preload`."""
@@ -519,6 +575,7 @@ class Run(_Curves):
             ends = [float(getattr(self.model_range["pull_off_force"], end)()) for end in ("min", "max")]
             pressed = "" if pull_off.preload is None else f" after {quantities.si(pull_off.preload, 'N')}"
             rows += [("model range", f"{' to '.join(quantities.si(end, 'N') for end in ends)}{pressed}, by plastic contact")]
+        rows += self._stuck()
         rows += [("cross-check", str(self.cross_check))]
         rows += [("independence", str(self.independence.attrs["verdict"]))]
         if self.is_partial:
@@ -579,7 +636,7 @@ class Sweep(_Curves):
             ("pull-off", f"{low} to {high}{'' if self.has_replicas else ', of the integral alone'}"),
         ]
         if self.has_replicas:
-            rows += [("cross-check", str(self.tree["validation"].attrs["overall_verdict"]))]
+            rows += [*self._stuck(), ("cross-check", str(self.tree["validation"].attrs["overall_verdict"]))]
         return rows
 
 

@@ -544,7 +544,7 @@ def _chances(result: Run | Sweep, preload: float | None) -> Number:
     """The probability of a device after a preload: of a run with its interval, of a sweep the smallest and the largest of its points."""
     after = "" if preload is None else f" after {quantities.si(preload, 'N', 3)}"
     label = f"P(pull-off > {_restoring(result)}){after}"
-    of = result.group("device") if preload is None else result.after_preload(preload)
+    of = result.stuck_after(preload)
     low, value, high = (np.ravel(of[f"stuck_probability{end}"].values) for end in ("_low", "", "_high"))
     if np.isnan(value).all():
         return Number(label, "none", "no patch reaches the preload")
@@ -552,7 +552,7 @@ def _chances(result: Run | Sweep, preload: float | None) -> Number:
         first, last = int(np.nanargmin(value)), int(np.nanargmax(value))
         text = f"{_percent(value[first])} to {_percent(value[last])}"
         ends = [_interval(low[i], high[i]) for i in (first, last)]
-        return Number(label, text, f"smallest and largest of {_several(value.size, 'point')}, 95 % intervals {' and '.join(ends)}")
+        return Number(label, text, f"smallest and largest of {quantities.counted(value.size, 'point')}, 95 % intervals {' and '.join(ends)}")
     ranges = result.model_range_after(preload)
     note = f"95 % interval {_interval(low[0], high[0])}"
     if ranges is not None and "stuck_probability" in ranges:
@@ -577,10 +577,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Iterator[Table]:
 
 def _preloads(result: Run | Sweep) -> list[float | None]:
     """The preloads of the scene, N, the largest first; None where pull-offs are of the whole history."""
-    if not (result.has_preload and result.has_replicas):
-        return [None]
-    known = result["instability/preload"].values
-    return [float(load) for load in np.unique(known[np.isfinite(known)])[::-1]]
+    return [*result.preloads] or [None]
 
 
 def _rows(tables: list[list[list[str]]]) -> list[list[str]]:
@@ -651,15 +648,11 @@ def _numbers_of_points(sweep: Sweep, preload: float | None) -> Any:
     """The numbers of the points after a preload, or of the whole history: a dataset over the points."""
     import xarray
 
-    of: dict[str, Any] = {}
-    if preload is not None:
-        after = sweep.after_preload(preload)
-        of = {str(name): after[name] for name in after.data_vars if name not in ("interval", "preload")}
-    else:
-        of = {str(name): own for name, own in sweep.pull_off.data_vars.items() if name != "interval"}
-        if "device" in sweep:
-            device = sweep.group("device")
-            of |= {str(name): device[name] for name in device.data_vars if str(name).startswith("stuck_") and not str(name).endswith("_after_preload")}
+    after = None if preload is None else sweep.after_preload(preload)
+    of: dict[str, Any] = {str(name): own for name, own in (sweep.pull_off if after is None else after).data_vars.items()}
+    if "device" in sweep and sweep.has_replicas:
+        of |= {str(name): own for name, own in sweep.stuck_after(preload).data_vars.items()}
+    of = {name: own for name, own in of.items() if name not in ("interval", "preload")}
     for name, path in (("verdict", "validation/verdict"), ("independence", "independence/verdict")):
         if path in sweep:
             of[name] = sweep[path]

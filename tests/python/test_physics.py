@@ -293,3 +293,25 @@ def test_the_angles_of_the_page_on_humidity():
     liquids = np.array([[21.8, 51.0], [48.5, 2.3]])
     halves = 0.5 * liquids.sum(axis=1) * (1.0 + np.cos(np.radians([first, second])))
     assert 2.0 * np.sum(np.linalg.solve(np.sqrt(liquids), halves) ** 2) == pytest.approx(work, abs=0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place, work", [(0, "0.2 J/m^2"), (1, "20 mJ/m^2")])
+def test_a_dry_pad_has_the_pull_off_of_the_humid_one(tmp_path, place, work):
+    """The table of the page on humidity: the template at each humidity, and dry pads of the Δγ that the page names for it."""
+    template = changed(ROOT / "src" / "cli" / "new" / "wet.toml", ('"0.2 J/m^2"', f'"{work}"'))
+    rows = [re.findall(r"[\d.]+", row) for row in re.findall(r"^\| 0\.\d+ \|.* J/m² \|$", page_on_humidity(), re.MULTILINE)]
+    named = [row[1 + 3 * place : 4 + 3 * place] for row in rows]
+
+    def pulled(scene: str, key: str) -> tuple:
+        with h5py.File(run_scene(tmp_path, scene)[0]) as run:
+            means = (run[f"instability/pull_off_after_preload_{name}"][()].ravel() for name in ("mean", "standard_error"))
+            return run[key][()], *(1e6 * values for values in means)
+
+    humidity, humid, error = pulled(template, "capillary_relative_humidity")
+    assert [f"{value:g}" for value in humidity] == [row[0] for row in rows]
+    assert [[f"{mean:.3f}", f"{own:.3f}"] for mean, own in zip(humid, error, strict=True)] == [row[:2] for row in named]
+    dry = re.sub(r"\[capillary\]\n.*?\n\n", "", template, flags=re.DOTALL)
+    works = ", ".join(f'"{row[2]} J/m^2"' for row in named)
+    dry = re.sub(r'"capillary.relative_humidity" = \[.*?\].*', f'"material.work_of_adhesion" = [{works}]', dry)
+    assert pulled(dry, "material_work_of_adhesion")[1] == pytest.approx(humid, rel=0.025)

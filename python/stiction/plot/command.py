@@ -6,19 +6,19 @@ import argparse
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from .. import files, stored
 from ..errors import FileError
 from ..opened import open_run
-from ..results import Finding, Sweep
+from ..results import Finding
 from ..terminal import ended
-from .pages import OF_REPLICA, of_replica, page, panels
+from .pages import OF_RUNS, OF_SWEEPS, of_replica, page, panels
 from .style import inches, picture
 
 __all__ = ["main"]
 
 _ENDINGS = (".png", ".pdf", ".svg")
+_OPTIONS = sorted({*OF_SWEEPS, *(name for names in OF_RUNS.values() for name in names)})
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -47,7 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--by", metavar="KEY", help="for a sweep: the key that distinguishes the curves")
     parser.add_argument("--replica", type=int, metavar="N", help="for force_curve: the replica, by default 0")
     parser.add_argument("--stiffness", metavar="K", help="for force_curve: of the cantilever, such as '40 N/m'; by default the scene's spring")
-    parser.add_argument("--preload", metavar="FORCE", help="for force_curve: the preload of the scene after which it retracts; by default the largest")
+    parser.add_argument("--preload", metavar="FORCE", help="for sweeps, pull_off and force_curve: the preload of the scene after which the surfaces retract; by default the largest that is reached")
     parser.add_argument("--title", action="store_true", help="the title of the scene above")
     parser.add_argument(
         "--dpi", type=int, default=200, metavar="N", help="dots per inch of .png, by default 200"
@@ -100,21 +100,12 @@ def _drawn(path: Path, ending: str, given: argparse.Namespace) -> bytes:
     """A picture of a result, or the names of its figures."""
     with open_run(path) as result:
         if isinstance(result, Finding):
-            if given.what is not None or given.x is not None or given.by is not None:
-                raise FileError(f"{path}: a result of `{result.format.made_by}` has one figure; leave out --what, --x and --by")
+            if given.what is not None or any(getattr(given, name) is not None for name in _OPTIONS):
+                raise FileError(f"{path}: a result of `{result.format.made_by}` has one figure; leave out --what and {', '.join(f'--{name}' for name in _OPTIONS)}")
             return picture(page(result, given.width), ending, given.dpi)
         if given.what == "list":
             return "\n".join(panels(result) | of_replica(result)).encode()
-        options: dict[str, Any] = {}
         what = given.what.split(",") if given.what else None
-        for name in ("x", "by"):
-            if getattr(given, name) is not None:
-                if not isinstance(result, Sweep):
-                    raise FileError(f"--{name}: this is no sweep, whose keys it names")
-                options[name] = getattr(given, name)
-        for figure, names in OF_REPLICA.items():
-            options |= {name: getattr(given, name) for name in names if getattr(given, name) is not None}
-            if options.keys() & names and figure not in (what or []):
-                raise FileError(f"--{min(options.keys() & names)}: it is of one figure, --what {figure}")
+        options = {name: value for name in _OPTIONS if (value := getattr(given, name)) is not None}
         drawn = page(result, given.width, what=what, title=given.title, **options)
         return picture(drawn, ending, given.dpi)

@@ -11,6 +11,7 @@ from ..results import Run
 from .run import branches, values
 from .style import (
     BLUE,
+    COLORS,
     DASH_DOT,
     DASHED,
     GREY,
@@ -41,7 +42,7 @@ def coupling(run: Run, ax: Axes | None = None) -> Axes:
         of = f", {way}" if len(branches(run)) > 1 else ""
         curves.append((values(run, f"ensemble/{prefix}external_force_mean"), f"coupled{of}", color, "-"))
         independent = values(run, f"coupling/{prefix}independent_external_force_mean")
-        curves.append((independent, f"independent{of}", color if of else VERMILION, DASH_DOT))
+        curves.append((independent, f"independent{of}", {BLUE: COLORS[5]}.get(color, COLORS[4]) if of else VERMILION, DASH_DOT))
     depth = -min(float(np.nanmin(curve)) for curve, *_ in curves)
     highest = max(float(np.nanmax(curve)) for curve, *_ in curves)
     unit, sign = scaled("N", depth if depth > 0.0 else highest)

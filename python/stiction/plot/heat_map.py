@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Rectangle
 
 from .. import quantities
 from ..errors import FileError
 from ..results import Sweep
-from .style import INVALID, dressed, label, legend, new_axes, plain, scaled
-from .sweep import QUANTITIES, axes_of, invalid_points, of_points
+from .style import INVALID, dressed, folded, is_noise, label, legend, new_axes, plain, scaled
+from .sweep import QUANTITIES, axes_of, invalid_points, of_points, require, words_of
 
 __all__ = ["heat_map", "is_map"]
 
+# Positive numbers over more than this factor, one and a half decades, have logarithmic colours.
+_DECADES = 10.0**1.5
 # Most points whose numbers are written into their cells.
 _WRITTEN = 64
 
@@ -32,6 +37,7 @@ def heat_map(
     quantity: str = "pull_off_force",
     x: str | None = None,
     by: str | None = None,
+    preload: Any = None,
 ) -> Axes:
     """A number of each point of a grid over two keys: the mean over replicas, or the integral's without them.
 
@@ -44,34 +50,38 @@ def heat_map(
         As of `sweep`.
     x, by : str, optional
         The keys along and across; by default the first that varies, and the other one.
+    preload : str or float, optional
+        As of `sweep`.
 
     Raises
     ------
     FileError
         There is no such quantity or key, or other than two keys vary.
+    SceneError
+        The scene has no such preload.
     """
-    if quantity not in QUANTITIES:
-        raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")
+    require(quantity)
     across, along = axes_of(result, x, by)
     varying = [str(name) for name, size in result.points.sizes.items() if size > 1]
     if along is None or result.attrs["sweep_mode"] != "grid" or {across, along} != set(varying):
         raise FileError(f"a heat map is of a grid in which two keys vary; here vary {', '.join(varying) or 'none'}")
-    mean, _, _ = of_points(result, quantity)
+    mean, _, _ = of_points(result, quantity, preload)
     values = mean.squeeze(drop=True).transpose(along, across)
-    words, unit, _ = QUANTITIES[quantity]
+    unit = QUANTITIES[quantity].unit
     factor, sign = scaled(unit, values) if unit not in ("", "%") else (1.0, unit)
     ax = new_axes(ax)
     cells = values.values / factor
-    mesh = ax.pcolormesh(cells, cmap="viridis", edgecolors="face", linewidth=0.0)
+    mesh = ax.pcolormesh(cells, cmap="viridis", edgecolors="face", linewidth=0.0, norm=_colours(cells, quantity))
     figure = ax.get_figure()
     assert figure is not None
-    figure.colorbar(mesh, ax=ax, label=label(words, sign))
+    figure.colorbar(mesh, ax=ax, label=folded(label(words_of(result, quantity, preload), sign)))
     if cells.size <= _WRITTEN:
-        middle = 0.5 * (np.nanmin(cells) + np.nanmax(cells))
         for (row, column), value in np.ndenumerate(cells):
-            color = "white" if value < middle else "black"
             text = "–" if np.isnan(value) else quantities.number(float(value), 3)
-            ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small")
+            # Its own background keeps a number readable in a hatched cell.
+            behind = {"facecolor": mesh.to_rgba(value), "linewidth": 0.0, "pad": 1.0}
+            color = "white" if np.isnan(value) or mesh.norm(value) < 0.5 else "black"
+            ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small", bbox=behind)
     invalid = invalid_points(result).squeeze(drop=True).transpose(along, across).values
     hatched = [Rectangle((column, row), 1.0, 1.0, fill=False, hatch="///", linewidth=0.0, label=INVALID) for row, column in np.argwhere(invalid)]
     for cell in hatched:
@@ -80,7 +90,19 @@ def heat_map(
         legend(ax, hatched[:1])
     for name, axis in ((across, ax.xaxis), (along, ax.yaxis)):
         key = result[name]
-        axis.set_ticks(np.arange(key.size) + 0.5, [plain(result.key_text(name, value, 3)) for value in key.values])
-        axis.set_label_text(plain(str(key.attrs.get("long_name", name))))
-    ax.tick_params(axis="x", labelrotation=30.0)
+        is_choice = key.dtype.kind == "U"
+        key_factor, key_sign = (1.0, "") if is_choice else scaled(str(key.attrs.get("units", "1")), key)
+        texts = [plain(value) if is_choice else f"{float(f'{value / key_factor:.4g}'):g}" for value in key.values]
+        axis.set_ticks(np.arange(key.size) + 0.5, texts)
+        axis.set_label_text(folded(label(plain(str(key.attrs.get("long_name", name))), plain(key_sign))))
     return ax
+
+
+def _colours(cells: Any, quantity: str) -> Normalize:
+    """From 0 to 1 for a probability; logarithmic where positive numbers span more than one and a half decades; even where all are one number."""
+    low, high = float(np.nanmin(cells)), float(np.nanmax(cells))
+    if quantity == "stuck":
+        return Normalize(0.0, 1.0)
+    if is_noise(cells):
+        return Normalize(low - abs(low), high + abs(high))
+    return LogNorm(low, high) if low > 0.0 and high > _DECADES * low else Normalize(low, high)

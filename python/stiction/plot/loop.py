@@ -6,7 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 
 from .. import quantities
@@ -24,12 +26,19 @@ from .style import (
     VERMILION,
     dressed,
     empty,
+    is_noise,
     label,
     legend,
     logarithmic,
     new_axes,
+    places,
+    probability,
     scaled,
 )
+
+# Dashes of jumps, and the ratio of the largest force to the pull-off from which on a force curve has a part that is drawn larger.
+_JUMP = (0, (2.0, 1.0))
+_FAR = 8.0
 
 __all__ = ["contacts", "energy", "force_curve", "preloads", "snaps", "stuck"]
 
@@ -81,9 +90,16 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
         handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
     ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
     ax.margins(x=0.04)
-    handles += model_span(ax, run, "dissipated_energy", "J", unit)
+    of_contacts = run.model_range
+    handles += model_span(ax, of_contacts.get("dissipated_energy") if of_contacts is not None else None, "J", unit)
     legend(ax, handles)
     return ax
+
+
+def loses_energy(run: Run) -> bool:
+    """Whether a loop dissipates more than the rounding of the work along its branches."""
+    work = np.trapezoid(np.abs(values(run, "ensemble/external_force_mean")), values(run, "ensemble/separation"))
+    return not is_noise(values(run, "replicas/dissipated_energy"), abs(float(work)))
 
 
 @dressed
@@ -98,6 +114,8 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
         return empty(ax, "no springs")
     unit, sign = scaled("N m-1", stiffness)
     order, handles = np.argsort(stiffness), []
+    # Curves that coincide are all seen: each is thinner than those under it.
+    widths = iter((2.8, 1.7, *[0.8] * 20))
 
     def curve(name: str, chosen: dict[str, int], words: str, color: str, line: Any) -> None:
         probability, low, high = (
@@ -113,7 +131,9 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
                     "o",
                     color=color,
                     linestyle=line,
-                    markersize=3,
+                    linewidth=(width := next(widths)),
+                    markersize=1.5 + 1.2 * width,
+                    clip_on=False,
                     label=words,
                 )
             )
@@ -128,7 +148,7 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
                 {"preload": index},
                 f"snap-off after {after}",
                 [VERMILION, *COLORS[2:]][index % 6],
-                DASH_DOT,
+                "-",
             )
     stiffest = float(run["integral"].attrs["peak_stiffness"])
     handles.append(
@@ -141,7 +161,8 @@ def snaps(run: Run, ax: Axes | None = None) -> Axes:
         )
     )
     logarithmic(ax, "x", stiffness[stiffness > 0.0])
-    ax.set(xlabel=label("stiffness of the spring", sign), ylabel="probability", ylim=(-0.04, 1.06))
+    ax.set_xlabel(label("stiffness of the spring", sign))
+    probability(ax, "probability of a jump")
     legend(ax, handles)
     return ax
 
@@ -179,7 +200,7 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
         restoring = float(values(run, "device/restoring_force"))
         words = f"restoring force, {quantities.si(restoring, 'N')}"
         handles.append(ax.axhline(restoring / unit, color="black", linestyle=DASH_DOT, label=words))
-    logarithmic(ax, "x", preload[reached])
+    places(ax, preload[reached] / load)
     ax.set(xlabel=label("preload", load_sign), ylabel=label("pull-off force", sign), ylim=(0.0, None))
     legend(ax, handles)
     return ax
@@ -204,12 +225,13 @@ def stuck(run: Run, ax: Axes | None = None) -> Axes:
     handles: list[Any] = [
         ax.fill_between(preload[known] / load, low[known], high[known], color=VERMILION, alpha=0.2, linewidth=0,
                         label="95 % interval"),
-        *ax.plot(preload[known] / load, share[known], "o-", color=VERMILION, markersize=3,
+        *ax.plot(preload[known] / load, share[known], "o-", color=VERMILION, markersize=3, clip_on=False,
                  label=f"pull-off force above {restoring}"),
         *_model_range(ax, run, "stuck_probability_after_preload", preload / load),
     ]  # fmt: skip
-    logarithmic(ax, "x", preload[known])
-    ax.set(xlabel=label("preload", sign), ylabel="probability to stay stuck", ylim=(-0.04, 1.06))
+    places(ax, preload[known] / load)
+    ax.set_xlabel(label("preload", sign))
+    probability(ax, f"probability to stay adhered\nunder {quantities.si(float(values(run, 'device/restoring_force')), 'N', 3)}")
     legend(ax, handles)
     return ax
 
@@ -221,7 +243,8 @@ def _model_range(ax: Axes, run: Run, name: str, x: Any, unit: float = 1.0) -> li
     of = run[f"model_range/{name}"]
     low, high = (end.values / unit for end in (of.min("plastic_contact"), of.max("plastic_contact")))
     known = np.isfinite(low) & np.isfinite(x)
-    lines = [ax.plot(x[known], end[known], color=GREY, linewidth=0.8, label=MODEL_RANGE) for end in (low, high)]
+    # Dashes over the mean, which is at one end of the range.
+    lines = [ax.plot(x[known], end[known], color="0.25", linewidth=0.9, linestyle=DASHED, label=MODEL_RANGE) for end in (low, high)]
     return list(lines[0])
 
 
@@ -242,38 +265,51 @@ def force_curve(
     ax = new_axes(ax)
     curve = of_run(run, stiffness, replica, preload)
     pull, force, piezo = float(curve["pull_off_force"]), curve["force"].values, curve["piezo_position"].values
-    # Of the contact as much is shown as of the pull, where anything pulls.
-    highest = min(float(force.max()), pull) if pull > 0.0 else float(force.max())
-    shown = piezo[force <= highest]
+    highest = float(force.max())
     unit, sign = scaled("N", max(pull, highest))
-    length, length_sign = scaled("m", np.ptp(shown))
+    length, length_sign = scaled("m", np.ptp(piezo))
+    handles = _branches(ax, curve, unit, length)
+    if pull > 0.0:
+        deepest = int(np.where(curve["way"] == "retraction", force, np.inf).argmin())
+        marker = ax.plot(piezo[deepest] / length, force[deepest] / unit, "o", color=VERMILION, markersize=2.5, zorder=6)
+        marker[0].set_label(f"pull-off, {quantities.si(pull, 'N')}")
+        handles += marker
+    ax.margins(x=0.03)
+    ax.set_ylim(-max(1.12 * pull, 0.06 * highest) / unit, 1.05 * highest / unit)
+    ax.set(xlabel=label("piezo position", length_sign), ylabel=label("external force", sign))
+    if highest > _FAR * pull > 0.0:
+        # Where the surfaces are pressed far harder than they are pulled, the pull is drawn larger, too.
+        part = ax.inset_axes((0.52, 0.45, 0.4, 0.5))
+        pulls, pull_sign = scaled("N", pull)
+        _branches(part, curve, pulls, length)
+        near = piezo[force <= pull]
+        part.set(xlim=(near.min() / length, (near.min() + 1.5 * (piezo[deepest] - near.min())) / length), ylim=(-1.15 * pull / pulls, pull / pulls))
+        part.yaxis.tick_right()
+        part.spines[["right", "left"]].set_visible(True)
+        part.tick_params(labelsize=6)
+        part.locator_params(nbins=4)
+        part.text(0.97, 0.95, pull_sign, transform=part.transAxes, fontsize=6, ha="right", va="top")
+    handles += left_out(run)
+    words = f"cantilever {quantities.si(curve['stiffness'], 'N m-1', 3)}"
+    handles.append(Line2D([], [], linestyle="none", label=words))
+    legend(ax, handles)
+    return ax
+
+
+def _branches(ax: Axes, curve: xarray.Dataset, unit: float, length: float) -> list[Any]:
+    """Both branches of a force curve over the position of the piezo, with their jumps, and the lines of the legend."""
     handles: list[Any] = []
-    # Where both branches lie on one line, the approach is the thin one.
-    for (way, _, color, _), width in zip(BRANCHES[:2], (0.9, 2.0), strict=True):
+    # Where both branches lie on one line, that of contact, the approach is the thin one.
+    for (way, _, color, _), width, paler in zip(BRANCHES[:2], (0.9, 3.0), (1.0, 0.6), strict=True):
         own = curve.isel(sample=np.flatnonzero(curve["way"] == way))
         x, y = own["piezo_position"].values / length, own["force"].values / unit
         jumps = curve.isel(jump=np.flatnonzero(curve["jump_way"] == way))
-        # The line is broken at each jump, and that is dashed.
+        # The line is broken at each jump.
         breaks = np.flatnonzero(np.isin(own["separation"].values, jumps["jump_separation"].values)) + 1
         order = 4.0 - width
-        line = ax.plot(np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), color=color, linewidth=width, zorder=order)
-        line[0].set_label(way)
-        handles += line
+        handles += ax.plot(np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), color=to_rgba(color, paler), linewidth=width, zorder=order, label=way)
         for at in breaks:
-            ax.plot(x[at - 1 : at + 1], y[at - 1 : at + 1], color=color, linestyle=DASHED, linewidth=1.0, zorder=order)
-    if pull > 0.0:
-        deepest = int(np.where(curve["way"] == "retraction", force, np.inf).argmin())
-        marker = ax.plot(piezo[deepest] / length, force[deepest] / unit, "o", color=VERMILION, markerfacecolor="white", zorder=5)
-        marker[0].set_label(f"pull-off, {quantities.si(pull, 'N')}")
-        handles += marker
+            ax.plot(x[at - 1 : at + 1], y[at - 1 : at + 1], color=color, linestyle=_JUMP, linewidth=1.0, zorder=4.0)
+        ax.plot(x[breaks - 1], y[breaks - 1], "o", color=color, markerfacecolor="white", markersize=4.5, zorder=5)
     ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-    margin = 0.03 * np.ptp(shown) / length
-    ax.set_xlim(shown.min() / length - margin, shown.max() / length + margin)
-    ax.set_ylim(-1.12 * pull / unit if pull > 0.0 else None, 1.05 * highest / unit)
-    ax.set(xlabel=label("piezo position", length_sign), ylabel=label("external force", sign))
-    handles.append(Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="jumps"))
-    handles += left_out(run)
-    words = f"cantilever {quantities.si(curve['stiffness'], 'N m-1', 3)}"
-    ax.text(0.98, 0.97, words, transform=ax.transAxes, ha="right", va="top", fontsize="small")
-    legend(ax, handles)
-    return ax
+    return [*handles, Line2D([], [], color=GREY, linestyle=_JUMP, linewidth=1.0, marker="o", markerfacecolor="white", markersize=4.5, label="jumps")]

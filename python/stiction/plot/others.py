@@ -22,14 +22,17 @@ from .style import (
     GREEN,
     GREY,
     H_STAR,
+    LINES,
     VERMILION,
     dressed,
     empty,
+    folded,
     label,
     legend,
     marked_invalid,
     new_axes,
     plain,
+    readable,
     scaled,
 )
 
@@ -37,8 +40,6 @@ __all__ = [
     "asperities", "bias", "comparison", "convergence", "curvatures", "density_over_cutoff", "draw_map", "heights", "law_deviation",
     "radius_over_cutoff", "relation", "scatter", "scatter_over_cutoff", "sizes", "standard_errors",
 ]  # fmt: skip
-
-_LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
 
 
 @dressed
@@ -55,7 +56,7 @@ def comparison(result: Sweep, ax: Axes | None = None) -> Axes:
     for place, law in enumerate(laws):
         color = COLORS[place % len(COLORS)]
         handles += ax.plot(
-            x[place], forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=plain(law)
+            x[place], forces[place] / unit, color=color, linestyle=LINES[place % len(LINES)], label=plain(law)
         )
         if "ensemble/external_force_mean" in result:
             step = max(1, x.shape[1] // 40)
@@ -219,7 +220,7 @@ def scatter(study: xarray.Dataset, ax: Axes | None = None) -> Axes:
         linewidth=1.0,
         label="$N^{-1/2}$ through the last",
     )
-    ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel="scatter from patch to patch (%)")
+    ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel=folded("patch-to-patch standard deviation (%)"))
     ax.set_ylim(0.5 * np.nanmin(of), 2.0 * np.nanmax(of))
     _plain(ax, "y")
     legend(ax, handles)
@@ -264,17 +265,16 @@ def draw_map(ax: Axes, heights: Any, pixel: tuple[float, float], places: tuple[A
     extent = (0.0, columns * dx / unit, rows * dy / unit, 0.0)
     drawn = ax.imshow(heights / z_unit, extent=extent, cmap="cividis", interpolation="nearest", rasterized=True)
     x, y = places
-    size = min(max(600.0 / max(x.size, 1), 0.8), 6.0)
-    ax.plot(
-        x / unit, y / unit, "o", color="white", markeredgecolor="black", markeredgewidth=0.4, markersize=size
-    )
+    # Thin rings, so that the map is seen within and between them.
+    size = min(max(60.0 / max(x.size, 1) ** 0.5, 1.2), 3.5)
+    ax.plot(x / unit, y / unit, "o", markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=0.4, markersize=size, linestyle="none")
     return _of_map(ax, drawn, sign, z_sign)
 
 
 def _of_map(ax: Axes, drawn: Any, sign: str, z_sign: str) -> Axes:
     """Labels of a map, with a bar of its heights."""
     ax.spines[["top", "right"]].set_visible(True)
-    ax.set(xlabel=label("x", sign), ylabel=label("y, as the rows of the map", sign))
+    ax.set(xlabel=label("x", sign), ylabel=label("y, as the rows\nof the map", sign))
     bar = ax.figure.colorbar(drawn, ax=ax, label=label("height", z_sign), shrink=0.9)
     bar.outline.set_linewidth(0.5)
     return ax
@@ -490,7 +490,8 @@ def convergence(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
     )
     shade.set_label("± 2 standard errors")
     handles = ax.plot(replicas, mean / unit, color=BLUE, label="mean")
-    ax.set(xscale="log", xlabel="replicas", ylabel=label(f"mean {_words(name)}", sign))
+    ax.set(xlabel="replicas", ylabel=folded(label(f"mean {_words(name)}", sign)))
+    readable(ax, "x", replicas)
     legend(ax, [*handles, shade])
     return ax
 
@@ -521,11 +522,8 @@ def standard_errors(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axe
         color=GREEN if met else VERMILION,
         label="end, met" if met else "end, missed",
     )
-    ax.set(
-        xscale="log",
-        yscale="log",
-        xlabel="replicas",
-        ylabel=label(f"standard error of {_words(name)}", sign),
-    )
+    ax.set(xlabel="replicas", ylabel=folded(label(f"standard error of {_words(name)}", sign)))
+    readable(ax, "x", replicas)
+    readable(ax, "y", error / unit)
     legend(ax, handles, columns=3)
     return ax

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import textwrap
 from collections.abc import Callable
 from functools import partial, wraps
@@ -9,16 +10,17 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
 
 from ..errors import FileError
 from ..finite_size.study import is_study, study
 from ..results import Asperities, Finding, Result, Run, Sweep
 from . import coupled, loop, others, run
 from .heat_map import heat_map, is_map
-from .style import VERMILION, dressed, inches, lettered, plain
+from .style import VERMILION, dressed, inches, legend_rows, lettered, plain
 from .sweep import QUANTITIES, quantities_of, sweep
 
-__all__ = ["OF_REPLICA", "of_replica", "page", "panels"]
+__all__ = ["OF_RUNS", "OF_SWEEPS", "of_replica", "page", "panels"]
 
 Panel = Callable[..., Axes]
 
@@ -26,6 +28,8 @@ _WIDTH = "180mm"
 # Below this width panels are stacked, inches. Above it there are two columns.
 _NARROW = 4.8
 _ROW = 2.55
+# Heights of a row without legends, and of a line of a legend, inches.
+_AXES, _LINE = 2.05, 0.14
 _OF_ASPERITIES: dict[str, Panel] = {
     "asperities": others.asperities,
     "heights": others.heights,
@@ -33,8 +37,10 @@ _OF_ASPERITIES: dict[str, Panel] = {
     "curvatures": others.curvatures,
 }
 
-#: Options of figures of a single replica.
-OF_REPLICA = {"force_curve": ("replica", "stiffness", "preload")}
+#: Options of figures of runs.
+OF_RUNS = {"force_curve": ("replica", "stiffness", "preload"), "pull_off": ("preload",)}
+#: Options of figures of sweeps.
+OF_SWEEPS = ("x", "by", "preload")
 
 # Panels of sweeps over laws, and over the nominal area.
 _OF_LAWS: dict[str, Panel] = {"comparison": others.comparison, "law_deviation": others.law_deviation}
@@ -76,7 +82,7 @@ def panels(result: Result) -> dict[str, Panel]:
             "avalanches": coupled.avalanches,
         }
     if result.attrs["history"] == "loop":
-        drawn |= {"contacts": loop.contacts, "energy": loop.energy}
+        drawn |= {"contacts": loop.contacts} | ({"energy": loop.energy} if loop.loses_energy(result) else {})
     if "instability" in result:
         preloads = "instability/pull_off_after_preload_mean" in result and result["replicas/preload"].size >= 3
         # One spring after many preloads is no curve over the stiffness.
@@ -87,7 +93,7 @@ def panels(result: Result) -> dict[str, Panel]:
             drawn["preloads"] = loop.preloads
         if preloads and "device" in result:
             drawn["stuck"] = loop.stuck
-    drawn |= {"regimes": run.regimes, "deviation": run.deviation}
+    drawn |= {"regimes": run.regimes} | ({"deviation": run.deviation} if run.deviates(result) else {})
     if "ensemble/target" in result:
         for target, estimate in enumerate(result["ensemble/target_estimate"].values):
             if str(estimate) == "plain":
@@ -141,7 +147,8 @@ def page(
     title : bool
         Whether the title of the scene is above.
     **options
-        For the figures: `x` and `by` of sweeps, `replica`, `stiffness` and `preload` of ``force_curve``.
+        For the figures: `x`, `by` and `preload` of sweeps, `preload` of ``pull_off``, `replica`, `stiffness` and `preload` of
+        ``force_curve``.
 
     Returns
     -------
@@ -161,23 +168,28 @@ def page(
     names = _by_default(fitting, options) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
         if name not in known:
-            raise FileError(f"{name}: no figure of this result; it has {', '.join(known)}")
+            near = difflib.get_close_matches(name, known, 1) or [one for one in known if name.startswith(one)]
+            raise FileError(f"{name}: no figure of this result; {f'`{near[0]}` is meant? ' if near else ''}it has {', '.join(known)}")
+    taken = {name: OF_SWEEPS if name in {*QUANTITIES, "heat_map"} and isinstance(result, Sweep) else OF_RUNS.get(name, ()) for name in names}
+    for option in options:
+        if not any(option in of for of in taken.values()):
+            raise FileError(_without_option(result, option))
     wide = inches(width or ("90mm" if len(names) == 1 else _WIDTH))
     columns = 1 if wide < _NARROW or len(names) == 1 else 2
     rows = -(-len(names) // columns)
-    height = rows * (_ROW if columns == 2 or wide >= _NARROW else min(_ROW, 0.78 * wide))
-    figure = Figure(figsize=(wide, height + (0.3 if title else 0.0)))
-    grid = figure.add_gridspec(rows, columns)
+    figure = Figure(figsize=(wide, rows * _ROW))
+    grid, drawn = figure.add_gridspec(rows, columns), []
     for index, name in enumerate(names):
         # The last of an odd number has the row to itself.
         alone = columns == 2 and len(names) % 2 == 1 and index == len(names) - 1
         place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
-        # The legend of the first curves of a sweep holds for all.
-        of_sweep = {"names": index == 0} if isinstance(result, Sweep) and name in QUANTITIES else {}
-        own = {key: value for key, value in options.items() if isinstance(result, Sweep) or key in OF_REPLICA.get(name, ())}
-        ax = known[name](result, figure.add_subplot(place), **own, **of_sweep)
+        own = {key: value for key, value in options.items() if key in taken[name]}
+        if isinstance(result, Sweep) and name in QUANTITIES:
+            own["shown"] = [words.get_text() for ax in drawn if ax.get_legend() for words in ax.get_legend().get_texts()]
+        drawn.append(known[name](result, figure.add_subplot(place), **own))
         if len(names) > 1:
-            lettered(ax, index)
+            lettered(drawn[-1], index)
+    _give_room(figure, grid, [drawn[row * columns : (row + 1) * columns] for row in range(rows)], title)
     if title:
         text = result.title or result.path.name
         text = "".join(one if one.isprintable() else " " for one in text)
@@ -194,6 +206,21 @@ def page(
         )
         figure.text(0.995, 0.995, text, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
     return figure
+
+
+def _without_option(result: Result, option: str) -> str:
+    """The error of an option that none of the figures has."""
+    if option in ("x", "by") and not isinstance(result, Sweep):
+        return f"{option}: this is no sweep, whose keys it names"
+    having = [name for name, of in OF_RUNS.items() if option in of] if isinstance(result, Run) else [*QUANTITIES, "heat_map"]
+    return f"{option}: it is of {' and '.join(having)} alone, and none of these is drawn"
+
+
+def _give_room(figure: Figure, grid: GridSpec, rows: list[list[Axes]], title: bool) -> None:
+    """Makes rows of a page higher by the lines of their legends, so that no legend takes room from its axes."""
+    heights = [_AXES + _LINE * max(legend_rows(ax) for ax in row) for row in rows]
+    grid.set_height_ratios(heights)
+    figure.set_figheight(sum(heights) + (0.3 if title else 0.0))
 
 
 def _of_finding(result: Finding, width: str | float | None) -> Figure:

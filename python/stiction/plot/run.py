@@ -6,7 +6,9 @@ import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -25,6 +27,7 @@ from .style import (
     VERMILION,
     dressed,
     empty,
+    is_noise,
     label,
     legend,
     logarithmic,
@@ -265,9 +268,10 @@ def attraction(run: Run, ax: Axes | None = None) -> Axes:
     asperities = values(run, f"ensemble/{prefix}adhesion_force_mean")
     looks = itertools.cycle(zip((VERMILION, *COLORS[2:]), itertools.cycle((DASH_DOT, DASHED))))
     planes = [(name, values(run, path), *next(looks)) for name, path in run.mean_plane_forces.items()]
-    together = ("together", asperities + values(run, "background/force"), "black", "-")
-    curves: list[tuple[str, Any, Any, Any]] = [("asperities", asperities, BLUE, "-"), *planes, together]
-    curves = [curve for curve in curves if np.any(curve[1] != 0.0)]
+    together = ("together", asperities + values(run, "background/force"), "0.7", "-")
+    curves: list[tuple[str, Any, Any, Any]] = [("asperities", asperities, BLUE, "-"), *planes]
+    # The sum lies under its parts, broad, since one of them is most of it.
+    curves = [curve for curve in (together, *curves) if np.any(curve[1] != 0.0)]
     if not curves:
         return empty(ax, "nothing attracts")
     everything = np.abs(np.concatenate([force for _, force, _, _ in curves]))
@@ -275,7 +279,8 @@ def attraction(run: Run, ax: Axes | None = None) -> Axes:
     handles: list[Any] = []
     # Where caps take off more than the mean planes have the force is below 0, and its size is drawn thin.
     for name, force, color, line in curves:
-        handles += ax.plot(x, np.where(force > 0.0, force, np.nan) / unit, color=color, linestyle=line, label=name)
+        width = 4.0 if name == "together" else 1.3
+        handles += ax.plot(x, np.where(force > 0.0, force, np.nan) / unit, color=color, linestyle=line, linewidth=width, label=name)
         if np.any(force < 0.0):
             taken = ax.plot(x, np.where(force < 0.0, -force, np.nan) / unit, color=color, linestyle=line, linewidth=0.6)
             taken[0].set_label(f"{name}, taken off")
@@ -326,50 +331,68 @@ def deviation(run: Run, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = "0.8") -> Any:
-    """Bars of how many replicas have which value; what varies by rounding only has one bar."""
-    spread = np.ptp(numbers) > 1e-9 * np.abs(numbers).max(initial=0.0)
-    count = min(max(round(2.0 * numbers.size ** (1 / 3)), 8), 40) if spread else 1
+def deviates(run: Run) -> bool:
+    """Whether means differ from the integral in standard errors, which a single replica, or replicas that agree, do not have."""
+    return bool(np.isfinite([values(run, f"validation/z_{name}_force") for name in ("external", "adhesion")]).any())
+
+
+def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = GREY) -> Any:
+    """Bars of how many replicas have which value, outlined so that none hides others; what varies by rounding only has one bar."""
+    noise = is_noise(numbers)
+    count = 1 if noise else min(max(round(2.0 * numbers.size ** (1 / 3)), 8), 40)
+    middle = float(np.mean(numbers)) / unit
     bars: Any
-    _, _, bars = ax.hist(numbers / unit, count, color=color, edgecolor="0.4", linewidth=0.4, alpha=0.8)
+    _, _, bars = ax.hist(numbers / unit, count, range=sorted((0.98 * middle, 1.02 * middle)) if noise and middle else None,
+                         facecolor=to_rgba(color, 0.3), edgecolor=color, linewidth=0.7)  # fmt: skip
     bars[0].set_label(words)
+    ax.xaxis.set_major_locator(MaxNLocator(nbins=6))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
     return bars[0]
 
 
-def model_span(ax: Axes, run: Run, name: str, units: str, unit: float) -> list[Any]:
-    """A span of the axis from the smallest to the largest mean by any plastic contact, where contacts yield; cut off where the axis would be
-    more than twice as long for it."""
-    if run.model_range is None or name not in run.model_range or run.model_range[name].isnull().all():
+def model_span(ax: Axes, of: xarray.DataArray | None, units: str, unit: float) -> list[Any]:
+    """A bar above histograms from the smallest to the largest mean by any plastic contact, where contacts yield; cut off where the axis would
+    be more than twice as long for it."""
+    if of is None or of.isnull().all():
         return []
-    of = run.model_range[name]
     low, high = float(of.min()), float(of.max())
     words = f"{MODEL_RANGE}, {quantities.si(low, units, 3)} to {quantities.si(high, units, 3)}"
     left, right = ax.get_xlim()
     width = right - left
-    span = ax.axvspan(low / unit, high / unit, color=GREEN, alpha=0.25, linewidth=0, zorder=0.5, label=words)
+    ax.set_ylim(top=1.12 * ax.get_ylim()[1])
+    bar = ax.plot([low / unit, high / unit], [0.95, 0.95], transform=ax.get_xaxis_transform(), color=GREEN, linewidth=4.0, alpha=0.7,
+                  solid_capstyle="butt", zorder=0.5, label=words)  # fmt: skip
     ax.set_xlim(min(left, max(low / unit, left - width)), max(right, min(high / unit, right + width)))
-    return [span]
+    return list(bar)
 
 
 @dressed
-def pull_off(run: Run, ax: Axes | None = None) -> Axes:
+def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
     """Distribution of the pull-off force over replicas, its mean, and pull-offs of mean curve and integral.
 
     Parameters
     ----------
     run : Run
-        Of a loop both branches are drawn; where there are preloads, the pull-off after the largest that is reached.
+        Of a loop both branches are drawn.
     ax : matplotlib.axes.Axes, optional
+    preload : str or float, optional
+        The preload of the scene before the pull-off; by default the largest that is reached.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such preload.
     """
     ax = new_axes(ax)
-    of_replicas, quoted = values(run, "replicas/pull_off_force"), run.pull_off
-    way = "retraction"
-    if quoted.preload is not None:
-        if np.isnan(quoted.preload):
-            return empty(ax, "no patch reaches a preload")
-        pressed = run["replicas/pull_off_after_preload"].sel(preload=quoted.preload).values
-        of_replicas, way = pressed[np.isfinite(pressed)], f"after {quantities.si(quoted.preload, 'N')}"
+    of_replicas, way = values(run, "replicas/pull_off_force"), "retraction"
+    pressed, quoted = run.after_preload(preload), run.pull_off
+    mean, error = quoted.mean_over_patches, quoted.standard_error
+    if pressed is not None:
+        if not float(pressed["count"]) > 0.0:
+            return empty(ax, "no patch reaches a preload" if preload is None else f"no patch reaches {preload}")
+        load, mean, error = (float(pressed[name]) for name in ("preload", "mean_over_patches", "standard_error"))
+        after = run["replicas/pull_off_after_preload"].sel(preload=load).values
+        of_replicas, way = after[np.isfinite(after)], f"after {quantities.si(load, 'N', 3)}"
     if not of_replicas.max() > 0.0:
         return empty(ax, "no replica pulls")
     there = (
@@ -380,27 +403,19 @@ def pull_off(run: Run, ax: Axes | None = None) -> Axes:
     if there is not None:
         handles.append(histogram(ax, there, unit, f"approach, {there.size} patches", BLUE))
     handles.append(histogram(ax, of_replicas, unit, f"{f'{way}, ' if there is not None else ''}{of_replicas.size} patches",
-                             "0.8" if there is None else VERMILION))  # fmt: skip
-    for value, words, color, line in (
-        (quoted.mean_over_patches, f"mean over patches, {quoted}", "black", "-"),
-        (
-            quoted.of_mean_curve,
-            f"of the mean curve, {quantities.si(quoted.of_mean_curve, 'N')}",
-            "black",
-            DASH_DOT,
-        ),
-        (
-            quoted.of_integral,
-            f"of the integral, {quantities.si(quoted.of_integral, 'N')}",
-            "black",
-            DASHED,
-        ),
-    ):
-        # The mean curve and the integral turn at the closest separation.
-        if quoted.preload is None or value == quoted.mean_over_patches:
-            handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+                             GREY if there is None else VERMILION))  # fmt: skip
+    lines = [(mean, f"mean over patches, {quantities.with_error(mean, error, 'N')}", "-")]
+    # The mean curve and the integral turn at the closest separation.
+    if pressed is None:
+        lines += [
+            (quoted.of_mean_curve, f"of the mean curve, {quantities.si(quoted.of_mean_curve, 'N')}", DASH_DOT),
+            (quoted.of_integral, f"of the integral, {quantities.si(quoted.of_integral, 'N')}", DASHED),
+        ]
+    for value, words, line in lines:
+        handles.append(ax.axvline(value / unit, color="black", linestyle=line, label=words))
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
-    handles += model_span(ax, run, "pull_off_force", "N", unit)
+    by_contact = run.model_range_after(preload)
+    handles += model_span(ax, by_contact.get("pull_off_force") if by_contact is not None else None, "N", unit)
     legend(ax, handles)
     return ax

@@ -2,73 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
 
+from .. import quantities
 from ..errors import FileError
 from ..results import Sweep
 from .style import (
     COLORS,
     DASHED,
     GREY,
+    LINES,
     MARKERS,
     MODEL_RANGE,
     dressed,
+    folded,
+    is_noise,
     label,
     legend,
     logarithmic,
     marked_invalid,
     new_axes,
-    places_logarithmic,
+    places,
     plain,
+    probability,
     scaled,
+    steady,
 )
 
 __all__ = ["QUANTITIES", "sweep"]
 
 
 class Quantity(NamedTuple):
-    """A quantity over the points of a sweep: its words, unit, and dataset of the integral."""
+    """A quantity over the points of a sweep: its words, unit, dataset of the integral, and its name in files."""
 
     words: str
     unit: str
     of_integral: str | None = None
+    dataset: str = ""
 
 
 QUANTITIES = {
     "pull_off_force": Quantity("pull-off force", "N", "pull_off_force"),
     "pull_off_excess": Quantity("excess over the integral", "%"),
-    "pull_off_scatter": Quantity("scatter between patches", "%"),
+    "pull_off_scatter": Quantity("patch-to-patch standard deviation", "%"),
     "pull_off_separation": Quantity("pull-off separation $h^*$", "", "pull_off_separation"),
     "peak_secant_stiffness": Quantity("largest stiffness", "N m-1", "peak_stiffness"),
-    "stuck_probability": Quantity("probability to stay stuck", ""),
+    "stuck": Quantity("probability to stay adhered", "", dataset="stuck_probability"),
 }
 # Most curves that can be distinguished.
 _MOST = len(COLORS)
 
 
 def quantities_of(result: Sweep) -> list[str]:
-    """The quantities of a sweep; of integrals alone those that they have."""
+    """The quantities of a sweep, without those that are rounding alone; of integrals alone those that they have."""
     names = [name for name, of in QUANTITIES.items() if result.has_replicas or of.of_integral]
     # The integral and the separation of pull-off are of whole loops.
-    left_out = set() if "device" in result else {"stuck_probability"}
+    left_out = set() if "device" in result else {"stuck"}
     if result.has_replicas and result.after_largest_preload is not None:
         left_out |= {"pull_off_excess", "pull_off_separation"}
-    return [name for name in names if name not in left_out]
+    names = [name for name in names if name not in left_out]
+    # Both are in per cent.
+    relative = [name for name in names if QUANTITIES[name].unit == "%" and is_noise(of_points(result, name)[0], 100.0)]
+    return [name for name in names if name not in relative]
 
 
 def of_points(
-    result: Sweep, quantity: str
+    result: Sweep, quantity: str, preload: Any = None
 ) -> tuple[xarray.DataArray, xarray.DataArray, xarray.DataArray | None]:
     """Mean, standard error and integral of a quantity at all points; without replicas the integral in the place of the mean.
 
-    A probability has in the place of the error how far its 95 % interval reaches below and above, over `range_end`.
+    A probability has in the place of the error how far its 95 % interval reaches below and above, over `range_end`. Forces and
+    probabilities follow the preload, by default the largest that is reached.
     """
+    pressed = result.after_preload(preload)
     if not result.has_replicas:
         integral = result[f"integral/{QUANTITIES[quantity].of_integral}"]
         if quantity.endswith("separation"):
@@ -77,8 +90,7 @@ def of_points(
     name = (
         "pull_off_force" if quantity.startswith("pull_off_e") or quantity == "pull_off_scatter" else quantity
     )
-    pressed = result.after_largest_preload
-    if quantity == "stuck_probability":
+    if quantity == "stuck":
         of = result["device"].to_dataset() if pressed is None else pressed
         share, low, high = (of[f"stuck_probability{end}"] for end in ("", "_low", "_high"))
         return share, xarray.concat([share - low, high - share], "range_end"), None
@@ -103,12 +115,27 @@ def of_points(
     return mean, error, integral
 
 
-def model_range(result: Sweep, quantity: str) -> tuple[xarray.DataArray, xarray.DataArray] | None:
+def model_range(result: Sweep, quantity: str, preload: Any = None) -> tuple[xarray.DataArray, xarray.DataArray] | None:
     """The smallest and the largest of a quantity by any plastic contact, at points where contacts yield; None where there are none."""
-    if result.model_range is None or quantity not in result.model_range:
+    found, name = result.model_range_after(preload), QUANTITIES[quantity].dataset or quantity
+    if found is None or name not in found:
         return None
-    of = result.model_range[quantity]
+    of = found[name]
     return of.min("plastic_contact"), of.max("plastic_contact")
+
+
+def words_of(result: Sweep, quantity: str, preload: Any = None) -> str:
+    """A quantity in words, with the restoring force and the preload that it is of, where all points have one."""
+    words = QUANTITIES[quantity].words
+    if quantity == "stuck":
+        forces = np.unique(result["device/restoring_force"].values)
+        words += f"\nunder {quantities.si(forces[0], 'N', 3)}" if forces.size == 1 else "\nunder the restoring force"
+    pressed = result.after_preload(preload)
+    if pressed is not None and quantity in ("stuck", "pull_off_force", "pull_off_scatter"):
+        loads = np.unique(pressed["preload"].values[np.isfinite(pressed["preload"].values)])
+        after = quantities.si(loads[0], "N", 3) if loads.size == 1 else "the largest preload reached"
+        words += f"{' ' if quantity == 'stuck' else chr(10)}after {after}"
+    return words
 
 
 def invalid_points(result: Sweep) -> xarray.DataArray:
@@ -147,29 +174,40 @@ def axes_of(result: Sweep, x: str | None, by: str | None) -> tuple[str, str | No
     return across, by.replace(".", "_") if by else None
 
 
-def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, dict[str, int]]]:
-    """Words and the chosen indices of each curve; keys that are neither are at each of their values."""
+def _curves(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple[str, dict[str, Any]]]]:
+    """The name of the key that distinguishes curves, if it is one, and words and the chosen indices of each; keys that are neither are at
+    each of their values."""
     if result.attrs["sweep_mode"] != "grid":
-        yield "", {}
-        return
+        return _of_zip(result, across, by)
     others = [str(dim) for dim in result.points.dims if dim != across]
     others.sort(key=lambda name: name != by)
     sizes = [result.points.sizes[name] for name in others]
     if int(np.prod(sizes)) > _MOST:
         most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be distinguished"
         raise FileError(f"{most}: name the key with most values for the axis (x)")
+    varying = [name for name, size in zip(others, sizes, strict=True) if size > 1]
+    words = ", ".join(plain(str(result[name].attrs.get("long_name", name))) for name in varying)
+    curves = []
     for place in np.ndindex(*sizes):
         chosen = dict(zip(others, place, strict=True))
-        yield (
-            ", ".join(
-                _words(result, name, index) for name, index in chosen.items() if sizes[others.index(name)] > 1
-            ),
-            chosen,
-        )
+        texts = (plain(result.key_text(name, result[name].values[chosen[name]], 3)) for name in varying)
+        curves.append((", ".join(texts), chosen))
+    return words, curves
 
 
-def _words(result: Sweep, name: str, index: int) -> str:
-    return plain(f"{result[name].attrs.get('long_name', name)} {result.key_text(name, result[name].values[index], 3)}")
+def _of_zip(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple[str, dict[str, Any]]]]:
+    """The curves of points that are not a grid: one, or where places are those of several points one for each value of another key."""
+    points, place = [str(dim) for dim in result.points.dims][0], result[across].values
+    keys = [key.replace(".", "_") for key in result.keys]
+    for other in [by] if by else [name for name in keys if name != across]:
+        values = list(dict.fromkeys(result[other].values))
+        found = [np.flatnonzero(result[other].values == value) for value in values]
+        if not by and np.unique(place).size == place.size:
+            break
+        if len(values) <= _MOST and all(np.unique(place[of]).size == of.size for of in found):
+            texts = (plain(result.key_text(other, value, 3)) for value in values)
+            return plain(str(result[other].attrs.get("long_name", other))), [(text, {points: of}) for text, of in zip(texts, found, strict=True)]
+    return "", [("", {})]
 
 
 @dressed
@@ -180,7 +218,8 @@ def sweep(
     quantity: str = "pull_off_force",
     x: str | None = None,
     by: str | None = None,
-    names: bool = True,
+    preload: Any = None,
+    shown: Sequence[str] = (),
 ) -> Axes:
     """A number of each point over a key of the sweep: mean over replicas with its standard error (of a probability its 95 % interval), and the integral's.
 
@@ -190,21 +229,24 @@ def sweep(
     ax : matplotlib.axes.Axes, optional
     quantity : str
         ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation``,
-        ``peak_secant_stiffness``, or of a scene with ``[device]`` ``stuck_probability``.
+        ``peak_secant_stiffness``, or of a scene with ``[device]`` ``stuck``, the probability to stay adhered.
     x, by : str, optional
         The key for the axis, or a number of the points that follows from the keys, such as
         ``asperity_plasticity_index``; and the first of the keys that distinguish the curves. By default the
         first that varies, and the one with fewest values.
-    names : bool
-        Whether the legend names the curves.
+    preload : str or float, optional
+        The preload of the scene after which the surfaces are pulled apart; by default the largest that is reached.
+    shown : sequence of str
+        Entries of the legend that another panel has.
 
     Raises
     ------
     FileError
         There is no such quantity or key, or there are more curves than can be distinguished.
+    SceneError
+        The scene has no such preload.
     """
-    if quantity not in QUANTITIES:
-        raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")
+    require(quantity)
     ax = new_axes(ax)
     points, follows = result.points, None
     if x is not None and x not in result.keys and x in points.data_vars and points[x].dims:
@@ -213,8 +255,8 @@ def sweep(
         if result.attrs["sweep_mode"] == "grid":
             x = next((str(dim) for dim in of.dims if not np.allclose(of, of.isel({dim: [0]}), rtol=1e-12, atol=0.0)), None)
     across, by = axes_of(result, x, by)
-    mean, error, integral = of_points(result, quantity)
-    words, unit, _ = QUANTITIES[quantity]
+    mean, error, integral = of_points(result, quantity, preload)
+    unit = QUANTITIES[quantity].unit
     factor, sign = scaled(unit, mean) if unit not in ("", "%") else (1.0, unit)
     key = result[follows or across]
     choices = list(dict.fromkeys(key.values)) if key.dtype.kind == "U" else []
@@ -223,30 +265,35 @@ def sweep(
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
     marks: list[Any] = []
-    invalid, by_contact = invalid_points(result), model_range(result, quantity)
-    for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
-        places = (key.isel(chosen).values.ravel() if follows else key.values) / key_factor
-        order = np.argsort(places)
+    invalid, by_contact = invalid_points(result), model_range(result, quantity, preload)
+    title, curves = _curves(result, across, by)
+    for place, ((name, chosen), color, marker) in enumerate(zip(curves, COLORS, MARKERS, strict=False)):
+        at = (key.isel({dim: of for dim, of in chosen.items() if dim in key.dims}).values.ravel()) / key_factor
+        order = np.argsort(at)
         bars = error.isel(chosen).values.reshape(*(error.sizes[end] for end in error.dims if end == "range_end"), -1)
         drawn = ax.errorbar(
-            places[order], mean.isel(chosen).values.ravel()[order] / factor, bars[..., order] / factor,
-            color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, label=name,
+            at[order], mean.isel(chosen).values.ravel()[order] / factor, bars[..., order] / factor, clip_on=quantity != "stuck",
+            color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, linestyle=LINES[place], label=name,
         )  # fmt: skip
+        moved = [drawn[0], *drawn[1], *drawn[2]]
         if by_contact is not None:
             smallest, largest = (end.isel(chosen).values.ravel()[order] / factor for end in by_contact)
-            ax.vlines(places[order], smallest, largest, color=color, alpha=0.3, linewidth=4.0, zorder=0.9)
+            moved.append(ax.vlines(at[order], smallest, largest, color=color, alpha=0.3, linewidth=4.0, zorder=0.9))
+        # Curves that coincide are all seen.
+        for artist in moved:
+            artist.set_transform(_aside(ax, place - 0.5 * (len(curves) - 1)))
         if integral is not None:
             ax.plot(
-                places[order],
+                at[order],
                 integral.isel(chosen).values.ravel()[order] / factor,
                 color=color,
                 linestyle=DASHED,
                 linewidth=1.0,
             )
-        if name and names:
+        if name:
             handles.append(drawn)
         judged = invalid.isel(chosen).values.ravel()[order]
-        marks = marked_invalid(ax, places[order], mean.isel(chosen).values.ravel()[order] / factor, judged) or marks
+        marks = marked_invalid(ax, at[order], mean.isel(chosen).values.ravel()[order] / factor, judged) or marks
     if integral is not None:
         handles += [
             Line2D([], [], color=GREY, marker="o", linewidth=0, label="mean over patches"),
@@ -255,14 +302,30 @@ def sweep(
     if by_contact is not None:
         handles.append(Line2D([], [], color=GREY, alpha=0.5, linewidth=4.0, label=MODEL_RANGE))
     handles += marks
-    if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
+    steady(ax, mean / factor)
+    if quantity == "stuck":
+        probability(ax, "")
+    elif not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
     if choices:
         ax.set_xticks(range(len(choices)), [plain(name) for name in choices])
         ax.margins(x=0.2)
     else:
-        places_logarithmic(ax, key.values)
-    ax.set(xlabel=label(plain(key.attrs.get("long_name", key.name)), plain(key_sign)), ylabel=label(words, sign))
+        places(ax, key.values / key_factor)
+    ax.set(xlabel=label(plain(key.attrs.get("long_name", key.name)), plain(key_sign)), ylabel=folded(label(words_of(result, quantity, preload), sign)))
+    handles = [handle for handle in handles if handle.get_label() not in shown]
     if handles:
-        legend(ax, handles)
+        legend(ax, handles, title=title if handles[0].get_label() == curves[0][0] else None)
     return ax
+
+
+def require(quantity: str) -> None:
+    """Refuses a quantity that sweeps do not have."""
+    if quantity not in QUANTITIES:
+        raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")
+
+
+def _aside(ax: Axes, steps: float) -> Any:
+    """The place of data, shifted by steps of two points to the right."""
+    figure: Any = ax.figure
+    return ax.transData + ScaledTranslation(2.0 * steps / 72.0, 0.0, figure.dpi_scale_trans)

@@ -131,15 +131,16 @@ def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) ->
 
 def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
     mean, error, integral = of_points(result, figure)
-    columns = {f"{figure}_mean_over_patches": mean, f"{figure}_standard_error": error}
+    name = QUANTITIES[figure].dataset or figure
+    columns = {f"{name}_mean_over_patches": mean, f"{name}_standard_error": error}
     if "range_end" in error.dims:
         below, above = error
-        columns = {figure: mean, f"{figure}_low": mean - below, f"{figure}_high": mean + above}
+        columns = {name: mean, f"{name}_low": mean - below, f"{name}_high": mean + above}
     if integral is not None:
-        columns[f"{figure}_of_integral"] = integral
+        columns[f"{name}_of_integral"] = integral
     by_contact = model_range(result, figure)
     if by_contact is not None:
-        columns |= {f"{figure}_{end}_by_contact": of for end, of in zip(("smallest", "largest"), by_contact, strict=True)}
+        columns |= {f"{name}_{end}_by_contact": of for end, of in zip(("smallest", "largest"), by_contact, strict=True)}
     keys = [key.replace(".", "_") for key in result.keys]
     whole = xarray.Dataset({name: of.drop_vars([c for c in of.coords if c not in keys]) for name, of in columns.items()})
     for key in keys:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray
 
 from . import program
@@ -13,7 +14,7 @@ from .errors import SceneError
 from .opened import Place, Run, Sweep
 from .scenes import Scene, Source
 
-__all__ = ["check", "compare", "integral", "run", "sweep"]
+__all__ = ["check", "check_settings", "compare", "integral", "run", "sweep"]
 
 #: Keys of ensembles that are parts of another answer, which the range over plastic contacts would only slow down.
 ONE_MODEL: dict[str, Any] = {"ensemble.model_range": False}
@@ -213,6 +214,19 @@ def check(scene: Scene, **overrides: Any) -> Text:
     """
     with Source(scene, overrides, None) as source:
         return Text(program.call(["check", *source.arguments], text=source.text))
+
+
+def check_settings(*, seed: int | None, threads: int | None) -> None:
+    """Refuses a seed or a number of threads that no run has, before work of several runs begins.
+
+    Raises
+    ------
+    SceneError
+        One of them is no whole number, or is out of range.
+    """
+    for name, value, low, high in (("seed", seed, 0, 2**63 - 1), ("threads", threads, 1, 4096)):
+        if value is not None and not (isinstance(value, int | np.integer) and low <= value <= high):
+            raise SceneError(f"{name} = {value}: a whole number from {low} to {high} is needed")
 
 
 def _named(output: str | Path | None, *, resume: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import codecs
 import io
 import os
@@ -12,7 +13,7 @@ from collections.abc import Callable, Sequence
 from . import progress
 from .errors import StictionError
 
-__all__ = ["ended", "given_words"]
+__all__ = ["ended", "given_words", "real", "whole"]
 
 # The exit code of a command that was interrupted.
 _INTERRUPTED = 130
@@ -37,6 +38,22 @@ def given_words(arguments: Sequence[str] | None) -> list[str]:
         else:
             words.append(word)
     return words
+
+
+def whole(text: str) -> int:
+    """A whole number of a command line."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number is needed") from None
+
+
+def real(text: str) -> float:
+    """A number of a command line."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: a number without a unit is needed") from None
 
 
 def ended(name: str, work: Callable[[], None]) -> int:

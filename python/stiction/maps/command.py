@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError, StictionError
-from ..terminal import ended, given_words
+from ..terminal import ended, given_words, whole
 from .figure import draw
 from .file import write
 from .level import LEVELS, ROWS
@@ -65,7 +65,7 @@ _HELP = [
      "the map's side"),
     (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
 ]  # fmt: skip
-_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": int}
+_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": whole}
 
 
 def _parser() -> argparse.ArgumentParser:

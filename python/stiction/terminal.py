@@ -56,7 +56,7 @@ def real(text: str) -> float:
         raise argparse.ArgumentTypeError(f"{text}: a number without a unit is needed") from None
 
 
-def ended(name: str, work: Callable[[], None]) -> int:
+def ended(name: str, work: Callable[[], None], *, is_long: bool = False) -> int:
     """Does the work of a command, says in a line on standard error what went wrong; returns the exit code.
 
     Parameters
@@ -65,8 +65,10 @@ def ended(name: str, work: Callable[[], None]) -> int:
         The command, such as ``stiction plot``.
     work : callable
         Prints its results; they are lost to nobody unless an error says so.
+    is_long : bool
+        Whether it takes minutes: then logs have the first line of progress at once.
     """
-    progress.of_command(name)
+    progress.of_command(name, 1.0 if is_long else None)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors != "surrogateescape":
             stream.reconfigure(errors="stiction")

@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("--probability: it is needed with --maximise or --minimise, and with them alone")
     if (given.above is None and given.below is None) != (key == _FORCE):
         parser.error(f"--above or --below: one of them is needed, but with --maximise or --minimise {_FORCE} none")
-    return ended("stiction design", lambda: _design(given, key))
+    return ended("stiction design", lambda: _design(given, key), is_long=True)
 
 
 def _design(given: argparse.Namespace, key: str | None) -> None:

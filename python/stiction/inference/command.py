@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(given_words(arguments))
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
-    return ended("stiction infer", lambda: _infer(given))
+    return ended("stiction infer", lambda: _infer(given), is_long=True)
 
 
 def _infer(given: argparse.Namespace) -> None:

@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     picture = output.with_suffix(".png")
     if output.suffix.lower() not in (".h5", ".nc"):
         parser.error(f"--output {output}: a name that ends with .h5 or .nc is needed")
-    return ended("stiction sensitivity", lambda: _study(given, output, picture))
+    return ended("stiction sensitivity", lambda: _study(given, output, picture), is_long=True)
 
 
 def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:

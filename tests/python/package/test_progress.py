@@ -69,16 +69,17 @@ def test_work_has_its_words_before_others_and_decides_for_them(log):
     assert log()[0].startswith("stiction spell: words: 0")
 
 
-def test_lines_become_rarer(monkeypatch):
-    """Lines after 1, 11, 31, 71 s, then every minute."""
+@pytest.mark.parametrize("first, expected", [(1.0, [1, 11, 31, 71, 131, 191]), (None, [10, 30, 70, 130, 190, 250])])
+def test_lines_become_rarer(first, expected, monkeypatch, capsys):
+    """At last one a minute; those of long commands begin at once, the others' with those of the program."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    lines, times = progress._Log(), []
-    for _ in range(7):
+    lines, times = progress._Log(apart=first), []
+    for _ in expected:
         now[0] += lines.wait()
         times.append(now[0])
-        lines.write("")
-    assert times == [1.0, 11.0, 31.0, 71.0, 131.0, 191.0, 251.0]
+        lines.write("a line")
+    assert times == expected and capsys.readouterr().err == "stiction: a line\n" * len(expected)
 
 
 ON_TERMINAL = """

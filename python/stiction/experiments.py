@@ -253,6 +253,7 @@ def _computed(
         except KeyboardInterrupt as interruption:
             if output is None:
                 raise KeyboardInterrupt("nothing was kept, as no output was named") from None
-            goes_on = "; resume=True goes on" if "kept" in str(interruption) else ""
-            raise KeyboardInterrupt(f"{interruption}{goes_on}") from None
+            kept = str(interruption).splitlines()
+            goes_on = ["resume=True goes on"] if any("kept" in line for line in kept) else []
+            raise KeyboardInterrupt("; ".join([*kept, *goes_on])) from None
         return place.result()

@@ -7,10 +7,12 @@ import subprocess
 import sys
 import termios
 import time
+from pathlib import Path
 
 import pytest
 
 from stiction import progress
+from stiction.design import command as design
 
 
 @pytest.fixture
@@ -85,6 +87,7 @@ def test_lines_become_rarer(first, expected, monkeypatch, capsys):
 ON_TERMINAL = """
 import sys, time
 from stiction import progress
+from stiction.design import command as design
 progress._SHOWN = 0.1
 with progress.work("another scene.toml: batch 1 of at most 8: condition 11 of 12"):
     for _ in progress.steps(range(30), "", "points"):
@@ -131,3 +134,35 @@ def test_points_of_a_sweep_are_one_bar(monkeypatch):
     ]:  # fmt: skip
         bars.show({"run": run, "phase": phase, "done": done, "total": total})
     assert seen == [(2, "points", done) for done in (0, 0, 0.25, 0.99, 0.99, 1, 1.5)]
+
+
+def test_a_command_of_several_runs_names_its_stages(log, monkeypatch):
+    """In order, with counts where there are some, and as plain lines."""
+    begin = progress.of_command
+    monkeypatch.setattr(progress, "of_command", lambda name, first: begin(name, 0.01))
+    quick = Path(__file__).resolve().parents[3] / "configs" / "quick.toml"
+    assert design.main([str(quick), "--above", "0.16 mN", "--error", "0.3"]) == 0
+    lines = log()
+    stages = [re.fullmatch(r"stiction design: ([a-z ]+): (\d+ of \d+ patches, )?\d+ s so far(, about \d+ s left)?", line) for line in lines]
+    assert list(dict.fromkeys(found[1] for found in stages)) == ["patches of the scene itself", "heights to sample", "trial", "sampling"]
+    assert all(bool(found[2]) == (found[1] in ("trial", "sampling")) for found in stages)
+
+
+def test_an_inference_names_batch_and_stage(log, monkeypatch, tmp_path):
+    """Up to the end of the first batch of simulations, which the test ends."""
+    posterior = pytest.importorskip("stiction.inference.posterior")
+
+    class Enough(Exception):
+        pass
+
+    def ended(*_):
+        raise Enough
+
+    monkeypatch.setattr(posterior, "_check_scatter", ended)
+    monkeypatch.setattr(posterior, "_POINTS", 4)
+    folder = Path(__file__).resolve().parents[3] / "configs" / "inference"
+    with pytest.raises(Enough):
+        posterior.infer(folder / "first.csv", folder / "first.toml", replicas=20, progress=True)
+    shown = [line.removeprefix("stiction: ") for line in log()]
+    assert shown[0].startswith("trial patches: ")
+    assert any(re.match(r"batch 1 of at most 8: simulation: \d+ of 16 points, ", line) for line in shown)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray
 
 from . import program
@@ -13,7 +14,7 @@ from .errors import SceneError
 from .opened import Place, Run, Sweep
 from .scenes import Scene, Source
 
-__all__ = ["check", "compare", "integral", "run", "sweep"]
+__all__ = ["check", "check_settings", "compare", "integral", "run", "sweep"]
 
 #: Keys of ensembles that are parts of another answer, which the range over plastic contacts would only slow down.
 ONE_MODEL: dict[str, Any] = {"ensemble.model_range": False}
@@ -215,6 +216,19 @@ def check(scene: Scene, **overrides: Any) -> Text:
         return Text(program.call(["check", *source.arguments], text=source.text))
 
 
+def check_settings(*, seed: int | None, threads: int | None) -> None:
+    """Refuses a seed or a number of threads that no run has, before work of several runs begins.
+
+    Raises
+    ------
+    SceneError
+        One of them is no whole number, or is out of range.
+    """
+    for name, value, low, high in (("seed", seed, 0, 2**63 - 1), ("threads", threads, 1, 4096)):
+        if value is not None and not (isinstance(value, int | np.integer) and low <= value <= high):
+            raise SceneError(f"{name} = {value}: a whole number from {low} to {high} is needed")
+
+
 def _named(output: str | Path | None, *, resume: bool) -> None:
     if resume and output is None:
         raise SceneError("resume=True: name the output of the run that was interrupted")
@@ -239,6 +253,7 @@ def _computed(
         except KeyboardInterrupt as interruption:
             if output is None:
                 raise KeyboardInterrupt("nothing was kept, as no output was named") from None
-            goes_on = "; resume=True goes on" if "kept" in str(interruption) else ""
-            raise KeyboardInterrupt(f"{interruption}{goes_on}") from None
+            kept = str(interruption).splitlines()
+            goes_on = ["resume=True goes on"] if any("kept" in line for line in kept) else []
+            raise KeyboardInterrupt("; ".join([*kept, *goes_on])) from None
         return place.result()

@@ -143,6 +143,8 @@ def _message(lines: Sequence[str]) -> str:
     # Tables are handed over like this; nobody has seen their lines.
     text = re.sub(r"standard input: (line \d+: )?", "", text)
     text = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
+    text = re.sub(r"invalid value '(.*?)' for '(\w+) <\w+>': (.*)", r"\2 = \1: \3", text)
+    text = re.sub(r"(?<=: )\S+ is not in (\d+)\.\.=(\d+)", r"a whole number from \1 to \2 is needed", text)
     return text.removeprefix("stiction: ").removeprefix("error: ")
 
 

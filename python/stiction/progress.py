@@ -16,30 +16,32 @@ __all__ = ["Bar", "of_command", "steps", "work"]
 
 T = TypeVar("T")
 
-# Seconds until the first line of a log, from that to the second, and at most between lines: each interval is
-# twice the one before.
-_FIRST, _APART, _MOST = 1.0, 10.0, 60.0
+# Seconds until the first line of a log, and at least and at most between lines: each interval is twice the one before.
+_FIRST, _APART, _MOST = 10.0, 10.0, 60.0
 # Seconds between times that a bar shows, and characters of its words: those of the work around go first.
 _SHOWN, _WORDS = 1.0, 42
 
 
 @dataclass
 class _Log:
-    """The lines of this process: their first word, whether a command writes them unasked, and when the next one is due."""
+    """The lines of this process: their first word, whether a command writes them unasked, the seconds before the next
+    one, and when that is due."""
 
     name: str = "stiction"
     is_command: bool = False
+    apart: float | None = None
     due: float | None = None
-    apart: float = 0.0
 
     def wait(self) -> float:
         """Seconds until the next line."""
+        if self.apart is None:
+            self.apart = _FIRST
         if self.due is None:
-            self.due = time.monotonic() + _FIRST
+            self.due = time.monotonic() + self.apart
         return max(self.due - time.monotonic(), 0.0)
 
     def write(self, text: str) -> None:
-        self.apart = min(2.0 * self.apart, _MOST) if self.apart else min(_APART, _MOST)
+        self.apart = min(max(2.0 * (self.apart or 0.0), _APART), _MOST)
         self.due = time.monotonic() + self.apart
         # Nobody may be there to read it.
         with contextlib.suppress(OSError, ValueError, AttributeError):
@@ -51,10 +53,11 @@ _log = _Log()
 _around: contextvars.ContextVar[tuple[bool | None, str]] = contextvars.ContextVar("around", default=(None, ""))
 
 
-def of_command(name: str) -> None:
-    """Begins the command of a name, such as ``stiction infer``: where there is no terminal its progress is lines."""
+def of_command(name: str, first: float | None = None) -> None:
+    """Begins the command of a name, such as ``stiction infer``: where there is no terminal its progress is lines, the
+    first one after some seconds."""
     global _log
-    _log = _Log(name, is_command=True)
+    _log = _Log(name, is_command=True, apart=first)
 
 
 @contextlib.contextmanager

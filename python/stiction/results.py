@@ -547,6 +547,16 @@ class Run(_Curves):
                 rows += [("pull-off", f"{value} after {quantities.si(load, 'N')}, mean over {quantities.counted(int(count), 'replica')}")]
         return rows
 
+    def _dissipated(self) -> list[tuple[str, str]]:
+        """The energy that a cycle of a loop dissipates."""
+        of = self.tree["ensemble"].to_dataset()
+        if "dissipated_energy" not in of["scalar"].values:
+            return []
+        mean, error = (float(of[name].sel(scalar="dissipated_energy")) for name in ("scalar_mean", "scalar_standard_error"))
+        cycle = "a cycle" if self.pull_off.preload is None else "a cycle over all separations"
+        count = quantities.counted(int(self.attrs["replicas"]), "replica")
+        return [("dissipated", f"{quantities.with_error(mean, error, 'J')} in {cycle}, mean over {count}")]
+
     def _summary(self) -> list[tuple[str, str]]:
         if not self.has_replicas:
             force = float(self.tree["integral"].attrs["pull_off_force"])
@@ -575,8 +585,7 @@ class Run(_Curves):
             ends = [float(getattr(self.model_range["pull_off_force"], end)()) for end in ("min", "max")]
             pressed = "" if pull_off.preload is None else f" after {quantities.si(pull_off.preload, 'N')}"
             rows += [("model range", f"{' to '.join(quantities.si(end, 'N') for end in ends)}{pressed}, by plastic contact")]
-        rows += self._stuck()
-        rows += [("cross-check", str(self.cross_check))]
+        rows += [*self._stuck(), *self._dissipated(), ("cross-check", str(self.cross_check))]
         rows += [("independence", str(self.independence.attrs["verdict"]))]
         if self.is_partial:
             rows += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import codecs
 import io
 import os
@@ -12,7 +13,7 @@ from collections.abc import Callable, Sequence
 from . import progress
 from .errors import StictionError
 
-__all__ = ["ended", "given_words"]
+__all__ = ["ended", "given_words", "real", "whole"]
 
 # The exit code of a command that was interrupted.
 _INTERRUPTED = 130
@@ -39,7 +40,23 @@ def given_words(arguments: Sequence[str] | None) -> list[str]:
     return words
 
 
-def ended(name: str, work: Callable[[], None]) -> int:
+def whole(text: str) -> int:
+    """A whole number of a command line."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number is needed") from None
+
+
+def real(text: str) -> float:
+    """A number of a command line."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: a number without a unit is needed") from None
+
+
+def ended(name: str, work: Callable[[], None], *, is_long: bool = False) -> int:
     """Does the work of a command, says in a line on standard error what went wrong; returns the exit code.
 
     Parameters
@@ -48,8 +65,10 @@ def ended(name: str, work: Callable[[], None]) -> int:
         The command, such as ``stiction plot``.
     work : callable
         Prints its results; they are lost to nobody unless an error says so.
+    is_long : bool
+        Whether it takes minutes: then logs have the first line of progress at once.
     """
-    progress.of_command(name)
+    progress.of_command(name, 1.0 if is_long else None)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors != "surrogateescape":
             stream.reconfigure(errors="stiction")

@@ -13,7 +13,7 @@ import xarray
 from .. import files, priors, quantities
 from ..errors import SceneError
 from ..scenes import named_files
-from ..terminal import ended, given_words
+from ..terminal import ended, given_words, real, whole
 from .estimate import Probability
 from .search import Best, Design, best, design, event, probability
 
@@ -40,14 +40,14 @@ def _parser() -> argparse.ArgumentParser:
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--maximise", metavar="KEY", help="the number to make as large as possible, or pull_off_force")
     which.add_argument("--minimise", metavar="KEY", help="the number to make as small as possible, or pull_off_force")
-    parser.add_argument("--probability", type=float, metavar="P", help="largest probability of the patches")
+    parser.add_argument("--probability", type=real, metavar="P", help="largest probability of the patches")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the result as a file, for `stiction info`, `report` and, of a search, `plot`; by default none")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
-    parser.add_argument("--error", type=float, default=0.1, metavar="E",
+    parser.add_argument("--error", type=real, default=0.1, metavar="E",
                         help="relative standard error of each probability; by default 0.1")  # fmt: skip
-    parser.add_argument("--seed", type=int, metavar="N", help="seed, instead of the scene's")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
+    parser.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the scene's")
+    parser.add_argument("--threads", type=whole, metavar="N", help="threads; by default one per core")
     return parser
 
 
@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("--probability: it is needed with --maximise or --minimise, and with them alone")
     if (given.above is None and given.below is None) != (key == _FORCE):
         parser.error(f"--above or --below: one of them is needed, but with --maximise or --minimise {_FORCE} none")
-    return ended("stiction design", lambda: _design(given, key))
+    return ended("stiction design", lambda: _design(given, key), is_long=True)
 
 
 def _design(given: argparse.Namespace, key: str | None) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy import optimize
 
-from .. import priors, quantities
+from .. import experiments, priors, quantities
 from ..errors import SceneError, written_at_end
 from ..progress import work
 from ..scenes import Scene
@@ -156,7 +156,7 @@ def probability(
     True
     """
     happens = event(above, below)
-    _checked(error)
+    _checked(error, seed, threads)
     tables = _fixed(scene)
     with written_at_end(), work(progress=progress):
         return Patches(tables, seed=seed, threads=threads).probability(
@@ -197,7 +197,7 @@ def design(
         An error is not reached.
     """
     happens = event(above, below)
-    _checked(error)
+    _checked(error, seed, threads)
     if not 1e-12 <= wanted < 1.0:
         raise SceneError(f"probability = {wanted}: a number from 1e-12 to below 1 is needed")
     found, prior = _ranged(scene)
@@ -293,7 +293,7 @@ def best(
     StictionError
         An error is not reached.
     """
-    _checked(error)
+    _checked(error, seed, threads)
     if not 1e-12 <= probability <= 0.5:
         raise SceneError(f"probability = {probability}: a number from 1e-12 to 0.5 is needed")
     if points < 3:
@@ -328,7 +328,8 @@ def _ranged(scene: Scene) -> tuple[priors.Priors, priors.Prior]:
     return found, found.priors[0]
 
 
-def _checked(error: float) -> None:
+def _checked(error: float, seed: int | None, threads: int | None) -> None:
+    experiments.check_settings(seed=seed, threads=threads)
     if not 0.01 <= error <= 0.5:
         raise SceneError(f"error = {error}: a relative error from 0.01 to 0.5 is needed")
 

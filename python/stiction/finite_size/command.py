@@ -16,7 +16,7 @@ from .. import quantities
 from ..errors import SceneError
 from ..results import Sweep, agreement
 from ..scenes import Scene
-from ..terminal import ended, given_words
+from ..terminal import ended, given_words, whole
 from .patches import run
 from .study import study
 
@@ -45,9 +45,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     add("--counts", default="10:1e6:11", metavar="N,N...", help=f"{of_counts}; by default 10:1e6:11")
     add("-o", "--output", type=Path, metavar="FILE.h5", help=of_output)
-    add("--replicas", type=int, metavar="N", help="patches of each size, instead of the scene's")
-    add("--seed", type=int, metavar="N", help="seed, instead of the scene's")
-    add("--threads", type=int, metavar="N", help="threads; by default one per core")
+    add("--replicas", type=whole, metavar="N", help="patches of each size, instead of the scene's")
+    add("--seed", type=whole, metavar="N", help="seed, instead of the scene's")
+    add("--threads", type=whole, metavar="N", help="threads; by default one per core")
     add("--resume", action="store_true", help="go on with an interrupted study of this output")
     add("--force", action="store_true", help="overwrite a file that is there")
     add("--quiet", action="store_true", help="no progress")
@@ -107,7 +107,9 @@ def table(sweep: Sweep) -> Iterator[str]:
     coupling = sweep.scene.get("substrate", {}).get("coupling", "none")
     if coupling != "none":
         yield _row("coupling", f"{coupling}, which the integral leaves out")
-    head = "N,mean pull-off against the integral,scatter,skewness,5 % to 95 % of patches,independence,sums"
+    yield _row("columns", "N; mean pull-off less the integral's; patch-to-patch")
+    yield _row("", "standard deviation; skewness; 5 % to 95 % of patches")
+    head = "N,bias,std,skewness,5 to 95 %,independence"
     yield "\n" + _columns(*head.split(","))
     sizes = [found.isel(asperity_count=place) for place in range(found.sizes["asperity_count"])]
     for one in sizes:
@@ -115,7 +117,7 @@ def table(sweep: Sweep) -> Iterator[str]:
         yield _columns(
             one["asperity_count"].item(), _bias(one["bias"].item(), one["bias_standard_error"].item()),
             _percent(one["relative_std"].item()), f"{one['skewness'].item():.2f}", f"{low:.3f} to {high:.3f}",
-            one["independence"].item(), one["summation"].item(),
+            one["independence"].item(),
         )  # fmt: skip
     yield ""
     for one in sizes:
@@ -128,14 +130,13 @@ def table(sweep: Sweep) -> Iterator[str]:
         reached = _reached(found, one["count_at_accuracy"].item(), one["count_at_accuracy_source"].item())
         yield _row("" if place else "good to", f"{100 * one['accuracy'].item():>3.0f} % from {reached}")
     attrs = sweep["validation"].attrs
-    level = f"at the {100 * float(attrs['significance']):g} % level for all sizes together"
-    yield _row("cross-check", f"ensemble and integral {attrs['overall_verdict']} {level}")
+    yield _row("cross-check", f"ensemble and integral {attrs['overall_verdict']} for all sizes together,")
+    yield _row("", f"at the {100 * float(attrs['significance']):g} % level")
 
 
 def _columns(*cells: Any) -> str:
-    count, bias, scatter, skewness, patches, independence, sums = cells
-    of_patches = f"{scatter:>10} {skewness:>9}   {patches:>22}"
-    return f"{count:>12}   {bias:>34} {of_patches}   {independence:>12}   {sums}"
+    count, bias, std, skewness, patches, independence = cells
+    return f"{count:>9} {bias:>21} {std:>9} {skewness:>8} {patches:>16} {independence:>12}"
 
 
 def _bias(bias: float, error: float) -> str:

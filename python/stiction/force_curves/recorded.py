@@ -84,9 +84,9 @@ def pull_offs(path: str | Path, *, slope: str = "shift", spring_constant: Any = 
     override = {} if spring_constant is None else {"spring constant": _stiffness(spring_constant)}
     path, library = Path(path), _library()
     found, left_out = _files(path, library)
-    curves = [(one, curve) for one in found for curve in _curves(one, override, library)]
+    curves = [(one, curve) for one in progress.steps(found, "reading", "files") for curve in _curves(one, override, library)]
     rows = []
-    for one, curve in progress.steps(curves, "", "curves"):
+    for one, curve in progress.steps(curves, "pull-offs", "curves"):
         name = str(one.relative_to(path)) if path.is_dir() else path.name
         rows.append([name, *_row(curve, slope, library)])
     table = pd.DataFrame(rows, columns=_COLUMNS).astype({"curve": "Int64"})

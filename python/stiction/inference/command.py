@@ -10,7 +10,7 @@ from .. import files
 from ..errors import FileError, StictionError
 from ..progress import Bar, work
 from ..scenes import named_files
-from ..terminal import ended, given_words
+from ..terminal import ended, given_words, real, whole
 
 __all__ = ["main"]
 
@@ -32,13 +32,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--model", action="append", default=[], type=Path, metavar="OTHER.toml",
                         help="another scene with priors to compare with, such as of another law, of other heights, or of coupled asperities; "
                         "may be given several times. Its result is the name of that scene with _infer.h5, next to OUT.h5")  # fmt: skip
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of simulations and chains, by default 1")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads of the simulations, by default one per core")
-    parser.add_argument("--end-error", type=float, default=0.02, metavar="X",
+    parser.add_argument("--seed", type=whole, default=1, metavar="N", help="seed of simulations and chains, by default 1")
+    parser.add_argument("--threads", type=whole, metavar="N", help="threads of the simulations, by default one per core")
+    parser.add_argument("--end-error", type=real, default=0.02, metavar="X",
                         help="error of the ends of 95 %% intervals over their width that the chains leave, by default 0.02")  # fmt: skip
-    parser.add_argument("--emulator-error", type=float, default=0.2, metavar="X",
+    parser.add_argument("--emulator-error", type=real, default=0.2, metavar="X",
                         help="error of the fitted density over the posterior's standard deviation, by default 0.2")  # fmt: skip
-    parser.add_argument("--replicas", type=int, default=300, metavar="N",
+    parser.add_argument("--replicas", type=whole, default=300, metavar="N",
                         help="patches that are simulated at each parameter set, by default 300: several times as many as were measured")  # fmt: skip
     parser.add_argument("--missing", choices=("refuse", "drop"), default="refuse",
                         help="whether a gap of the table, such as an empty cell or #N/A, is an error, or was not measured")  # fmt: skip
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(given_words(arguments))
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
-    return ended("stiction infer", lambda: _infer(given))
+    return ended("stiction infer", lambda: _infer(given), is_long=True)
 
 
 def _infer(given: argparse.Namespace) -> None:

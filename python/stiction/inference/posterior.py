@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 from threadpoolctl import threadpool_limits
 
-from .. import files, quantities
+from .. import experiments, files, quantities
 from .. import priors as scenes
 from ..errors import SceneError, StictionError, written_at_end
 from ..priors import Priors
@@ -100,6 +100,7 @@ def infer(
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
     if not 20 <= replicas <= 100_000:
         raise SceneError(f"replicas = {replicas}: a number from 20 to 100000 is needed")
+    experiments.check_settings(seed=seed, threads=threads)
     if output is not None:
         inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
         files.check(output, force=force, inputs=inputs)

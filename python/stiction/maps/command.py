@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError, StictionError
-from ..terminal import ended, given_words
+from ..progress import Bar
+from ..terminal import ended, given_words, whole
 from .figure import draw
 from .file import write
 from .level import LEVELS, ROWS
@@ -65,7 +66,7 @@ _HELP = [
      "the map's side"),
     (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
 ]  # fmt: skip
-_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": int}
+_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": whole}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -124,17 +125,20 @@ def _asperities(given: argparse.Namespace) -> None:
         min_distance=given.min_distance, cutoffs=given.cutoffs,
     )  # fmt: skip
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
-    height_map = read_map(
-        given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.channel,
-        factor=given.factor, mask=given.mask, lines=True,
-    )  # fmt: skip
+    with Bar("map"):
+        height_map = read_map(
+            given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.channel,
+            factor=given.factor, mask=given.mask, lines=True,
+        )  # fmt: skip
     if height_map.is_line:
         _refuse_options_of_maps(given)
         print(of_line(line_scan(height_map, str(given.map)), given.map))
         return
-    surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
+    with Bar("asperities"):
+        surface = found_on(height_map, steps, str(given.map), keep=given.figure is not None)
     if given.output is not None:
         write(given.output, surface, given.height_unit or "", force=given.force, inputs=[given.map])
     if given.figure is not None:
-        draw(given.figure, surface, force=given.force, inputs=[given.map])
+        with Bar("figure"):
+            draw(given.figure, surface, force=given.force, inputs=[given.map])
     print(summary(surface, given.map, given.output))

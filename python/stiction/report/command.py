@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import stored
+from ..progress import Bar
 from ..terminal import ended, given_words
 from .page import write
 
@@ -45,4 +46,6 @@ def _write(files: Sequence[Path], output: Path, force: bool) -> None:
         stored.try_first(file)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        print(write(files, output, force=force))
+        with Bar("page"):
+            page = write(files, output, force=force)
+        print(page)

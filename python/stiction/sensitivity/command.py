@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import files
 from ..scenes import named_files
-from ..terminal import ended, given_words
+from ..terminal import ended, given_words, whole
 from .figure import draw
 from .study import sensitivity
 
@@ -26,11 +26,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors for up to 6 numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
-    parser.add_argument("--samples", type=int, default=512, metavar="N",
+    parser.add_argument("--samples", type=whole, default=512, metavar="N",
                         help="rows of the design, a power of 2 from 64 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
-    parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, instead of the scene's")
-    parser.add_argument("--seed", type=int, metavar="N", help="seed, instead of the scene's")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
+    parser.add_argument("--replicas", type=whole, metavar="N", help="patches at each point, instead of the scene's")
+    parser.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the scene's")
+    parser.add_argument("--threads", type=whole, metavar="N", help="threads; by default one per core")
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
     return parser
 
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     picture = output.with_suffix(".png")
     if output.suffix.lower() not in (".h5", ".nc"):
         parser.error(f"--output {output}: a name that ends with .h5 or .nc is needed")
-    return ended("stiction sensitivity", lambda: _study(given, output, picture))
+    return ended("stiction sensitivity", lambda: _study(given, output, picture), is_long=True)
 
 
 def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:

@@ -82,6 +82,7 @@ def sensitivity(
         raise SceneError(f"samples = {samples}: a power of 2 of at least {_LEAST} is needed")
     if not 0.5 <= level < 1.0:
         raise SceneError(f"level = {level}: a number from 0.5 to below 1 is needed")
+    experiments.check_settings(seed=seed, threads=threads)
     found = priors.read(scene)
     inputs = named_files(scene)
     if output is not None:

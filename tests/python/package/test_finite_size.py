@@ -236,9 +236,10 @@ def test_the_command_leaves_the_sweep_and_prints_its_table(tmp_path, monkeypatch
     assert main(command) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["quick_finite_size.h5"]
     words = capsys.readouterr().out
-    numbers = [f"\n{number:12} " for number in (100, 1000, 10_000)]
+    numbers = [f"\n{number:9} " for number in (100, 1000, 10_000)]
     for part in (*numbers, "approach", "10 % from N = ", "cross-check", "quick_finite_size.h5"):
         assert part in words
+    assert max(map(len, words.splitlines())) <= 80
     # The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter less. With 40 replicas
     # biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and scatters of 57 % and 12 % each to 11 % of themselves: to miss
     # a factor of 2 between them has a probability below 1e-4.

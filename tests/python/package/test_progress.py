@@ -7,10 +7,12 @@ import subprocess
 import sys
 import termios
 import time
+from pathlib import Path
 
 import pytest
 
 from stiction import progress
+from stiction.design import command as design
 
 
 @pytest.fixture
@@ -69,21 +71,23 @@ def test_work_has_its_words_before_others_and_decides_for_them(log):
     assert log()[0].startswith("stiction spell: words: 0")
 
 
-def test_lines_become_rarer(monkeypatch):
-    """Lines after 1, 11, 31, 71 s, then every minute."""
+@pytest.mark.parametrize("first, expected", [(1.0, [1, 11, 31, 71, 131, 191]), (None, [10, 30, 70, 130, 190, 250])])
+def test_lines_become_rarer(first, expected, monkeypatch, capsys):
+    """At last one a minute; those of long commands begin at once, the others' with those of the program."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    lines, times = progress._Log(), []
-    for _ in range(7):
+    lines, times = progress._Log(apart=first), []
+    for _ in expected:
         now[0] += lines.wait()
         times.append(now[0])
-        lines.write("")
-    assert times == [1.0, 11.0, 31.0, 71.0, 131.0, 191.0, 251.0]
+        lines.write("a line")
+    assert times == expected and capsys.readouterr().err == "stiction: a line\n" * len(expected)
 
 
 ON_TERMINAL = """
 import sys, time
 from stiction import progress
+from stiction.design import command as design
 progress._SHOWN = 0.1
 with progress.work("another scene.toml: batch 1 of at most 8: condition 11 of 12"):
     for _ in progress.steps(range(30), "", "points"):
@@ -130,3 +134,35 @@ def test_points_of_a_sweep_are_one_bar(monkeypatch):
     ]:  # fmt: skip
         bars.show({"run": run, "phase": phase, "done": done, "total": total})
     assert seen == [(2, "points", done) for done in (0, 0, 0.25, 0.99, 0.99, 1, 1.5)]
+
+
+def test_a_command_of_several_runs_names_its_stages(log, monkeypatch):
+    """In order, with counts where there are some, and as plain lines."""
+    begin = progress.of_command
+    monkeypatch.setattr(progress, "of_command", lambda name, first: begin(name, 0.01))
+    quick = Path(__file__).resolve().parents[3] / "configs" / "quick.toml"
+    assert design.main([str(quick), "--above", "0.16 mN", "--error", "0.3"]) == 0
+    lines = log()
+    stages = [re.fullmatch(r"stiction design: ([a-z ]+): (\d+ of \d+ patches, )?\d+ s so far(, about \d+ s left)?", line) for line in lines]
+    assert list(dict.fromkeys(found[1] for found in stages)) == ["patches of the scene itself", "heights to sample", "trial", "sampling"]
+    assert all(bool(found[2]) == (found[1] in ("trial", "sampling")) for found in stages)
+
+
+def test_an_inference_names_batch_and_stage(log, monkeypatch, tmp_path):
+    """Up to the end of the first batch of simulations, which the test ends."""
+    posterior = pytest.importorskip("stiction.inference.posterior")
+
+    class Enough(Exception):
+        pass
+
+    def ended(*_):
+        raise Enough
+
+    monkeypatch.setattr(posterior, "_check_scatter", ended)
+    monkeypatch.setattr(posterior, "_POINTS", 4)
+    folder = Path(__file__).resolve().parents[3] / "configs" / "inference"
+    with pytest.raises(Enough):
+        posterior.infer(folder / "first.csv", folder / "first.toml", replicas=20, progress=True)
+    shown = [line.removeprefix("stiction: ") for line in log()]
+    assert shown[0].startswith("trial patches: ")
+    assert any(re.match(r"batch 1 of at most 8: simulation: \d+ of 16 points, ", line) for line in shown)

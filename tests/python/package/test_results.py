@@ -253,3 +253,13 @@ def test_a_preload_that_no_patch_reaches_has_no_pull_off(result):
     assert np.isnan(run.after_largest_preload["stuck_probability"])
     assert "no patch reaches a preload" in stiction.report.page([run])
     assert "device/stuck_probability" not in run and quoted.of_integral > 0.0
+
+
+def test_a_loop_prints_the_energy_that_it_dissipates(result):
+    """Mean and standard error of the replicas; a run on approach has no such line."""
+    loop = result("loop")
+    energy = loop["replicas/dissipated_energy"].values
+    shown = next(line for line in str(loop).splitlines() if line.startswith("  dissipated"))
+    expected = quantities.with_error(energy.mean(), energy.std(ddof=1) / energy.size**0.5, "J")
+    assert shown.split(None, 1)[1].startswith(f"{expected} in a cycle") and shown.endswith(f"mean over {energy.size} replicas")
+    assert "dissipated" not in str(result("run"))

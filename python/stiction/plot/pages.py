@@ -93,7 +93,7 @@ def panels(result: Result) -> dict[str, Panel]:
             drawn["preloads"] = loop.preloads
         if preloads and "device" in result:
             drawn["stuck"] = loop.stuck
-    drawn |= {"regimes": run.regimes} | ({"deviation": run.deviation} if run.deviates(result) else {})
+    drawn |= {"regimes": run.regimes, "deviation": run.deviation}
     if "ensemble/target" in result:
         for target, estimate in enumerate(result["ensemble/target_estimate"].values):
             if str(estimate) == "plain":

@@ -331,11 +331,6 @@ def deviation(run: Run, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def deviates(run: Run) -> bool:
-    """Whether means differ from the integral in standard errors, which a single replica, or replicas that agree, do not have."""
-    return bool(np.isfinite([values(run, f"validation/z_{name}_force") for name in ("external", "adhesion")]).any())
-
-
 def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = GREY) -> Any:
     """Bars of how many replicas have which value, outlined so that none hides others; what varies by rounding only has one bar."""
     noise = is_noise(numbers)

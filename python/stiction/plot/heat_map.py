@@ -76,11 +76,12 @@ def heat_map(
     assert figure is not None
     figure.colorbar(mesh, ax=ax, label=folded(label(words_of(result, quantity, preload), sign)))
     if cells.size <= _WRITTEN:
+        colours, dark = mesh.to_rgba(cells), ~(np.ma.filled(mesh.norm(cells), 0.0) >= 0.5)
         for (row, column), value in np.ndenumerate(cells):
             text = "–" if np.isnan(value) else quantities.number(float(value), 3)
             # Its own background keeps a number readable in a hatched cell.
-            behind = {"facecolor": mesh.to_rgba(value), "linewidth": 0.0, "pad": 1.0}
-            color = "white" if np.isnan(value) or mesh.norm(value) < 0.5 else "black"
+            behind = {"facecolor": colours[row, column], "linewidth": 0.0, "pad": 1.0}
+            color = "white" if dark[row, column] and not np.isnan(value) else "black"
             ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small", bbox=behind)
     invalid = invalid_points(result).squeeze(drop=True).transpose(along, across).values
     hatched = [Rectangle((column, row), 1.0, 1.0, fill=False, hatch="///", linewidth=0.0, label=INVALID) for row, column in np.argwhere(invalid)]

@@ -93,7 +93,7 @@ def panels(result: Result) -> dict[str, Panel]:
             drawn["preloads"] = loop.preloads
         if preloads and "device" in result:
             drawn["stuck"] = loop.stuck
-    drawn |= {"regimes": run.regimes} | ({"deviation": run.deviation} if run.deviates(result) else {})
+    drawn |= {"regimes": run.regimes, "deviation": run.deviation}
     if "ensemble/target" in result:
         for target, estimate in enumerate(result["ensemble/target_estimate"].values):
             if str(estimate) == "plain":
@@ -168,8 +168,8 @@ def page(
     names = _by_default(fitting, options) if what is None else [what] if isinstance(what, str) else list(what)
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1) or [one for one in known if name.startswith(one)]
-            raise FileError(f"{name}: no figure of this result; {f'`{near[0]}` is meant? ' if near else ''}it has {', '.join(known)}")
+            near = [one for one in known if name.startswith(one)] or difflib.get_close_matches(name, known, 1)
+            raise FileError(f"{name}: no figure of this result{f', is {near[0]} meant?' if near else ';'} it has {', '.join(known)}")
     taken = {name: OF_SWEEPS if name in {*QUANTITIES, "heat_map"} and isinstance(result, Sweep) else OF_RUNS.get(name, ()) for name in names}
     for option in options:
         if not any(option in of for of in taken.values()):
@@ -178,14 +178,15 @@ def page(
     columns = 1 if wide < _NARROW or len(names) == 1 else 2
     rows = -(-len(names) // columns)
     figure = Figure(figsize=(wide, rows * _ROW))
-    grid, drawn = figure.add_gridspec(rows, columns), []
+    grid = figure.add_gridspec(rows, columns)
+    drawn: list[Axes] = []
     for index, name in enumerate(names):
         # The last of an odd number has the row to itself.
         alone = columns == 2 and len(names) % 2 == 1 and index == len(names) - 1
         place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
         own = {key: value for key, value in options.items() if key in taken[name]}
         if isinstance(result, Sweep) and name in QUANTITIES:
-            own["shown"] = [words.get_text() for ax in drawn if ax.get_legend() for words in ax.get_legend().get_texts()]
+            own["shown"] = [words.get_text() for ax in drawn if (known_by := ax.get_legend()) for words in known_by.get_texts()]
         drawn.append(known[name](result, figure.add_subplot(place), **own))
         if len(names) > 1:
             lettered(drawn[-1], index)

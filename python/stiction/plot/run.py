@@ -331,18 +331,13 @@ def deviation(run: Run, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def deviates(run: Run) -> bool:
-    """Whether means differ from the integral in standard errors, which a single replica, or replicas that agree, do not have."""
-    return bool(np.isfinite([values(run, f"validation/z_{name}_force") for name in ("external", "adhesion")]).any())
-
-
 def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = GREY) -> Any:
     """Bars of how many replicas have which value, outlined so that none hides others; what varies by rounding only has one bar."""
     noise = is_noise(numbers)
     count = 1 if noise else min(max(round(2.0 * numbers.size ** (1 / 3)), 8), 40)
     middle = float(np.mean(numbers)) / unit
     bars: Any
-    _, _, bars = ax.hist(numbers / unit, count, range=sorted((0.98 * middle, 1.02 * middle)) if noise and middle else None,
+    _, _, bars = ax.hist(numbers / unit, count, range=(min(0.98 * middle, 1.02 * middle), max(0.98 * middle, 1.02 * middle)) if noise and middle else None,
                          facecolor=to_rgba(color, 0.3), edgecolor=color, linewidth=0.7)  # fmt: skip
     bars[0].set_label(words)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=6))
@@ -404,7 +399,7 @@ def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
         handles.append(histogram(ax, there, unit, f"approach, {there.size} patches", BLUE))
     handles.append(histogram(ax, of_replicas, unit, f"{f'{way}, ' if there is not None else ''}{of_replicas.size} patches",
                              GREY if there is None else VERMILION))  # fmt: skip
-    lines = [(mean, f"mean over patches, {quantities.with_error(mean, error, 'N')}", "-")]
+    lines: list[tuple[float, str, Any]] = [(mean, f"mean over patches, {quantities.with_error(mean, error, 'N')}", "-")]
     # The mean curve and the integral turn at the closest separation.
     if pressed is None:
         lines += [

@@ -184,7 +184,7 @@ def legend(ax: Axes, handles: Sequence[Any] | None = None, columns: int = 3, tit
 
 def legend_rows(ax: Axes) -> int:
     """How many lines the legend of axes has one above the other."""
-    drawn = ax.get_legend()
+    drawn: Any = ax.get_legend()
     if drawn is None:
         return 0
     heights = [1 + words.get_text().count("\n") for words in drawn.get_texts()]
@@ -253,7 +253,7 @@ def steady(ax: Axes, values: ArrayLike) -> None:
     numbers = numbers[np.isfinite(numbers)]
     if numbers.size and is_noise(numbers):
         middle = float(numbers.mean())
-        ax.set_ylim(sorted((0.0, 2.0 * middle)) if middle else (-1.0, 1.0))
+        ax.set_ylim(min(0.0, 2.0 * middle) if middle else -1.0, max(0.0, 2.0 * middle) if middle else 1.0)
 
 
 def places(ax: Axes, values: ArrayLike) -> None:

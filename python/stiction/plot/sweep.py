@@ -197,7 +197,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple
 
 def _of_zip(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple[str, dict[str, Any]]]]:
     """The curves of points that are not a grid: one, or where places are those of several points one for each value of another key."""
-    points, place = [str(dim) for dim in result.points.dims][0], result[across].values
+    points, place = str(next(iter(result.points.dims))), result[across].values
     keys = [key.replace(".", "_") for key in result.keys]
     for other in [by] if by else [name for name in keys if name != across]:
         values = list(dict.fromkeys(result[other].values))
@@ -208,6 +208,44 @@ def _of_zip(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple
             texts = (plain(result.key_text(other, value, 3)) for value in values)
             return plain(str(result[other].attrs.get("long_name", other))), [(text, {points: of}) for text, of in zip(texts, found, strict=True)]
     return "", [("", {})]
+
+
+class _Shown(NamedTuple):
+    """What is drawn of a quantity at all points, or of those of a curve, where they are arrays."""
+
+    mean: Any
+    error: Any
+    integral: Any
+    by_contact: Any
+    invalid: Any
+
+    def of(self, chosen: dict[str, Any], factor: float) -> _Shown:
+        """The arrays of a curve, in units of the axis; those of the error have a dimension for its ends where it has."""
+
+        def values(array: xarray.DataArray) -> Any:
+            return array.isel(chosen).values.ravel() / factor
+
+        ends = [self.error.sizes[end] for end in self.error.dims if end == "range_end"]
+        error = self.error.isel(chosen).values.reshape(*ends, -1) / factor
+        by_contact = None if self.by_contact is None else [values(end) for end in self.by_contact]
+        return _Shown(values(self.mean), error, None if self.integral is None else values(self.integral), by_contact, self.invalid.isel(chosen).values.ravel())
+
+
+def _drawn(ax: Axes, places: Any, of: _Shown, place: int, aside: Any) -> tuple[Any, list[Any]]:
+    """Draws a curve at its places, moved aside so that curves that coincide are all seen; returns it, and the marks of invalid points."""
+    order, color = np.argsort(places), COLORS[place]
+    x, mean = places[order], of.mean[order]
+    drawn = ax.errorbar(x, mean, of.error[..., order], color=color, marker=MARKERS[place], linestyle=LINES[place],
+                        linewidth=0.0 if of.integral is not None else 0.9, elinewidth=1.0)  # fmt: skip
+    moved: list[Any] = [drawn[0], *drawn[1], *drawn[2]]
+    if of.by_contact is not None:
+        low, high = of.by_contact
+        moved.append(ax.vlines(x, low[order], high[order], color=color, alpha=0.3, linewidth=4.0, zorder=0.9))
+    for artist in moved:
+        artist.set_transform(aside)
+    if of.integral is not None:
+        ax.plot(x, of.integral[order], color=color, linestyle=DASHED, linewidth=1.0)
+    return drawn, list(marked_invalid(ax, x, mean, of.invalid[order]))
 
 
 @dressed
@@ -255,8 +293,8 @@ def sweep(
         if result.attrs["sweep_mode"] == "grid":
             x = next((str(dim) for dim in of.dims if not np.allclose(of, of.isel({dim: [0]}), rtol=1e-12, atol=0.0)), None)
     across, by = axes_of(result, x, by)
-    mean, error, integral = of_points(result, quantity, preload)
-    unit = QUANTITIES[quantity].unit
+    shown_of = _Shown(*of_points(result, quantity, preload), model_range(result, quantity, preload), invalid_points(result))
+    mean, integral, unit = shown_of.mean, shown_of.integral, QUANTITIES[quantity].unit
     factor, sign = scaled(unit, mean) if unit not in ("", "%") else (1.0, unit)
     key = result[follows or across]
     choices = list(dict.fromkeys(key.values)) if key.dtype.kind == "U" else []
@@ -265,41 +303,20 @@ def sweep(
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
     marks: list[Any] = []
-    invalid, by_contact = invalid_points(result), model_range(result, quantity, preload)
     title, curves = _curves(result, across, by)
-    for place, ((name, chosen), color, marker) in enumerate(zip(curves, COLORS, MARKERS, strict=False)):
-        at = (key.isel({dim: of for dim, of in chosen.items() if dim in key.dims}).values.ravel()) / key_factor
-        order = np.argsort(at)
-        bars = error.isel(chosen).values.reshape(*(error.sizes[end] for end in error.dims if end == "range_end"), -1)
-        drawn = ax.errorbar(
-            at[order], mean.isel(chosen).values.ravel()[order] / factor, bars[..., order] / factor, clip_on=quantity != "stuck",
-            color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, linestyle=LINES[place], label=name,
-        )  # fmt: skip
-        moved = [drawn[0], *drawn[1], *drawn[2]]
-        if by_contact is not None:
-            smallest, largest = (end.isel(chosen).values.ravel()[order] / factor for end in by_contact)
-            moved.append(ax.vlines(at[order], smallest, largest, color=color, alpha=0.3, linewidth=4.0, zorder=0.9))
-        # Curves that coincide are all seen.
-        for artist in moved:
-            artist.set_transform(_aside(ax, place - 0.5 * (len(curves) - 1)))
-        if integral is not None:
-            ax.plot(
-                at[order],
-                integral.isel(chosen).values.ravel()[order] / factor,
-                color=color,
-                linestyle=DASHED,
-                linewidth=1.0,
-            )
-        if name:
-            handles.append(drawn)
-        judged = invalid.isel(chosen).values.ravel()[order]
-        marks = marked_invalid(ax, at[order], mean.isel(chosen).values.ravel()[order] / factor, judged) or marks
+    for place, (name, chosen) in enumerate(curves):
+        at = key.isel({dim: of for dim, of in chosen.items() if dim in key.dims}).values.ravel() / key_factor
+        drawn, invalid = _drawn(ax, at, shown_of.of(chosen, factor), place, _aside(ax, place - 0.5 * (len(curves) - 1)))
+        handles += [drawn] if name else []
+        marks = invalid or marks
+        drawn.set_label(name)
+        drawn[0].set_clip_on(quantity != "stuck")
     if integral is not None:
         handles += [
             Line2D([], [], color=GREY, marker="o", linewidth=0, label="mean over patches"),
             Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="integral"),
         ]
-    if by_contact is not None:
+    if shown_of.by_contact is not None:
         handles.append(Line2D([], [], color=GREY, alpha=0.5, linewidth=4.0, label=MODEL_RANGE))
     handles += marks
     steady(ax, mean / factor)

@@ -211,11 +211,16 @@ def test_the_figure_shows_the_samples_and_names_the_pull_off(result, tmp_path, c
     assert len(jumps) == curve.sizes["jump"]
     (name,) = (name for name in drawn if name.startswith("pull-off, "))
     assert name == f"pull-off, {stiction.quantities.si(float(curve.pull_off_force), 'N')}"
+    # The axes hold the whole curve, and jumps in and off begin at symbols of one size, each jump at its own.
+    assert ax.get_ylim()[1] * 1e-6 > float(curve.force.max()) and ax.get_ylim()[0] * 1e-6 < float(curve.force.min())
+    begun = [line for line in ax.lines if line.get_marker() == "o" and line.get_markerfacecolor() == "white"]
+    assert sorted(x for line in begun for x in line.get_xdata() * 1e-9) == pytest.approx(sorted(curve.jump_piezo_position.values))
+    assert len({line.get_markersize() for line in begun}) == 1 == len({line.get_linewidth() for line in jumps})
     assert "force_curve" not in plot.panels(run) and len(plot.page(run).axes) == len(plot.panels(run))
     path = str(run.path)
     assert plot_command.main([path, "--what", "force_curve,pull_off", "--replica", "2", "--preload", "1 uN", "-o", str(tmp_path / "a.svg")]) == 0
     assert plot_command.main([path, "--replica", "2", "-o", str(tmp_path / "b.svg")]) == 2
-    assert "--replica: it is of one figure, --what force_curve" in capsys.readouterr().err
+    assert "replica: it is of force_curve alone, and none of these is drawn" in capsys.readouterr().err
     assert plot_command.main([str(result("loop").path), "--what", "force_curve", "-o", str(tmp_path / "b.svg")]) == 2
     assert "curves = true in [output]" in capsys.readouterr().err and not (tmp_path / "b.svg").exists()
     assert plot_command.main([path, "--what", "list"]) == 0

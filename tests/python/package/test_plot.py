@@ -1,18 +1,24 @@
 """Figures show what the files have, in words with units, and `stiction plot` draws every kind of result."""
 
+import os
 import re
+import subprocess
+import sys
+import tomllib
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import CONFIGS
 from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm, Normalize
 
 import stiction
 from stiction import FileError, finite_size, plot, quantities
 from stiction.plot.command import main
-from stiction.plot.style import inches
+from stiction.plot.style import inches, is_noise, steady
 
 KINDS = [
     "run", "retraction", "loop", "cycles", "instability", "preload", "device", "pressed_sweep", "missed_preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
@@ -48,8 +54,14 @@ def test_every_kind_is_drawn_whole_without_a_warning(result, name, ending, tmp_p
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         opened = result(name)
-        figure = plot.page(opened)
+        figure = plot.page(opened, "95mm" if ending == "png" else None)
         figure.savefig(tmp_path / f"page.{ending}", dpi=50)
+    for ax in figure.axes:
+        if ax.get_legend() is not None:
+            # No legend is in the data, larger than its axes or beyond the page.
+            legend, axes = ax.get_legend().get_window_extent(), ax.get_window_extent()
+            assert legend.y0 >= axes.y1 - 1.0 and legend.height < axes.height, (ax.get_ylabel(), legend, axes)
+            assert legend.x1 <= figure.bbox.x1 + 1.0 and legend.y1 <= figure.bbox.y1 + 1.0, (ax.get_ylabel(), legend)
     drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
     # A sweep over laws or the nominal area has the figures of any sweep only if they are asked for.
     assert len(drawn) == {"comparison": 2, "finite_size": 3}.get(name, len(plot.panels(opened))) >= (1 if name == "alone" else 2)
@@ -87,7 +99,7 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
         assert len(ax.containers) == curves
         assert len(ax.containers[0][0].get_xdata()) == grid.points.sizes[x.replace(".", "_")]
     by = plot.sweep(grid, x="material.work_of_adhesion", by="material.hardness")
-    assert by.get_legend().get_texts()[0].get_text().startswith(grid["material_hardness"].attrs["long_name"])
+    assert by.get_legend().get_title().get_text().startswith(grid["material_hardness"].attrs["long_name"])
     follows = plot.sweep(result("grid"), x="asperity_plasticity_index")
     places = result("grid").points["asperity_plasticity_index"]
     for container, lubricant in zip(follows.containers, range(places.sizes["surface_lubricant_thickness"]), strict=True):
@@ -102,6 +114,12 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
         plot.sweep(grid, x="replicas")
 
 
+def grid_spread(grid):
+    """Standard deviation of the pull-off over the mean at each point, per cent."""
+    forces = grid["replicas/pull_off_force"]
+    return 100.0 * (forces.std("replica", ddof=1) / forces.mean("replica")).values
+
+
 def test_a_heat_map_has_the_points_of_its_grid(result):
     grid = result("heat_map")
     assert "heat_map" in plot.panels(grid) and "heat_map" not in plot.panels(result("grid"))
@@ -110,9 +128,87 @@ def test_a_heat_map_has_the_points_of_its_grid(result):
     mean = grid.pull_off["mean_over_patches"].transpose("material_work_of_adhesion", "material_hardness").values
     cells = np.asarray(mesh.get_array()).reshape(mean.shape)
     np.testing.assert_allclose(cells / cells[0, 0], mean / mean[0, 0], rtol=1e-12)
-    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["1.00 GPa", "2.00 GPa", "4.00 GPa"]
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["1", "2", "4"] and "(GPa)" in ax.get_xlabel()
+    # The pull-off spans more than one and a half decades, the plastic numbers of one column do not; a probability is from 0 to 1.
+    assert mean.max() > 10**1.5 * mean.min() and isinstance(mesh.norm, LogNorm)
+    spread = plot.heat_map(grid, quantity="pull_off_scatter").collections[0].norm
+    assert not isinstance(spread, LogNorm) and (spread.vmin, spread.vmax) == (spread.vmin, pytest.approx(grid_spread(grid).max()))
+    stuck = plot.heat_map(grid, quantity="stuck").collections[0].norm
+    assert (type(stuck), stuck.vmin, stuck.vmax) == (Normalize, 0.0, 1.0)
     with pytest.raises(FileError, match="of a grid in which two keys vary; here vary material_work_of_adhesion"):
         plot.heat_map(result("sweep_of_one"))
+
+
+def test_ticks_are_at_the_values_of_a_key(result):
+    ax = plot.sweep(result("heat_map"), x="material.hardness")
+    assert list(ax.get_xticks()) == [1.0, 2.0, 4.0] and [tick.get_text() for tick in ax.get_xticklabels()] == ["1", "2", "4"]
+    assert not list(ax.get_xticks(minor=True))
+    # Values spaced by factors are so on the axis, with the same ticks.
+    ax = plot.sweep(result("judged"), x="material.work_of_adhesion")
+    assert ax.get_xscale() == "log" and list(ax.get_xticks()) == pytest.approx([1.0, 10.0, 90.0])
+    assert list(plot.preloads(result("preload")).get_xticks()) == pytest.approx([0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0])
+
+
+def test_a_probability_is_drawn_from_0_to_1(result):
+    drawn = [plot.stuck(result("device")), plot.snaps(result("instability")), plot.sweep(result("heat_map"), quantity="stuck")]
+    assert [(ax.get_ylim(), ax.get_yscale()) for ax in drawn] == [((0.0, 1.0), "linear")] * 3
+
+
+def test_no_curve_or_histogram_hides_another(result):
+    """Curves of a sweep are moved aside by two points each, histograms are outlines that are filled thinly, and of jumps the first curve is widest."""
+    ax = plot.sweep(result("heat_map"), x="material.work_of_adhesion", quantity="stuck")
+    places = [curve[0].get_transform().transform((30.0, 0.5))[0] for curve in ax.containers]
+    np.testing.assert_allclose(np.diff(places), 2.0 / 72.0 * ax.figure.dpi, rtol=1e-9)
+    pairs = plot.pull_off(result("loop")).patches
+    assert all(bar.get_facecolor()[3] < 0.5 and bar.get_edgecolor()[3] == 1.0 for bar in pairs)
+    assert len({bar.get_edgecolor() for bar in pairs}) == 2
+    widths = [line.get_linewidth() for label, line in lines(plot.snaps(result("instability"))).items() if label.startswith("snap-")]
+    assert len(widths) == 3 and widths == sorted(set(widths), reverse=True)
+
+
+def test_points_of_a_zip_that_share_places_are_curves_of_their_own(tmp_path):
+    scene = {"sweep": {"mode": "zip", "material.work_of_adhesion": ["10 mJ/m^2", "30 mJ/m^2"] * 2, "surface.lubricant_thickness": ["0 nm"] * 2 + ["1 nm"] * 2}}
+    tables = tomllib.loads((CONFIGS / "quick.toml").read_text(encoding="utf-8"))
+    with stiction.run(tables | scene, tmp_path / "zip.h5", replicas=4) as zipped:
+        ax = plot.sweep(zipped)
+        assert [list(curve[0].get_xdata()) for curve in ax.containers] == [pytest.approx([10.0, 30.0])] * 2
+        assert [words.get_text() for words in ax.get_legend().get_texts()][:2] == ["0 m", "1.00 nm"]
+
+
+def test_figures_of_a_preload_name_it_and_the_restoring_force(result):
+    sweep = result("pressed_sweep")
+    group = sweep.group("instability")
+    for preload, words in (("1 mN", "1.00 mN"), (None, "30.0 mN")):
+        place = int(np.flatnonzero(np.isclose(group["preload"], 1e-3 if preload else 30e-3))[0])
+        ax = plot.sweep(sweep, preload=preload)
+        mean = group["pull_off_after_preload_mean"].isel(preload=place).values
+        np.testing.assert_allclose(np.asarray(ax.containers[0][0].get_ydata()) * unit_of(ax), mean, rtol=1e-12)
+        assert f"after {words}" in ax.get_ylabel()
+        stuck = plot.sweep(sweep, quantity="stuck", preload=preload)
+        np.testing.assert_allclose(stuck.containers[0][0].get_ydata(), sweep["device/stuck_probability_after_preload"].isel(preload=place), rtol=1e-15)
+        assert " ".join(stuck.get_ylabel().split()) == f"probability to stay adhered under 100 µN after {words}"
+    run = result("preload")
+    after = run["replicas/pull_off_after_preload"].sel(preload=1e-3).values
+    label = next(words for words in reported(plot.pull_off(run, preload="1 mN")) if words.startswith("mean over patches"))
+    assert label == f"mean over patches, {quantities.with_error(after.mean(), after.std(ddof=1) / 2.0, 'N')}"
+
+
+def test_no_panel_shows_rounding(result, tmp_path):
+    with stiction.run(CONFIGS / "quick.toml", tmp_path / "a.h5", replicas=4, **{"model.law": "dmt", "model.history": "loop"}) as elastic:
+        assert "contacts" in plot.panels(elastic) and "energy" not in plot.panels(elastic)
+    assert "energy" in plot.panels(result("loop"))
+    assert is_noise([1.0, 1.0 + 1e-15]) and is_noise([1e-12, -1e-13], 100.0) and not is_noise([1.0, 1.001])
+    # Numbers that agree but for rounding lie on a line, in axes from 0 on.
+    ax = pyplot.figure().add_subplot()
+    steady(ax, [3.0, 3.0 + 1e-15])
+    assert ax.get_ylim() == pytest.approx((0.0, 6.0))
+
+
+def test_a_figure_of_a_run_needs_no_scipy(result):
+    """What takes a third of the time to import is imported where it is needed."""
+    code = f"import sys; from stiction.plot import page; import stiction; page(stiction.open_run({str(result('run').path)!r})); print('scipy.optimize' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}, check=True)
+    assert done.stdout == "False\n"
 
 
 def test_what_the_file_says_is_invalid_is_marked(result):
@@ -298,7 +394,9 @@ def test_the_map_itself_is_drawn_with_its_asperities(result):
     ax = of.plot.asperities()
     (image,) = ax.images
     np.testing.assert_allclose(image.get_array() * 1e-9, of.map.values, rtol=1e-12)
-    x, y = ax.lines[0].get_data()
+    marks = ax.lines[0]
+    assert marks.get_markerfacecolor() == "none" and marks.get_markeredgewidth() <= 0.5 and marks.get_markersize() <= 3.5
+    x, y = marks.get_data()
     np.testing.assert_allclose(np.asarray(x) * 1e-6, of.asperities["x"].values, rtol=1e-12)
     np.testing.assert_allclose(np.asarray(y) * 1e-6, of.asperities["y"].values, rtol=1e-12)
 
@@ -364,8 +462,12 @@ def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
 @pytest.mark.parametrize(
     "name, arguments, code, message",
     [
-        ("run", ["--what", "forces"], 2, "forces: no figure of this result; it has force, pull_off, regimes, deviation"),
-        ("run", ["--x", "material.hardness"], 2, "--x: this is no sweep, whose keys it names"),
+        ("run", ["--what", "forces"], 2, "forces: no figure of this result, is force meant? it has force, pull_off, regimes, deviation"),
+        ("heat_map", ["--what", "stuck_probability"], 2, "stuck_probability: no figure of this result, is stuck meant?"),
+        ("run", ["--x", "material.hardness"], 2, "x: this is no sweep, whose keys it names"),
+        ("run", ["--preload", "1 mN"], 2, "preload = 1 mN: the file has none"),
+        ("preload", ["--what", "preloads", "--preload", "1 mN"], 2, "preload: it is of force_curve and pull_off alone, and none of these is drawn"),
+        ("pressed_sweep", ["--preload", "3 mN"], 2, "preload = 3 mN: the file has 1.000 mN, 30.00 mN, 10.00 N; name one of them"),
         ("sweep", ["--x", "material.hardness"], 2, "not a key of this sweep; it has surface.lubricant_thickness"),
         ("run", ["-o", "none/a.png"], 2, "none/a.png: there is no folder none"),
     ],

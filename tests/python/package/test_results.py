@@ -174,7 +174,7 @@ def test_a_sweep_with_preloads_quotes_the_largest_that_is_reached(result):
     np.testing.assert_allclose(quoted["interval"].isel(range_end=1) - quoted["mean_over_patches"], 2.200985 * error, rtol=1e-6)
     stuck = sweep.after_largest_preload["stuck_probability"]
     np.testing.assert_allclose(stuck, (of > 1e-4).mean(axis=1), rtol=1e-15)
-    assert "pull_off_excess" not in plot.panels(sweep) and "stuck_probability" in plot.panels(sweep)
+    assert "pull_off_excess" not in plot.panels(sweep) and "stuck" in plot.panels(sweep)
 
 
 def test_the_model_range_follows_the_largest_preload_that_is_reached(result):
@@ -207,7 +207,7 @@ def test_figures_show_the_model_range(result):
     reached = np.isfinite(known.min("plastic_contact").values)
     ratio = lower.get_ydata() / known.min("plastic_contact").values[reached]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
-    for ax in (plot.stuck(run), plot.pull_off(run), plot.energy(run), plot.sweep(sweep), plot.sweep(sweep, quantity="stuck_probability")):
+    for ax in (plot.stuck(run), plot.pull_off(run), plot.energy(run), plot.sweep(sweep), plot.sweep(sweep, quantity="stuck")):
         words = [text.get_text() for text in ax.get_legend().get_texts()]
         assert any("range over plastic contacts" in text for text in words), words
     words = [text.get_text() for text in plot.sweep(sweep, quantity="peak_secant_stiffness").get_legend().get_texts()]

@@ -75,7 +75,7 @@ def reported(function, *arguments, **named):
     [
         ("pull_off_force (uN)\n", "a header and a line"),
         ("surface.nominal_area (um^2)\n3\n", "no column has an outcome"),
-        ("pull_off_force (uX)\n3\n", "line 1, column 1 (pull_off_force): uX is no unit"),
+        ("pull_off_force (uX)\n3\n", "line 1, column 1 (pull_off_force): unknown unit \"uX\"; "),
         ("pull_off_force (uN)\n3\nseven\n", "line 3, column 1 (pull_off_force): seven is not a number"),
         ('pull_off_force (uN)\n"3\n4\n', "line 2: unexpected end of data; the quotation marks of a cell begin and end it"),
         ('pull_off_force (uN)\n"3" 4\n', "line 2: "),

@@ -82,7 +82,7 @@ def test_a_scene_without_its_priors_is_one_of_the_program(tmp_path):
         ({"prior": "log_uniform", "from": "0 J/m^2", "to": "2 J/m^2"}, "greater than 0"),
         ({"prior": "uniform", "from": "3 J/m^2", "to": "2 J/m^2"}, "more than `from`"),
         ({"prior": "normal", "mean": "3 J/m^2", "std": "-1 J/m^2"}, "greater than 0"),
-        ({"prior": "uniform", "from": "3 furlong", "to": "2 m"}, "furlong is no unit"),
+        ({"prior": "uniform", "from": "3 furlong", "to": "2 m"}, "unknown unit \"furlong\""),
         ({"from": 1}, "no number of the scene has a prior"),
     ],
 )  # fmt: skip

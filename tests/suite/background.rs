@@ -384,7 +384,7 @@ fn files_have_the_background() {
     assert_exit(&check, 0);
     let reported = unbroken(&text(&check.stdout));
     assert!(
-        reported.contains("A = 1.000e-19 J, retarded: asperities own caps of 75.00 % of the area"),
+        reported.contains("A = 100.0 zJ, retarded: asperities own caps of 75.00 % of the area"),
         "{reported}"
     );
     assert!(reported.contains("voltage, 3.000 V") && reported.contains("a gap of 1.500 nm"), "{reported}");

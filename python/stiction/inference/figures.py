@@ -139,11 +139,11 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     ax.fill_betweenx(shares, low, high, color=BLUE, alpha=0.25, lw=0, label="95 % of predictions")
     ax.plot(middle, shares, color=BLUE, label="median prediction")
     resolved = (ordered > 0.0) & np.isfinite(ordered)
-    ax.plot(ordered[resolved], shares[resolved], "o", ms=2.5, color=VERMILION, label="measured")
+    ax.plot(ordered[resolved], shares[resolved], "o", ms=2.5, color=VERMILION, clip_on=False, label="measured")
     for kind, marker, share in ((BELOW, "<", 0.0), (ABOVE, ">", 1.0)):
         if (limits := values[kinds == kind] / factor).size:
             ax.plot(limits, np.full(limits.size, share), marker, ms=4, color=GREY, clip_on=False, label="below" if kind == BELOW else "above")
-    ax.set(xlabel=label(name.replace("_", " ").replace("pull off", "pull-off"), unit), ylabel="share of patches", ylim=(0.0, 1.02))
+    ax.set(xlabel=label(name.replace("_", " ").replace("pull off", "pull-off"), unit), ylabel="fraction of patches", ylim=(0.0, 1.0))
     ax.set_xlim(left=0.0)
     ax.legend(loc="lower right")
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]

@@ -91,7 +91,7 @@ def energy(run: Run, ax: Axes | None = None) -> Axes:
     ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
     ax.margins(x=0.04)
     of_contacts = run.model_range
-    handles += model_span(ax, of_contacts.get("dissipated_energy") if of_contacts is not None else None, "J", unit)
+    handles += model_span(ax, of_contacts.get("dissipated_energy") if of_contacts is not None else None, sign, unit)
     legend(ax, handles)
     return ax
 

@@ -27,9 +27,8 @@ Panel = Callable[..., Axes]
 _WIDTH = "180mm"
 # Below this width panels are stacked, inches. Above it there are two columns.
 _NARROW = 4.8
-_ROW = 2.55
-# Heights of a row without legends, and of a line of a legend, inches.
-_AXES, _LINE = 2.05, 0.14
+# Heights of a row without legends, of a line of a legend, and what a map needs more, inches.
+_AXES, _LINE, _MAP = 2.05, 0.14, 0.8
 _OF_ASPERITIES: dict[str, Panel] = {
     "asperities": others.asperities,
     "heights": others.heights,
@@ -177,7 +176,7 @@ def page(
     wide = inches(width or ("90mm" if len(names) == 1 else _WIDTH))
     columns = 1 if wide < _NARROW or len(names) == 1 else 2
     rows = -(-len(names) // columns)
-    figure = Figure(figsize=(wide, rows * _ROW))
+    figure = Figure(figsize=(wide, rows * _AXES))
     grid = figure.add_gridspec(rows, columns)
     drawn: list[Axes] = []
     for index, name in enumerate(names):
@@ -218,8 +217,8 @@ def _without_option(result: Result, option: str) -> str:
 
 
 def _give_room(figure: Figure, grid: GridSpec, rows: list[list[Axes]], title: bool) -> None:
-    """Makes rows of a page higher by the lines of their legends, so that no legend takes room from its axes."""
-    heights = [_AXES + _LINE * max(legend_rows(ax) for ax in row) for row in rows]
+    """Makes rows of a page higher by the lines of their legends, so that no legend takes room from its axes, and rows with maps."""
+    heights = [_AXES + _LINE * max(legend_rows(ax) for ax in row) + (_MAP if any(ax.images for ax in row) else 0.0) for row in rows]
     grid.set_height_ratios(heights)
     figure.set_figheight(sum(heights) + (0.3 if title else 0.0))
 

@@ -332,26 +332,27 @@ def deviation(run: Run, ax: Axes | None = None) -> Axes:
 
 
 def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = GREY) -> Any:
-    """Bars of how many replicas have which value, outlined so that none hides others; what varies by rounding only has one bar."""
+    """Bars of how many replicas have which value, outlined so that none hides others, those over others by dashes; what varies by rounding
+    only has one bar."""
     noise = is_noise(numbers)
     count = 1 if noise else min(max(round(2.0 * numbers.size ** (1 / 3)), 8), 40)
     middle = float(np.mean(numbers)) / unit
     bars: Any
     _, _, bars = ax.hist(numbers / unit, count, range=(min(0.98 * middle, 1.02 * middle), max(0.98 * middle, 1.02 * middle)) if noise and middle else None,
-                         facecolor=to_rgba(color, 0.3), edgecolor=color, linewidth=0.7)  # fmt: skip
+                         facecolor=to_rgba(color, 0.3), edgecolor=color, linewidth=0.9, linestyle="--" if ax.patches else "-")  # fmt: skip
     bars[0].set_label(words)
     ax.xaxis.set_major_locator(MaxNLocator(nbins=6))
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
     return bars[0]
 
 
-def model_span(ax: Axes, of: xarray.DataArray | None, units: str, unit: float) -> list[Any]:
+def model_span(ax: Axes, of: xarray.DataArray | None, sign: str, unit: float) -> list[Any]:
     """A bar above histograms from the smallest to the largest mean by any plastic contact, where contacts yield; cut off where the axis would
     be more than twice as long for it."""
     if of is None or of.isnull().all():
         return []
     low, high = float(of.min()), float(of.max())
-    words = f"{MODEL_RANGE}, {quantities.si(low, units, 3)} to {quantities.si(high, units, 3)}"
+    words = f"{MODEL_RANGE}, {quantities.number(low / unit, 3)} to {quantities.number(high / unit, 3)} {sign}"
     left, right = ax.get_xlim()
     width = right - left
     ax.set_ylim(top=1.12 * ax.get_ylim()[1])
@@ -411,6 +412,6 @@ def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
     by_contact = run.model_range_after(preload)
-    handles += model_span(ax, by_contact.get("pull_off_force") if by_contact is not None else None, "N", unit)
+    handles += model_span(ax, by_contact.get("pull_off_force") if by_contact is not None else None, sign, unit)
     legend(ax, handles)
     return ax

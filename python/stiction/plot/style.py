@@ -227,7 +227,7 @@ def readable(ax: Axes, axis: str, values: ArrayLike) -> None:
     span = float(np.nanmax(values) / np.nanmin(values))
     if span < 1000.0:
         scale = ax.xaxis if axis == "x" else ax.yaxis
-        scale.set_major_locator(LogLocator(subs=(1, 2, 3, 5, 7) if span < 12.0 else (1, 2, 5)))
+        scale.set_major_locator(LogLocator(subs=(1, 2, 3, 5, 7) if span < 12.0 else (1, 2, 5) if span < 100.0 else (1,)))
         scale.set_major_formatter(StrMethodFormatter("{x:g}"))
         scale.set_minor_formatter(NullFormatter())
 

@@ -43,16 +43,16 @@ def draw(result: xarray.Dataset, width: str | float = "180mm") -> Figure:
             value, between = one[kind].values, one[f"{kind}_interval"].values.T
             ax.plot(value, places + shift, marker, color=color, markersize=3.5, label=words)
             ax.hlines(places + shift, *between, color=color, linewidth=1.0)
-        ax.plot([float(one["scatter"])], [len(keys)], "D", color="black", markersize=3.5, label="scatter, of one patch")
+        ax.plot([float(one["scatter"])], [len(keys)], "D", color="black", markersize=3.5, label="patch-to-patch, of one patch")
         ax.hlines([len(keys)], *one["scatter_interval"].values, color="black", linewidth=1.0)
         ax.axhline(len(keys) - 0.5, color=GREY, linewidth=0.5)
         ax.axvline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
         ax.set_title(QUANTITIES[name][0])
         lettered(ax, names.index(name))
-        ax.set_xlabel("share of the variance")
+        ax.set_xlabel("fraction of the variance")
         ax.tick_params(labelbottom=True)
     called = [key.rsplit(".", 1)[-1].replace("_", " ") for key in keys]
-    axes[0].set(yticks=[*places, len(keys)], yticklabels=[*called, "scatter between patches"], xlim=(-0.05, 1.05))
+    axes[0].set(yticks=[*places, len(keys)], yticklabels=[*called, "patch-to-patch variance"], xlim=(-0.05, 1.05))
     axes[0].set_ylim(len(keys) + 0.5, -0.5)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3 if columns > 1 else 1)
     return figure

@@ -13,12 +13,12 @@ import pytest
 from conftest import CONFIGS
 from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import LogNorm, Normalize, to_rgba
 
 import stiction
 from stiction import FileError, finite_size, plot, quantities
 from stiction.plot.command import main
-from stiction.plot.style import inches, is_noise, steady
+from stiction.plot.style import BLUE, VERMILION, inches, is_noise, steady
 
 KINDS = [
     "run", "retraction", "loop", "cycles", "instability", "preload", "device", "pressed_sweep", "missed_preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three", "heat_map",
@@ -161,7 +161,7 @@ def test_no_curve_or_histogram_hides_another(result):
     np.testing.assert_allclose(np.diff(places), 2.0 / 72.0 * ax.figure.dpi, rtol=1e-9)
     pairs = plot.pull_off(result("loop")).patches
     assert all(bar.get_facecolor()[3] < 0.5 and bar.get_edgecolor()[3] == 1.0 for bar in pairs)
-    assert len({bar.get_edgecolor() for bar in pairs}) == 2
+    assert {(bar.get_edgecolor(), bar.get_linestyle()) for bar in pairs} == {(to_rgba(BLUE), "-"), (to_rgba(VERMILION), "--")}
     widths = [line.get_linewidth() for label, line in lines(plot.snaps(result("instability"))).items() if label.startswith("snap-")]
     assert len(widths) == 3 and widths == sorted(set(widths), reverse=True)
 

@@ -5,8 +5,8 @@
 results, `stiction.report` makes a page of them.
 """
 
-from .errors import FileError, SceneError, StictionError
 from .assessment import assess_map
+from .errors import FileError, SceneError, StictionError
 from .experiments import check, compare, integral, run, sweep
 from .maps import PowerSpectrum, SpectralMoments, combine_spectra, find_asperities, spectral_moments
 from .opened import Asperities, Result, Run, Sweep, open_run
@@ -27,8 +27,8 @@ __all__ = [
     "SpectralMoments",
     "StictionError",
     "Sweep",
-    "assess_map",
     "asperity",
+    "assess_map",
     "check",
     "combine_spectra",
     "compare",

@@ -169,7 +169,8 @@ def assess_map(
         files.check(output, force=force, inputs=inputs)
     reading = {"pixel": pixel, "height_unit": height_unit, "channel": channel, "factor": factor, "mask": mask}
     asked = _Asked(
-        _positive("area", area, "m^2", "100 um^2"), _positive("above", above, "N", "100 nN"), tip, smooth,
+        _positive("area", area, "m^2", "100 um^2"), _positive("above", above, "N", "100 nN"), tip,
+        _positive("smooth", smooth, "m", "100 nm"),
         {"level": level, "level_rows": level_rows}, reading,
         {"replicas": _count(replicas), "seed": seed, "threads": threads, "progress": progress},
     )  # fmt: skip
@@ -189,7 +190,7 @@ class _Asked:
     area: float | None
     above: float | None
     tip: Any
-    smooth: Any
+    smooth: float | None
     levelling: dict[str, Any]
     reading: dict[str, Any]
     runs: dict[str, Any]
@@ -203,7 +204,9 @@ def _positive(name: str, value: Any, unit: str, example: str) -> float | None:
         number = float(quantities.in_si(name, value, unit))
     except (TypeError, ValueError) as error:
         said = str(error)
-        raise SceneError(said if said.startswith(name) else f'{name} = {value!r}: such as "{example}" is needed') from None
+        raise SceneError(
+            said if said.startswith(name) else f'{name} = {value!r}: such as "{example}" is needed'
+        ) from None
     if not 0.0 < number < math.inf:
         raise SceneError(f'{name} = {value!r}: above 0 is needed, such as "{example}"')
     return number
@@ -228,10 +231,15 @@ def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides:
     def moments(cutoff: float) -> SpectralMoments:
         return _moments(surfaces, spectrum, cutoff)
 
-    cutoffs = chosen(
-        spectrum.shortest, min(sides), lambda cutoff: contact_width(moments(cutoff).radius, **of),
-        None if asked.smooth is None else _positive("smooth", _length(asked.smooth), "m", "100 nm"),
-    )  # fmt: skip
+    try:
+        cutoffs = chosen(
+            spectrum.shortest,
+            min(sides),
+            lambda cutoff: contact_width(moments(cutoff).radius, **of),
+            asked.smooth,
+        )
+    except SceneError as error:
+        raise SceneError(f"{largest.map.name}: {error}") from None
     area = asked.area or math.prod(sides)
     smooth = [_smoothed(largest, cutoff) for cutoff in cutoffs.both] if len(surfaces) == 1 else []
     found = [ways.of_map(tables, one, asked.runs) for one in smooth]
@@ -259,7 +267,9 @@ def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides:
     )  # fmt: skip
 
 
-def _by_history(tables: Mapping[str, Any], smooth: Sequence[Surface], own: Sequence[Way], runs: Mapping[str, Any]) -> float | None:
+def _by_history(
+    tables: Mapping[str, Any], smooth: Sequence[Surface], own: Sequence[Way], runs: Mapping[str, Any]
+) -> float | None:
     """By which fraction the history changes the pull-off of the map itself, if it may be left out for patches."""
     from . import ways
 
@@ -268,12 +278,6 @@ def _by_history(tables: Mapping[str, Any], smooth: Sequence[Surface], own: Seque
     force = ways.of_map(ways.approaching(tables), smooth[0], runs).forces[0]
     changed = float(own[0].forces[0] / force - 1.0) if force > 0.0 else math.inf
     return changed if abs(changed) <= _CHANGED else None
-
-
-def _length(value: Any) -> float:
-    from ..maps.lengths import length
-
-    return length("smooth", value)
 
 
 def _surfaces(scans: Sequence[Any], asked: _Asked) -> tuple[list[Surface], PowerSpectrum]:
@@ -304,4 +308,6 @@ def _moments(surfaces: Sequence[Surface], spectrum: PowerSpectrum, cutoff: float
     """Moments behind a cut-off, m: of a single map its own, of several scans those of their spectrum."""
     from ..maps.moments import in_numbers
 
-    return in_numbers(_smoothed(surfaces[0], cutoff).moments) if len(surfaces) == 1 else spectrum.moments(cutoff)
+    return (
+        in_numbers(_smoothed(surfaces[0], cutoff).moments) if len(surfaces) == 1 else spectrum.moments(cutoff)
+    )

@@ -43,8 +43,20 @@ def _parser() -> argparse.ArgumentParser:
         "several sizes are combined, each where it is reliable.",
         epilog=_EPILOG,
     )
-    parser.add_argument("maps", type=Path, nargs="+", metavar="MAP", help="a height map, as of `stiction asperities`, or several scans of one surface")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="set a key of the scene; may be given several times")
+    parser.add_argument(
+        "maps",
+        type=Path,
+        nargs="+",
+        metavar="MAP",
+        help="a height map, as of `stiction asperities`, or several scans of one surface",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="set a key of the scene; may be given several times",
+    )
     add(parser, _HELP)
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
@@ -65,7 +77,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _map(given: argparse.Namespace) -> None:
     check_outputs(given.output, given.figure, force=given.force, inputs=given.maps)
-    options = {name: getattr(given, name) for name in ("area", "above", "tip", "smooth", "level", "level_rows", "seed", "threads", "force")}
+    options = {
+        name: getattr(given, name)
+        for name in ("area", "above", "tip", "smooth", "level", "level_rows", "seed", "threads", "force")
+    }
     if given.replicas is not None:
         options["replicas"] = given.replicas
     found = assess_map(

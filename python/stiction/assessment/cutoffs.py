@@ -51,7 +51,7 @@ def contact_width(radius: float, work_of_adhesion: float, reduced_modulus: float
     radius, work_of_adhesion, reduced_modulus : float
         R, m; Δγ, J/m²; E*, Pa, with K = 4E*/3.
     """
-    return 2.0 * (math.pi * work_of_adhesion * radius**2 / (4.0 / 3.0 * reduced_modulus)) ** (1.0 / 3.0)
+    return 2.0 * math.cbrt(math.pi * work_of_adhesion * radius**2 / (4.0 / 3.0 * reduced_modulus))
 
 
 def chosen(shortest: float, side: float, width: Callable[[float], float], given: float | None) -> Cutoffs:

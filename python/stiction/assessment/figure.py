@@ -49,19 +49,34 @@ def draw(result: xarray.Dataset, width: str | float = "180mm") -> Figure:
 
 def _map(ax: Axes, result: xarray.Dataset) -> None:
     pixel = tuple(float(result[axis].values[1] - result[axis].values[0]) for axis in ("x", "y"))
-    draw_map(ax, result["height"].values, (pixel[0], pixel[1]), (result["summit_x"].values, result["summit_y"].values))
+    draw_map(
+        ax,
+        result["height"].values,
+        (pixel[0], pixel[1]),
+        (result["summit_x"].values, result["summit_y"].values),
+    )
 
 
 def _spectrum(ax: Axes, result: xarray.Dataset) -> None:
     q, power = result["wavevector"].values, result["power"].values
     unit, sign = scaled("m", 2.0 * math.pi / q)
     ax.loglog(2.0 * math.pi / q / unit, power * 1e36, color="black")
-    for place, (long, short) in enumerate(zip(result["longest_wave"].values, result["shortest_wave"].values, strict=True)):
+    for place, (long, short) in enumerate(
+        zip(result["longest_wave"].values, result["shortest_wave"].values, strict=True)
+    ):
         # Reliable waves of each scan, below the spectrum.
         at = np.nanmin(power) * 1e36 * 0.5**place
-        ax.plot([short / unit, long / unit], [at, at], color=GREY, linewidth=2.5, label="reliable waves of a scan" if place == 0 else None)
+        ax.plot(
+            [short / unit, long / unit],
+            [at, at],
+            color=GREY,
+            linewidth=2.5,
+            label="reliable waves of a scan" if place == 0 else None,
+        )
     for color, cutoff in zip(_COLORS, _cutoffs(result), strict=False):
-        ax.axvline(cutoff / unit, color=color, linestyle=DASHED, label=f"cut-off {quantities.si(cutoff, 'm', 3)}")
+        ax.axvline(
+            cutoff / unit, color=color, linestyle=DASHED, label=f"cut-off {quantities.si(cutoff, 'm', 3)}"
+        )
     ax.invert_xaxis()
     ax.set(xlabel=label("wavelength", sign), ylabel=label("power spectral density", "nm⁴"))
     legend(ax)
@@ -82,11 +97,22 @@ def _pull_offs(ax: Axes, result: xarray.Dataset) -> None:
     own = [one for one in _patches(result) if one[0] == "map"]
     whole = np.concatenate([forces for _, _, forces in patches])
     unit, sign = scaled("N", whole)
-    edges = np.linspace(0.0, np.quantile(whole, 0.995) / unit, 30)
+    edges = np.linspace(0.0, np.quantile(whole, 0.995) / unit, 30).tolist()
     for color, (_, cutoff, forces) in zip(_COLORS, patches, strict=False):
-        ax.hist(forces / unit, edges, color=color, alpha=0.45, label=f"patches, {quantities.si(cutoff, 'm', 3)}")
+        ax.hist(
+            forces / unit, edges, color=color, alpha=0.45, label=f"patches, {quantities.si(cutoff, 'm', 3)}"
+        )
     for color, (_, cutoff, forces) in zip(_COLORS, own, strict=False):
-        ax.plot(forces / unit, [0.0], "v", color=color, markeredgecolor="black", clip_on=False, zorder=4, label=f"this map, {quantities.si(cutoff, 'm', 3)}")
+        ax.plot(
+            forces / unit,
+            [0.0],
+            "v",
+            color=color,
+            markeredgecolor="black",
+            clip_on=False,
+            zorder=4,
+            label=f"this map, {quantities.si(cutoff, 'm', 3)}",
+        )
     ax.set(xlabel=label("pull-off force", sign), ylabel="number of patches")
     legend(ax)
 
@@ -96,7 +122,15 @@ def _over_force(ax: Axes, result: xarray.Dataset) -> None:
     whole = np.sort(np.concatenate(patches))
     unit, sign = scaled("N", whole)
     shares = [np.array([np.mean(forces > at) for at in whole]) for forces in patches]
-    ax.fill_between(whole / unit, np.min(shares, axis=0), np.max(shares, axis=0), color=GREY, alpha=0.35, linewidth=0, label="between cut-offs")
+    ax.fill_between(
+        whole / unit,
+        np.min(shares, axis=0),
+        np.max(shares, axis=0),
+        color=GREY,
+        alpha=0.35,
+        linewidth=0,
+        label="between cut-offs",
+    )
     ax.plot(whole / unit, np.mean(shares, axis=0), color="black", label="all patches")
     above = float(result.attrs["above"])
     if math.isfinite(above):

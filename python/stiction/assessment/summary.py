@@ -25,7 +25,7 @@ _ADVICE = {
     "then docs/my-afm-map.md#boundary-elements",
     "couple": "couple the summits of the map through the substrate: --set substrate.coupling=patch",
     "scan": "scan again with smaller pixels, less noise or a larger area",
-    "more maps": "patches differ from the spectrum of this map: measure maps as large as the part, and quote their range",
+    "more maps": "patches of the spectrum do not represent this surface: quote this map for its own area, and measure maps as large as a larger part",
 }
 
 
@@ -46,10 +46,18 @@ def _inputs(answer: Answer) -> Iterator[str]:
     of = answer.ways[-1].run.attrs
     material = [
         f"{name} {quantities.si(of[key], unit)}"
-        for name, key, unit in (("E*", "reduced_modulus", "Pa"), ("hardness", "hardness", "Pa"), ("work of adhesion", "work_of_adhesion", "J m-2"))
+        for name, key, unit in (
+            ("E*", "reduced_modulus", "Pa"),
+            ("hardness", "hardness", "Pa"),
+            ("work of adhesion", "work_of_adhesion", "J m-2"),
+        )
         if key in of and math.isfinite(float(of[key]))
     ]
-    source = "of the template measured-map, not of your surface: give --scene, or --set material.work_of_adhesion=..." if answer.template else ""
+    source = (
+        "of the template measured-map, not of your surface: give --scene, or --set material.work_of_adhesion=..."
+        if answer.template
+        else ""
+    )
     yield from _row("material", "; ".join([", ".join(material), source]).strip("; "))
     own = answer.ways[0].run.attrs
     model = f"{own['law']}, {own['history']}"
@@ -61,14 +69,17 @@ def _inputs(answer: Answer) -> Iterator[str]:
         limits = " to ".join(quantities.si(wave, "m", 3) for wave in (scan.shortest, scan.longest))
         yield from _row("reliable waves", f"{limits}{f' of {scan.name}' if len(answer.names) > 1 else ''}")
     both = " and ".join(quantities.si(cutoff, "m", 3) for cutoff in answer.cutoffs.both)
-    yield from _row("cut-offs", f"{both}, {answer.cutoffs.why}; contacts are {quantities.si(answer.cutoffs.width, 'm', 2)} wide")
+    yield from _row(
+        "cut-offs",
+        f"{both}, {answer.cutoffs.why}; contacts are {quantities.si(answer.cutoffs.width, 'm', 2)} wide",
+    )
     for warning in answer.warnings:
         yield from _row("warning", warning)
 
 
 def _table(answer: Answer) -> Iterator[str]:
     above = "" if answer.above is None else "P(above)"
-    yield f"  {'':<17}{'summits':>8}{'R':>9}{'sigma_s':>9}{'pull-off':>9}{'5 to 95 %':>18}{above:>9}".rstrip()
+    yield f"  {'':<17}{'summits':>8}{'R':>9}{'sigma_s':>9}{'pull-off':>9}{'5 to 95 %':>17}{above:>9}".rstrip()
     for way in answer.ways:
         force = quantities.si(np.nanmedian(way.forces), "N", 3)
         ends = "" if way.forces.size == 1 else _ends(way.forces)
@@ -76,7 +87,7 @@ def _table(answer: Answer) -> Iterator[str]:
         name = "this map" if way.name == "map" else "patches"
         cells = (quantities.si(way.radius, "m", 3), quantities.si(way.height_std, "m", 3), force)
         label = f"{name}, {quantities.si(way.cutoff, 'm', 3)}"
-        yield f"  {label:<17}{way.count:>8.0f}{cells[0]:>9}{cells[1]:>9}{cells[2]:>9}{ends:>18}{over:>9}".rstrip()
+        yield f"  {label:<17}{way.count:>8.0f}{cells[0]:>9}{cells[1]:>9}{cells[2]:>9}{ends:>17}{over:>9}".rstrip()
 
 
 def _ends(forces: Any) -> str:
@@ -108,24 +119,32 @@ def probability(answer: Answer) -> tuple[float, float, float]:
 def _distribution(answer: Answer) -> Iterator[str]:
     median = float(np.nanmedian(answer.forces))
     area = quantities.si(answer.area, "m2", 3)
-    yield from _row("pull-off", f"of {area}: half of the patches below {quantities.si(median, 'N', 3)}, 90 % from {_ends(answer.forces)}")
+    yield from _row(
+        "pull-off",
+        f"of {area}: half of the patches below {quantities.si(median, 'N', 3)}, 90 % from {_ends(answer.forces)}",
+    )
     if answer.above is not None:
         share, low, high = (100.0 * of for of in probability(answer))
-        yield from _row(f"above {quantities.si(answer.above, 'N', 3)}", f"P = {share:.1f} % ({low:.1f} to {high:.1f} % by cut-off)")
+        yield from _row(
+            f"above {quantities.si(answer.above, 'N', 3)}",
+            f"P = {share:.1f} % ({low:.1f} to {high:.1f} % by cut-off)",
+        )
 
 
 def _assessment(answer: Answer) -> Iterator[str]:
     failed = answer.failed
-    largest = max(answer.criteria, key=lambda one: one.factor)
-    if not failed and answer.factor <= LARGEST_FACTOR:
-        yield from _row("assessment", f"yes, within a factor of {quantities.number(answer.factor, 2)}")
-    elif failed:
-        yield from _row("assessment", f"no: {'; '.join(f'{one.name}, {one.text}' for one in failed)}")
-        for advice in dict.fromkeys(one.advice for one in failed):
-            yield from _row("instead", _ADVICE[advice])
-    else:
-        yield from _row("assessment", f"no: within a factor of {quantities.number(answer.factor, 2)} only, mostly by {largest.name}")
+    factor = quantities.number(answer.factor, 2)
+    if failed:
+        yield from _row("assessment", f"no: {', '.join(one.name for one in failed)}")
+        advice = dict.fromkeys(one.advice for one in failed)
+        # Of what is noise the other criteria say nothing.
+        for one in ["scan"] if "scan" in advice else advice:
+            yield from _row("instead", _ADVICE[one])
+    elif answer.factor > LARGEST_FACTOR:
+        largest = max(answer.criteria, key=lambda one: one.factor)
+        yield from _row("assessment", f"no: within a factor of {factor} only, mostly by {largest.name}")
         yield from _row("instead", _ADVICE["boundary elements" if largest.name == "cut-off" else "more maps"])
-    for one in answer.criteria:
-        if one not in failed:
-            yield from _row(f"  {one.name}", one.text)
+    else:
+        yield from _row("assessment", f"yes, within a factor of {factor}")
+    for criterion in answer.criteria:
+        yield from _row(f"{' !' if criterion.advice else '  '} {criterion.name}", criterion.text)

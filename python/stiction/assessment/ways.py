@@ -6,7 +6,6 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -65,6 +64,7 @@ def tables_of(scene: Scene | None, overrides: Mapping[str, Any]) -> dict[str, An
     SceneError
         The scene has what a map has no answer for, or an override is of the surface.
     """
+    tables: dict[str, Any]
     if scene is None:
         with files.Folder() as folder:
             program.call(["new", str(folder / "map.toml"), "--template", "measured-map"])
@@ -72,18 +72,20 @@ def tables_of(scene: Scene | None, overrides: Mapping[str, Any]) -> dict[str, An
     else:
         tables = dict(priors.opened(scene))
     named = {key.split(".")[0] for key in overrides} | set(tables)
-    for table, why in _REFUSED.items():
-        if table in named:
-            raise SceneError(f"[{table}]: {why}")
+    for refused, why in _REFUSED.items():
+        if refused in named:
+            raise SceneError(f"[{refused}]: {why}")
     for key in overrides:
         if key.startswith("surface.") and key.removeprefix("surface.") not in _KEPT:
-            raise SceneError(f"{key}: the map gives the surface; of [surface] {', '.join(_KEPT)} alone can be set")
+            raise SceneError(
+                f"{key}: the map gives the surface; of [surface] {', '.join(_KEPT)} alone can be set"
+            )
     own = tables.get("surface", {})
     surface = {key: own[key] for key in _KEPT if isinstance(own, Mapping) and key in own}
     tables = {**tables, "surface": surface, "title": str(tables.get("title", ""))}
     for key, value in overrides.items():
         *path, last = key.split(".")
-        table = tables
+        table: dict[str, Any] = tables
         for name in path:
             table[name] = dict(table.get(name, {}))
             table = table[name]
@@ -103,7 +105,12 @@ def approaching(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 def constants(tables: Mapping[str, Any]) -> dict[str, float]:
     """E*, Pa, and Δγ, J/m², of a scene as the program reads it."""
-    surface = {"asperity_radius": "1 um", "asperity_density": "1 /um^2", "asperity_height_std": "1 nm", "nominal_area": "1 um^2"}
+    surface = {
+        "asperity_radius": "1 um",
+        "asperity_density": "1 /um^2",
+        "asperity_height_std": "1 nm",
+        "nominal_area": "1 um^2",
+    }
     scene = {"material": tables.get("material", {}), "surface": surface}
     alone = experiments.run(scene, replicas=0, progress=False)
     return {name: float(alone.attrs[name]) for name in ("reduced_modulus", "work_of_adhesion")}
@@ -117,19 +124,29 @@ def of_map(tables: Mapping[str, Any], surface: Surface, options: Mapping[str, An
         source = {"path": str(path), "sample": "whole", "radius": "equivalent"}
         run = experiments.run(_on(tables, {"asperities": source}), **{**options, "replicas": 1})
     found, cutoff = surface.measured, surface.steps.smooth or 0.0
-    return Way("map", cutoff, surface.area, len(surface.summits), found.radius, found.height_std, _forces(run), run)
+    return Way(
+        "map", cutoff, surface.area, len(surface.summits), found.radius, found.height_std, _forces(run), run
+    )
 
 
 def of_spectrum(
-    tables: Mapping[str, Any], moments: SpectralMoments, cutoff: float, area: float, options: Mapping[str, Any]
+    tables: Mapping[str, Any],
+    moments: SpectralMoments,
+    cutoff: float,
+    area: float,
+    options: Mapping[str, Any],
 ) -> Way:
     """Patches of an area, m², of the Gaussian surface with the moments of a map behind a cut-off, m."""
     surface = {"spectrum": _spectrum(moments), "nominal_area": f"{area!r} m^2"}
     run = experiments.run(_on(tables, surface), **experiments.ONE_MODEL, **options)
-    return Way("patches", cutoff, area, moments.density * area, moments.radius, moments.height_std, _forces(run), run)
+    return Way(
+        "patches", cutoff, area, moments.density * area, moments.radius, moments.height_std, _forces(run), run
+    )
 
 
-def of_sigma(tables: Mapping[str, Any], moments: SpectralMoments, area: float, error: float, options: Mapping[str, Any]) -> float:
+def of_sigma(
+    tables: Mapping[str, Any], moments: SpectralMoments, area: float, error: float, options: Mapping[str, Any]
+) -> float:
     """The ratio of mean pull-offs on approach where σ is lower and higher by a relative error, with equal random numbers."""
     means = []
     for factor in (1.0 - error, 1.0 + error):

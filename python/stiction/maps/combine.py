@@ -11,19 +11,18 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import quantities
 from ..errors import SceneError
-from .level import Grid, fitted, levelled, rows_levelled
 from .lengths import length
 from .moments import SpectralMoments, in_numbers
-from .reading import read_map
-from .spectrum import Moments
-from .surface import grid_of, steps_of
+
+if TYPE_CHECKING:
+    from .level import Grid
 
 __all__ = ["PowerSpectrum", "ScanSpectrum", "combine_spectra", "combined", "of_scan", "tip_radius"]
 
@@ -107,6 +106,8 @@ class PowerSpectrum:
         cutoff : float or str
             Its cut-off wavelength, a number in m or a text with a unit.
         """
+        from .spectrum import Moments
+
         cut = length("cutoff", cutoff)
         if not 0.0 <= cut < math.inf:
             raise SceneError(f"cutoff = {cutoff!r}: a cut-off wavelength is 0 or longer")
@@ -161,21 +162,22 @@ def combine_spectra(
     --------
     >>> import stiction
     >>> found = stiction.combine_spectra(["configs/maps/polished.txt"])
-    >>> found.moments("200 nm").toml
+    >>> round(found.moments("200 nm").radius * 1e6)
+    8
     """
     if isinstance(scans, str | Path) or not isinstance(scans, Sequence) or not scans:
         raise SceneError("scans: a list of maps is needed, such as ['1um.spm', '10um.spm']")
-    radius, steps = tip_radius(tip), steps_of(
-        level, level_rows, smooth=None, prominence=None, min_distance=None, cutoffs=None
-    )  # fmt: skip
+    # SciPy takes as long to import as the rest of the package.
+    from .reading import read_map
+    from .surface import found_on, steps_of
+
+    radius = tip_radius(tip)
+    steps = steps_of(level, level_rows, smooth=None, prominence=None, min_distance=None, cutoffs=None)
     found = []
     for scan in scans:
         one = read_map(scan, pixel=pixel, height_unit=height_unit, channel=channel, factor=factor, mask=mask)
-        grid = grid_of(one)
-        if steps.level_rows is not None:
-            slopes = fitted(grid.heights, level)
-            grid = Grid(rows_levelled(grid.heights, steps.level_rows, slopes), grid.pixel, grid.resolution)
-        found.append(of_scan(levelled(grid, level), one.name, radius))
+        called = str(scan) if isinstance(scan, str | Path) else "map"
+        found.append(of_scan(found_on(one, steps, called).grid, one.name, radius))
     return combined(found)
 
 
@@ -191,7 +193,7 @@ def tip_radius(tip: Any) -> float | None:
         return None
     radius = length("tip", tip)
     if not 0.0 < radius < math.inf:
-        raise SceneError(f"tip = {tip!r}: the radius of a tip is above 0, such as \"10 nm\"")
+        raise SceneError(f'tip = {tip!r}: the radius of a tip is above 0, such as "10 nm"')
     return radius
 
 
@@ -206,19 +208,25 @@ def of_scan(grid: Grid, name: str, tip: float | None) -> ScanSpectrum:
     heights, sides = grid.heights, [n * step for n, step in zip(grid.heights.shape, grid.steps, strict=True)]
     known = ~np.isnan(heights)
     if not known.mean() > 1.0 - _MISSING:
-        raise SceneError(f"{name}: {100.0 * (1.0 - known.mean()):.0f} % of the heights are missing; a spectrum needs a map with 5 % at most")
+        raise SceneError(
+            f"{name}: {100.0 * (1.0 - known.mean()):.0f} % of the heights are missing; a spectrum needs a map with 5 % at most"
+        )
     window = np.outer(*(np.hanning(n + 2)[1:-1] for n in heights.shape)) * known
     filled = np.where(known, heights, 0.0)
     weighted = window * (filled - (window * filled).sum() / window.sum())
     power = np.abs(np.fft.fft2(weighted)) ** 2 * math.prod(grid.steps) / np.sum(window**2)
-    down, along = (2.0 * math.pi * np.fft.fftfreq(n, step) for n, step in zip(heights.shape, grid.steps, strict=True))
+    down, along = (
+        2.0 * math.pi * np.fft.fftfreq(n, step) for n, step in zip(heights.shape, grid.steps, strict=True)
+    )
     q = np.hypot(down[:, np.newaxis], along).ravel()
     used = (q > 0.0) & (q <= math.pi / max(grid.steps))
     bins = np.floor(_BINS * np.log10(q[used])).astype(int)
     bins -= bins.min()
     modes = np.bincount(bins)
     some = modes > 0
-    mean_q, mean = (np.bincount(bins, weights=of)[some] / modes[some] for of in (q[used], power.ravel()[used]))
+    mean_q, mean = (
+        np.bincount(bins, weights=of)[some] / modes[some] for of in (q[used], power.ravel()[used])
+    )
     longest = _SIDE * min(sides)
     shortest = max(_PIXELS * max(grid.steps), _tip_wave(grid, tip) if tip else 0.0)
     if not shortest < longest:

@@ -145,6 +145,6 @@ def _assessment(answer: Answer) -> Iterator[str]:
         yield from _row("assessment", f"no: within a factor of {factor} only, mostly by {largest.name}")
         yield from _row("instead", _ADVICE["boundary elements" if largest.name == "cut-off" else "more maps"])
     else:
-        yield from _row("assessment", f"yes, within a factor of {factor}")
+        yield from _row("assessment", f"yes, within a factor of {factor}, for this material and law")
     for criterion in answer.criteria:
         yield from _row(f"{' !' if criterion.advice else '  '} {criterion.name}", criterion.text)

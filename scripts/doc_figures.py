@@ -52,7 +52,10 @@ class Program:
 
     @functools.cache
     def said(self, *arguments):
-        run = subprocess.run([self.path, *arguments], cwd=self.folder, capture_output=True, text=True)
+        # `stiction map` by this Python, as it need not be installed next to the program.
+        command = [sys.executable, "-m", "stiction.assessment"] if arguments[0] == "map" else [self.path, arguments[0]]
+        environment = {**os.environ, "STICTION": str(self.path)}
+        run = subprocess.run([*command, *arguments[1:]], cwd=self.folder, capture_output=True, text=True, env=environment)
         if run.returncode:
             sys.exit(f"doc_figures.py: stiction {' '.join(arguments)}: {run.stderr.strip()}")
         return run.stdout
@@ -374,6 +377,7 @@ FIGURES = [
     Figure("docs/measured.md", "".join(
         f"| {work} J/m², {hardness} GPa | {{}} ± {{}} µN | {{}} ± {{}} µN |\n"
         for work in ("0.18", "0.265") for hardness in (2, 3)), gold),
+    Block("docs/my-afm-map.md", "  material ", ("map", str(ROOT / "configs/maps/polished.txt"), "--above", "3 uN")),
     Block("docs/surfaces.md", "  N   ", ("check", "two.toml")),
     Block("docs/hysteresis.md", "  pull-off          after", ("run", str(ROOT / "configs/preload.toml"), "-o", "preload.h5")),
     Figure(

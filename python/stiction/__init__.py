@@ -5,9 +5,10 @@
 results, `stiction.report` makes a page of them.
 """
 
+from .assessment import assess_map
 from .errors import FileError, SceneError, StictionError
 from .experiments import check, compare, integral, run, sweep
-from .maps import SpectralMoments, find_asperities, spectral_moments
+from .maps import PowerSpectrum, SpectralMoments, combine_spectra, find_asperities, spectral_moments
 from .opened import Asperities, Result, Run, Sweep, open_run
 from .results import CrossCheck, PullOff
 from .single import asperity
@@ -18,6 +19,7 @@ __all__ = [
     "Asperities",
     "CrossCheck",
     "FileError",
+    "PowerSpectrum",
     "PullOff",
     "Result",
     "Run",
@@ -26,7 +28,9 @@ __all__ = [
     "StictionError",
     "Sweep",
     "asperity",
+    "assess_map",
     "check",
+    "combine_spectra",
     "compare",
     "find_asperities",
     "integral",

@@ -84,7 +84,7 @@ class Asperities(results.Asperities, Result):
 
 
 class Finding(results.Finding, Result):
-    """What `stiction infer`, `sensitivity` or `design` found, in words and a figure."""
+    """What `stiction infer`, `sensitivity`, `design` or `map` found, in words and a figure."""
 
 
 def open_run(path: str | os.PathLike[str]) -> Any:
@@ -93,7 +93,7 @@ def open_run(path: str | os.PathLike[str]) -> Any:
     Parameters
     ----------
     path : str or pathlib.Path
-        A file of `stiction run`, `compare`, `asperities`, `infer`, `sensitivity` or `design`.
+        A file of `stiction run`, `compare`, `asperities`, `infer`, `sensitivity`, `design` or `map`.
 
     Returns
     -------

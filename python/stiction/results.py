@@ -712,12 +712,13 @@ class Asperities(Result):
 
 
 class Finding(Result):
-    """What `stiction infer`, `sensitivity` or `design` found, in words."""
+    """What `stiction infer`, `sensitivity`, `design` or `map` found, in words."""
 
     formats = {
         "stiction-inference": Format("inference", "stiction infer"),
         "stiction-sensitivity": Format("sensitivity", "stiction sensitivity"),
         "stiction-design": Format("design", "stiction design"),
+        "stiction-map": Format("map", "stiction map"),
     }
 
     @property

@@ -19,7 +19,7 @@ from . import files, quantities
 from .errors import SceneError
 from .results import Asperities
 
-__all__ = ["Scene", "Source", "named_files", "toml"]
+__all__ = ["Scene", "Source", "named_files", "setting", "toml"]
 
 #: A scene: the path of its TOML file, or its tables.
 Scene = str | Path | Mapping[str, Any]
@@ -126,6 +126,23 @@ def paths_in(tables: Any) -> list[str]:
         here = [str(value) for key, value in tables.items() if key == "path" and isinstance(value, str | Path)]
         return here + [name for value in tables.values() for name in paths_in(value)]
     return [name for value in tables for name in paths_in(value)] if isinstance(tables, list) else []
+
+
+def setting(text: str) -> tuple[str, Any]:
+    """A key and its value from ``KEY=VALUE`` of a command line: TOML, or a text without quotation marks.
+
+    Raises
+    ------
+    SceneError
+        There is no value.
+    """
+    key, sign, value = text.partition("=")
+    if not sign:
+        raise SceneError(f"--set {text}: KEY=VALUE is needed, such as material.work_of_adhesion='0.1 J/m^2'")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key.strip(), value
 
 
 def toml(tables: Mapping[str, Any]) -> str:

@@ -230,7 +230,7 @@ fn other_commands_are_programs() {
         assert!(text(&refused.stderr).contains("no command `greet`"), "{}", text(&refused.stderr));
     }
     // Nothing but the folder of the program is looked at where there is no PATH.
-    for name in ["asperities", "finite-size", "plot", "report"] {
+    for name in ["asperities", "finite-size", "map", "plot", "report"] {
         let refused =
             Command::new(env!("CARGO_BIN_EXE_stiction")).arg(name).env_remove("PATH").output().unwrap();
         assert_exit(&refused, 2);

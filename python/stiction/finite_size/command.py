@@ -15,7 +15,7 @@ import xarray
 from .. import quantities
 from ..errors import SceneError
 from ..results import Sweep, agreement
-from ..scenes import Scene
+from ..scenes import Scene, setting
 from ..terminal import ended, given_words, whole
 from .patches import run
 from .study import study
@@ -71,22 +71,11 @@ def _study(given: argparse.Namespace) -> None:
         except ValueError as error:
             raise SceneError(f"standard input: not TOML: {error}") from None
     options = {name: getattr(given, name) for name in ("replicas", "seed", "threads", "resume", "force")}
-    settings = dict(_setting(text) for text in given.set)
+    settings = dict(setting(text) for text in given.set)
     progress = False if given.quiet else None
     with run(scene, given.counts, output, progress=progress, **options, **settings) as sweep:
         print("\n".join(table(sweep)))
     print(_row("written", str(output)))
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    """A key and its value, which is TOML or a text without quotation marks."""
-    key, sign, value = text.partition("=")
-    if not sign:
-        raise SceneError(f"--set {text}: KEY=VALUE is needed, such as material.work_of_adhesion='0.1 J/m^2'")
-    try:
-        return key.strip(), tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return key.strip(), value
 
 
 def _row(label: str, text: str) -> str:

@@ -3,39 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ..errors import SceneError, StictionError
 from ..progress import Bar
-from ..terminal import ended, given_words, whole
+from ..terminal import ended, given_words
 from .figure import draw
 from .file import write
-from .level import LEVELS, ROWS
 from .moments import line_scan
+from .options import READING, add, as_options, reading
 from .reading import read_map
 from .summary import of_line, summary
 from .surface import check_outputs, found_on, steps_of
 
 __all__ = ["main"]
-
-# Options that messages name as arguments.
-_OPTIONS = (
-    "pixel",
-    "height_unit",
-    "channel",
-    "factor",
-    "level_rows",
-    "level",
-    "smooth",
-    "prominence",
-    "min_distance",
-    "cutoffs",
-    "figure",
-)
-
 
 _EPILOG = """Examples: stiction asperities configs/maps/polished.txt -o polished.h5; stiction asperities
 scan.npy --pixel "9.8 nm" --height-unit nm. Exit codes: 0 done; 1 failed while running; 2 the command or the
@@ -44,16 +26,7 @@ map is wrong."""
 # Of each option its names, the name of its value, and what it does.
 _HELP = [
     (("-o", "--output"), "FILE.h5", "where the result goes; by default there is only the summary"),
-    (("--pixel",), "DX[,DY]",
-     'size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default what the '
-     "file says"),
-    (("--height-unit",), "UNIT", "unit of the heights, such as nm; by default what the file says"),
-    (("--channel",), "NAME", "name, or number from 0, of the channel or dataset, where a file has several"),
-    (("--factor",), "X", 'what numbers are multiplied by, or a length per count or volt, such as "12 nm/V"'),
-    (("--mask",), "FILE", "a map in which all but 0 marks heights that are left out"),
-    (("--level-rows",), "HOW",
-     f"what is subtracted from each row before: {', '.join(ROWS)} (the sum of median steps between rows)"),
-    (("--level",), "HOW", f"what is subtracted from the heights: {', '.join(LEVELS)}; by default plane"),
+    *READING,
     (("--smooth",), "WAVELENGTH",
      'smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal Gaussian filter '
      "takes waves away (ISO 16610-61)"),
@@ -66,7 +39,6 @@ _HELP = [
      "the map's side"),
     (("--figure",), "OUT", "a picture, .png, .pdf or .svg, of the map with its summits after each step"),
 ]  # fmt: skip
-_KINDS: dict[str, Any] = {"--output": Path, "--mask": Path, "--figure": Path, "--cutoffs": whole}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -80,10 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "map", type=Path, metavar="MAP", help=f"{of_map}stiction[maps]` TIFF and files of instruments"
     )
-    for names, value, words in _HELP:
-        parser.add_argument(*names, type=_KINDS.get(names[-1], str), metavar=value, help=words)
-    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
-    parser.set_defaults(level="plane")
+    add(parser, _HELP)
     return parser
 
 
@@ -95,15 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             _asperities(given)
         except StictionError as error:
-            raise type(error)(_as_options(str(error)), error.exit_code) from None
+            raise type(error)(as_options(str(error), given), error.exit_code) from None
 
     return ended("stiction asperities", work)
-
-
-def _as_options(message: str) -> str:
-    """A message with the arguments that it names as options."""
-    options = rf"(?<![\w-])({'|'.join(_OPTIONS)}) ?= ?"
-    return re.sub(options, lambda found: f"--{found[1].replace('_', '-')} ", message)
 
 
 def _refuse_options_of_maps(given: argparse.Namespace) -> None:
@@ -126,10 +89,7 @@ def _asperities(given: argparse.Namespace) -> None:
     )  # fmt: skip
     check_outputs(given.output, given.figure, force=given.force, inputs=[given.map])
     with Bar("map"):
-        height_map = read_map(
-            given.map, pixel=given.pixel, height_unit=given.height_unit, channel=given.channel,
-            factor=given.factor, mask=given.mask, lines=True,
-        )  # fmt: skip
+        height_map = read_map(given.map, lines=True, **reading(given))
     if height_map.is_line:
         _refuse_options_of_maps(given)
         print(of_line(line_scan(height_map, str(given.map)), given.map))

@@ -32,7 +32,10 @@ from .spectrum import Equivalent, Moments, equivalent, moments
 from .summits import Measured, Summits, apart, measured, prominent, summits
 
 __all__ = [
+    "ANISOTROPIC",
     "FEWEST_PIXELS",
+    "KURTOSIS",
+    "SKEWNESS",
     "AtCutoff",
     "Steps",
     "Surface",
@@ -56,7 +59,7 @@ _MOST_CUTOFFS = 100
 # density.
 FEWEST_PIXELS, _FEWEST_SUMMITS = 10.0, 100
 # Skewness and excess kurtosis of heights that are far from Gaussian, ratio of slopes of a lay, least α.
-_SKEWNESS, _KURTOSIS, _ANISOTROPIC, _LEAST_ALPHA = 0.3, 0.6, 1.5, 1.5
+SKEWNESS, KURTOSIS, ANISOTROPIC, _LEAST_ALPHA = 0.3, 0.6, 1.5, 1.5
 # Root mean square slopes of surfaces, torn ones and polished optics included, and of most surfaces.
 _SLOPES, _USUAL_SLOPES = (1e-7, 10.0), (1e-4, 1.0)
 
@@ -313,7 +316,7 @@ def _caveats(surface: Surface) -> Iterator[str]:
         yield f"few summits ({count}): their density is uncertain by about {100.0 / math.sqrt(count):.0f} %"
     yield from _not_gaussian(of)
     ratio = of.slope_x / of.slope_y if of.slope_y else math.inf
-    if not 1.0 / _ANISOTROPIC <= ratio <= _ANISOTROPIC:
+    if not 1.0 / ANISOTROPIC <= ratio <= ANISOTROPIC:
         yield (
             f"mean square slopes along x and y differ {ratio:.2f} times: the parameters from moments are of "
             "isotropic surfaces"
@@ -328,7 +331,7 @@ def far_from_theory(of: Moments) -> Iterator[str]:
 
 
 def _not_gaussian(of: Moments) -> Iterator[str]:
-    if abs(of.skewness) > _SKEWNESS or abs(of.excess_kurtosis) > _KURTOSIS:
+    if abs(of.skewness) > SKEWNESS or abs(of.excess_kurtosis) > KURTOSIS:
         yield (
             f"heights are far from Gaussian (skewness {of.skewness:.2f}, excess kurtosis "
             f"{of.excess_kurtosis:.2f}), which the parameters from moments take for granted"

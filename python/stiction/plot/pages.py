@@ -224,7 +224,7 @@ def _give_room(figure: Figure, grid: GridSpec, rows: list[list[Axes]], title: bo
 
 
 def _of_finding(result: Finding, width: str | float | None) -> Figure:
-    """The figure of an inference, sensitivity or design; their packages need extras."""
+    """The figure of an inference, sensitivity, design or map; packages of all but the last need extras."""
     if result.format.kind == "inference":
         from ..inference.figures import page as posterior
         from ..inference.found import open_inference
@@ -234,6 +234,10 @@ def _of_finding(result: Finding, width: str | float | None) -> Figure:
         from ..sensitivity.figure import draw
 
         return draw(result.tree.to_dataset(), width or "180mm")
+    if result.format.kind == "map":
+        from ..assessment.figure import draw as of_map
+
+        return of_map(result.tree.to_dataset(), width or "180mm")
     from ..design.figure import draw as searched
 
     return searched(result.tree.to_dataset(), width or "90mm")

@@ -12,10 +12,11 @@ use std::sync::LazyLock;
 pub static LAYOUTS: [&Layout; 3] = [&RUN, &SWEEP, &ASPERITIES];
 
 /// Files of the commands in Python, which say in words what they hold: the root attribute `summary`.
-pub static FINDINGS: [Layout; 3] = [
+pub static FINDINGS: [Layout; 4] = [
     findings("stiction-inference", "stiction infer"),
     findings("stiction-sensitivity", "stiction sensitivity"),
     findings("stiction-design", "stiction design"),
+    findings("stiction-map", "stiction map"),
 ];
 
 const fn findings(format: &'static str, command: &'static str) -> Layout {

@@ -10,7 +10,7 @@ from conftest import ROOT
 import stiction
 
 MODULES = [module.name for module in pkgutil.iter_modules(stiction.__path__, "stiction.") if not module.ispkg]
-MODULES += ["stiction.force_curves.lever", "stiction.maps.ellipsoids", "stiction.maps.find", "stiction.finite_size.patches", "stiction.finite_size.study", "stiction.sensitivity.indices", "stiction.sensitivity.study", "stiction.design.search", "stiction.inference.check", "stiction.inference.density"]
+MODULES += ["stiction.force_curves.lever", "stiction.maps.combine", "stiction.maps.ellipsoids", "stiction.maps.find", "stiction.assessment.assess", "stiction.finite_size.patches", "stiction.finite_size.study", "stiction.sensitivity.indices", "stiction.sensitivity.study", "stiction.design.search", "stiction.inference.check", "stiction.inference.density"]
 
 
 @pytest.mark.parametrize("name", ["stiction", *MODULES])
@@ -23,7 +23,7 @@ def test_examples_do_what_they_say(name, monkeypatch):
     "name",
     sorted(
         set(stiction.__all__)
-        & {"run", "sweep", "compare", "integral", "asperity", "find_asperities", "spectral_moments"}
+        & {"assess_map", "combine_spectra", "run", "sweep", "compare", "integral", "asperity", "find_asperities", "spectral_moments"}
     ),
 )
 def test_functions_have_an_example(name):

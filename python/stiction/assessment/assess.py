@@ -1,0 +1,313 @@
+"""`stiction.assess_map`: one answer from one map, or from scans of several sizes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import files, quantities
+from ..errors import SceneError
+from ..opened import Finding, Place
+from ..scenes import Scene, named_files
+
+if TYPE_CHECKING:
+    from ..maps.combine import PowerSpectrum
+    from ..maps.moments import SpectralMoments
+    from ..maps.surface import Surface
+    from .criteria import Criterion
+    from .cutoffs import Cutoffs
+    from .ways import Way
+
+__all__ = ["Answer", "assess_map"]
+
+# Change of the pull-off of the map itself up to which patches are computed on approach, in a tenth of the time.
+_CHANGED = 0.02
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What was found: material and scans, cut-offs, ways, criteria.
+
+    Attributes
+    ----------
+    names : list of str
+        The scans, the largest first.
+    template : bool
+        Whether material and model are those of the template.
+    surfaces : list of Surface
+        Of a single map behind both cut-offs, of several scans the largest one levelled.
+    spectrum : PowerSpectrum
+        Of all scans.
+    cutoffs : Cutoffs
+        Both cut-offs.
+    area : float
+        The area asked for, m².
+    above : float or None
+        The force asked for, N.
+    ways : list of Way
+        The map itself, where there is one map, and patches, with both cut-offs.
+    criteria : list of Criterion
+        All of them.
+    factor : float
+        By which the pull-off may be off.
+    changed : float or None
+        By which fraction the history changes the pull-off of the map itself, where patches are computed on approach for it.
+    warnings : list of str
+        Of the maps.
+    """
+
+    names: list[str]
+    template: bool
+    surfaces: list[Surface]
+    spectrum: PowerSpectrum
+    cutoffs: Cutoffs
+    area: float
+    above: float | None
+    ways: list[Way]
+    criteria: list[Criterion]
+    factor: float
+    changed: float | None
+    warnings: list[str]
+
+    @property
+    def patches(self) -> list[Way]:
+        """The ways that are patches of the area asked for."""
+        return [way for way in self.ways if way.name == "patches"]
+
+    @property
+    def forces(self) -> Any:
+        """The one distribution: pull-offs of the patches with both cut-offs in equal parts, (2 replicas,), N."""
+        return np.concatenate([way.forces for way in self.patches])
+
+    @property
+    def failed(self) -> list[Criterion]:
+        """The criteria that are not met."""
+        return [one for one in self.criteria if one.advice]
+
+
+def assess_map(
+    maps: Any,
+    scene: Scene | None = None,
+    *,
+    area: Any = None,
+    above: Any = None,
+    tip: Any = None,
+    smooth: Any = None,
+    pixel: Any = None,
+    height_unit: str | None = None,
+    channel: str | int | None = None,
+    factor: Any = None,
+    mask: Any = None,
+    level_rows: str | None = None,
+    level: str = "plane",
+    output: str | Path | None = None,
+    replicas: int = 200,
+    seed: int | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> Finding:
+    """Finds the pull-off of patches of a measured surface, and assesses how far it can be trusted.
+
+    The map itself and patches drawn from its spectrum are computed with two cut-offs, a factor of two apart. The smaller one is the
+    shortest that pixels and tip resolve and that is no shorter than contacts are wide.
+
+    Parameters
+    ----------
+    maps : map, or list of maps
+        As `find_asperities` takes it. Several scans of one surface are combined as by `combine_spectra`.
+    scene : path or dict, optional
+        Material, model, history and preload; its surface is replaced, but for `lubricant_thickness`. By default the template
+        ``measured-map``.
+    area : float or str, optional
+        Nominal area, m², or a text such as ``"100 um^2"``; by default that of the largest map.
+    above : float or str, optional
+        A force, N, or a text, for the probability that the pull-off exceeds it.
+    tip : float or str, optional
+        Radius of the tip, m, or a text: waves that it does not resolve are left out.
+    smooth : float or str, optional
+        The smaller cut-off, m, or a text, in place of the one that is chosen.
+    pixel, height_unit, channel, factor, mask, level_rows, level : optional
+        As of `find_asperities`.
+    output : path, optional
+        The result file, for `stiction plot`, `info` and `report`; without it the file is temporary.
+    replicas, seed, threads, force, progress, **overrides
+        As of `run`.
+
+    Returns
+    -------
+    Finding
+        `words` is the answer. Its tree has `pull_off_force` (way, replica), N, with `cutoff` (way), m; `power` (wavevector), m⁴; and
+        the attributes `assessment` (``yes`` or ``no``), `factor` and `nominal_area`, m².
+
+    Raises
+    ------
+    SceneError
+        An argument, a map or the scene is wrong.
+    FileError
+        `output` is there already, or cannot be written.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> found = stiction.assess_map("configs/maps/polished.txt", replicas=20, **{"model.history": "approach"})
+    >>> found.attrs["assessment"]
+    'yes'
+    """
+    from . import record, summary
+
+    scans = list(maps) if isinstance(maps, list | tuple) else [maps]
+    inputs = [one for one in (*scans, mask) if isinstance(one, str | Path)]
+    inputs += [] if scene is None else named_files(scene)
+    if output is not None:
+        files.check(output, force=force, inputs=inputs)
+    reading = {"pixel": pixel, "height_unit": height_unit, "channel": channel, "factor": factor, "mask": mask}
+    asked = _Asked(
+        _positive("area", area, "m^2", "100 um^2"), _positive("above", above, "N", "100 nN"), tip,
+        _positive("smooth", smooth, "m", "100 nm"),
+        {"level": level, "level_rows": level_rows}, reading,
+        {"replicas": _count(replicas), "seed": seed, "threads": threads, "progress": progress},
+    )  # fmt: skip
+    answer = _answer(scans, scene, asked, overrides)
+    words = summary.words(answer)
+    with Place(output) as place:
+        with files.writing_hdf5(place.path, force=force, inputs=inputs) as part:
+            record.dataset(answer, words).to_netcdf(part, engine="h5netcdf")
+        found: Finding = place.result()
+        return found
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked for, SI, and options: of levelling, of reading, of runs."""
+
+    area: float | None
+    above: float | None
+    tip: Any
+    smooth: float | None
+    levelling: dict[str, Any]
+    reading: dict[str, Any]
+    runs: dict[str, Any]
+
+
+def _positive(name: str, value: Any, unit: str, example: str) -> float | None:
+    """A quantity above 0 in SI units, from a number or a text with a unit; None stays."""
+    if value is None:
+        return None
+    try:
+        number = float(quantities.in_si(name, value, unit))
+    except (TypeError, ValueError) as error:
+        said = str(error)
+        raise SceneError(
+            said if said.startswith(name) else f'{name} = {value!r}: such as "{example}" is needed'
+        ) from None
+    if not 0.0 < number < math.inf:
+        raise SceneError(f'{name} = {value!r}: above 0 is needed, such as "{example}"')
+    return number
+
+
+def _count(replicas: Any) -> int:
+    if isinstance(replicas, bool) or not isinstance(replicas, int) or replicas < 2:
+        raise SceneError(f"replicas = {replicas!r}: 2 or more are needed for a distribution")
+    return replicas
+
+
+def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides: Mapping[str, Any]) -> Answer:
+    from . import criteria, ways
+    from .cutoffs import chosen, contact_width
+
+    surfaces, spectrum = _surfaces(scans, asked)
+    largest = surfaces[0]
+    tables = ways.tables_of(scene, overrides)
+    of = ways.constants(tables)
+    sides = [count * step for count, step in zip(largest.grid.heights.shape, largest.grid.steps, strict=True)]
+
+    def moments(cutoff: float) -> SpectralMoments:
+        return _moments(surfaces, spectrum, cutoff)
+
+    try:
+        cutoffs = chosen(
+            spectrum.shortest,
+            min(sides),
+            lambda cutoff: contact_width(moments(cutoff).radius, **of),
+            asked.smooth,
+        )
+    except SceneError as error:
+        raise SceneError(f"{largest.map.name}: {error}") from None
+    area = asked.area or math.prod(sides)
+    smooth = [_smoothed(largest, cutoff) for cutoff in cutoffs.both] if len(surfaces) == 1 else []
+    found = [ways.of_map(tables, one, asked.runs) for one in smooth]
+    changed = _by_history(tables, smooth, found, asked.runs)
+    of_patches = tables if changed is None else ways.approaching(tables)
+    for cutoff in cutoffs.both:
+        found.append(ways.of_spectrum(of_patches, moments(cutoff), cutoff, area, asked.runs))
+    errors = criteria.sampling(largest.grid)
+    first = moments(cutoffs.smaller)
+    last = moments(cutoffs.both[1])
+    met = [
+        *criteria.of_surface(largest.moments, errors),
+        *criteria.of_shape(2.0 * math.pi * math.sqrt(first.m2 / first.m4), first.alpha, cutoffs),
+        *criteria.of_contacts(found, last.density * math.prod(sides)),
+        *criteria.of_spread(
+            found, abs(math.log(area / math.prod(sides))) < 0.2,
+            ways.of_sigma(tables, first, area, min(errors.std, 0.5), asked.runs), errors.std,
+        ),
+    ]  # fmt: skip
+    names = [scan.name for scan in spectrum.scans]
+    warnings = [*dict.fromkeys([one for surface in surfaces for one in surface.warnings] + spectrum.warnings)]
+    return Answer(
+        names, scene is None, smooth or [largest], spectrum, cutoffs, area, asked.above, found, met,
+        criteria.factor_of(met), changed, warnings,
+    )  # fmt: skip
+
+
+def _by_history(
+    tables: Mapping[str, Any], smooth: Sequence[Surface], own: Sequence[Way], runs: Mapping[str, Any]
+) -> float | None:
+    """By which fraction the history changes the pull-off of the map itself, if it may be left out for patches."""
+    from . import ways
+
+    if not smooth or str(own[0].run.attrs["history"]) == "approach":
+        return None
+    force = ways.of_map(ways.approaching(tables), smooth[0], runs).forces[0]
+    changed = float(own[0].forces[0] / force - 1.0) if force > 0.0 else math.inf
+    return changed if abs(changed) <= _CHANGED else None
+
+
+def _surfaces(scans: Sequence[Any], asked: _Asked) -> tuple[list[Surface], PowerSpectrum]:
+    """The levelled maps, the largest first, and their spectrum."""
+    from ..maps.combine import combined, of_scan, tip_radius
+    from ..maps.reading import read_map
+    from ..maps.surface import found_on, steps_of
+
+    if not scans:
+        raise SceneError("maps: one map or more are needed")
+    steps = steps_of(**asked.levelling, smooth=None, prominence=None, min_distance=None, cutoffs=None)
+    tip, surfaces = tip_radius(asked.tip), []
+    for scan in scans:
+        found = read_map(scan, **asked.reading)
+        surfaces.append(found_on(found, steps, str(scan) if isinstance(scan, str | Path) else "map"))
+    spectrum = combined([of_scan(one.grid, one.map.name, tip) for one in surfaces])
+    return sorted(surfaces, key=lambda one: -one.area), spectrum
+
+
+def _smoothed(surface: Surface, cutoff: float) -> Surface:
+    """The summits of a map behind a cut-off, m."""
+    from ..maps.surface import found_on
+
+    return found_on(surface.map, replace(surface.steps, smooth=cutoff), surface.map.name)
+
+
+def _moments(surfaces: Sequence[Surface], spectrum: PowerSpectrum, cutoff: float) -> SpectralMoments:
+    """Moments behind a cut-off, m: of a single map its own, of several scans those of their spectrum."""
+    from ..maps.moments import in_numbers
+
+    return (
+        in_numbers(_smoothed(surfaces[0], cutoff).moments) if len(surfaces) == 1 else spectrum.moments(cutoff)
+    )

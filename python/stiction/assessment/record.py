@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from .assess import Answer
+from .answer import Answer
 from .criteria import LARGEST_FACTOR
 
 __all__ = ["VERSION", "dataset"]

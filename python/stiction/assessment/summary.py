@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from .assess import Answer
+from .answer import Answer
 from .criteria import LARGEST_FACTOR
 from .ways import Way
 

@@ -46,5 +46,6 @@ def reading(given: argparse.Namespace) -> dict[str, Any]:
 
 def as_options(message: str, given: argparse.Namespace) -> str:
     """A message with the arguments that it names as options of the command."""
-    names = "|".join(sorted(vars(given), key=len, reverse=True))
+    # `ended` has its own words for force=True.
+    names = "|".join(sorted(vars(given).keys() - {"force"}, key=len, reverse=True))
     return re.sub(rf"(?<![\w-])({names}) ?= ?", lambda found: f"--{found[1].replace('_', '-')} ", message)

@@ -24,6 +24,7 @@ from .style import (
     GREY,
     H_STAR,
     MODEL_RANGE,
+    PINK,
     VERMILION,
     dressed,
     empty,
@@ -364,7 +365,7 @@ def model_span(ax: Axes, of: xarray.DataArray | None, sign: str, unit: float) ->
 
 @dressed
 def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
-    """Distribution of the pull-off force over replicas, its mean, and pull-offs of mean curve and integral.
+    """Distribution of the pull-off force over replicas, its mean, pull-offs of mean curve and integral, and the force of a device.
 
     Parameters
     ----------
@@ -409,6 +410,10 @@ def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
         ]
     for value, words, line in lines:
         handles.append(ax.axvline(value / unit, color="black", linestyle=line, label=words))
+    if "device" in run and 0.3 * of_replicas.min() < float(run["device/restoring_force"]) < 3.0 * of_replicas.max():
+        force, share = (float(of) for of in (run["device/restoring_force"], run.stuck_after(preload)["stuck_probability"]))
+        words = f"restoring force, {quantities.si(force, 'N', 3)}: {quantities.number(100.0 * share, 3)} % above"
+        handles.append(ax.axvline(force / unit, color=PINK, linestyle=":", label=words))
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
     ax.margins(x=0.04)
     by_contact = run.model_range_after(preload)

@@ -515,3 +515,13 @@ def test_the_style_sheet_is_part_of_the_package():
 def test_numbers_have_no_computer_notation():
     assert quantities.number(1730.0, 2) == "1700" and quantities.number(0.0) == "0"
     assert "e" not in "".join(quantities.number(10.0**k) for k in range(-20, 20))
+
+
+def test_the_restoring_force_stands_in_the_histogram_of_pull_offs(result):
+    run = result("device")
+    ax = plot.pull_off(run)
+    share = float(run.after_preload()["stuck_probability"])
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert f"restoring force, 600 µN: {quantities.number(100.0 * share, 3)} % above" in words
+    forces = run["replicas/pull_off_after_preload"].sel(preload=run.after_preload()["preload"]).values
+    assert share == np.mean(forces > 6e-4)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
@@ -98,10 +99,12 @@ def _pull_offs(ax: Axes, result: xarray.Dataset) -> None:
     whole = np.concatenate([forces for _, _, forces in patches])
     unit, sign = scaled("N", whole)
     edges = np.linspace(0.0, np.quantile(whole, 0.995) / unit, 30).tolist()
-    for color, (_, cutoff, forces) in zip(_COLORS, patches, strict=False):
+    for color, line, (_, cutoff, forces) in zip(_COLORS, ("-", "--"), patches, strict=False):
+        # Outlines, so that neither hides the other.
         ax.hist(
-            forces / unit, edges, color=color, alpha=0.45, label=f"patches, {quantities.si(cutoff, 'm', 3)}"
-        )
+            forces / unit, edges, histtype="stepfilled", facecolor=to_rgba(color, 0.25), edgecolor=color, linewidth=1.1,
+            linestyle=line, label=f"patches, {quantities.si(cutoff, 'm', 3)}",
+        )  # fmt: skip
     for color, (_, cutoff, forces) in zip(_COLORS, own, strict=False):
         ax.plot(
             forces / unit,

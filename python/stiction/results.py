@@ -325,17 +325,17 @@ class _Curves(Result):
         after = {name: value for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica", "preload"}}
         preloads = self.group("instability")["preload"].values
         return {
-            f"{name}[{preload!r} N]": value.isel(preload=i)
+            f"{name}[{repr(preload).replace('e-0', 'e-')} N]": value.isel(preload=i)
             for name, value in after.items() for i, preload in enumerate(preloads.tolist()) if np.isfinite(preload)
         }  # fmt: skip
 
     @property
     def preloads(self) -> list[float]:
-        """The preloads of the scene, N, the largest first; none where pull-offs are of the whole history."""
+        """The preloads of the scene, N, in its order; none where pull-offs are of the whole history."""
         if not (self.has_preload and self.has_replicas):
             return []
         known = self.group("instability")["preload"].values
-        return [float(load) for load in np.unique(known[np.isfinite(known)])[::-1]]
+        return [float(load) for load in dict.fromkeys(known[np.isfinite(known)])]
 
     def stuck_after(self, preload: Any = None) -> xarray.Dataset:
         """Probability that the pull-off exceeds the restoring force of the device.

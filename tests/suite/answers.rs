@@ -233,8 +233,13 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     assert!(chosen[4..].iter().all(|own| own.starts_with("validation/")) && chosen.len() > 6, "{chosen:?}");
     let refused = folder.stiction(&["info", "--csv", "--columns", "pull_off_after_preload_sd", "scene.h5"]);
     assert_exit(&refused, 2);
-    let message = "has no column `pull_off_after_preload_sd`; --all prints every one; did you mean pull_off_after_preload_std?";
+    let message = "has no column `pull_off_after_preload_sd`; did you mean pull_off_after_preload_std?";
     assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
+    let refused = text(&folder.stiction(&["info", "--csv", "--columns", "zzz", "scene.h5"]).stderr);
+    assert!(
+        refused.contains("has no column `zzz`; there are pull_off_after_preload_mean, pull_off_after"),
+        "{refused}"
+    );
 }
 
 /// Rows of a sweep have the values of their keys, of however many keys, and fit 80 columns.

@@ -83,7 +83,7 @@ def panels(result: Result) -> dict[str, Panel]:
     if result.attrs["history"] == "loop":
         drawn |= {"contacts": loop.contacts} | ({"energy": loop.energy} if loop.loses_energy(result) else {})
     if "instability" in result:
-        preloads = "instability/pull_off_after_preload_mean" in result and result["replicas/preload"].size >= 3
+        preloads = "instability/pull_off_after_preload_mean" in result and result["replicas/preload"].size >= 2
         # One spring after many preloads is no curve over the stiffness.
         springs = result["replicas/stiffness"].size if "replicas/stiffness" in result else 0
         if springs > (1 if preloads else 0):

@@ -165,7 +165,8 @@ def _law(result: Result) -> Iterator[tuple[str, str]]:
     if result.left_out:
         yield "left out by the law", result.left_out
     if "history" in attrs:
-        yield "history", _HISTORIES.get(str(attrs["history"]), str(attrs["history"]))
+        turned = ", turned back at each preload" if isinstance(result, Run | Sweep) and result.preloads else ""
+        yield "history", _HISTORIES.get(str(attrs["history"]), str(attrs["history"])) + turned
 
 
 # Verdicts.
@@ -576,7 +577,7 @@ def _points(sweep: Sweep, keys: list[str]) -> Iterator[Table]:
 
 
 def _preloads(result: Run | Sweep) -> list[float | None]:
-    """The preloads of the scene, N, the largest first; None where pull-offs are of the whole history."""
+    """The preloads of the scene, N, in its order; None where pull-offs are of the whole history."""
     return [*result.preloads] or [None]
 
 

@@ -345,5 +345,5 @@ def _provenance(result: Result) -> list[tuple[str, str]]:
         group = result["diagnostics"]
         seconds = float(group["seconds"].values.sum())
         threads = int(group["threads"].values.max())
-        rows.append(("computed in", f"{quantities.number(seconds, 3)} s on {quantities.counted(threads, 'thread')}, {group.attrs.get('instruction_set', '')}"))
+        rows.append(("computed in", f"{quantities.number(seconds, 3)} s on {quantities.counted(threads, 'thread')}" + f", {group.attrs['instruction_set']}" * ("instruction_set" in group.attrs)))
     return rows

@@ -168,10 +168,19 @@ impl Chosen<'_> {
             return Ok(columns);
         };
         if let Some(name) = names.iter().find(|name| !columns.iter().any(|own| own.is_named(name))) {
-            let near = nearest(name, columns.iter().map(Column::plain));
-            let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
-            let name = shortened(name);
-            return Err(Failure::Usage(format!("has no column `{name}`; --all prints every one{near}")));
+            let known = || columns.iter().map(Column::plain);
+            let near =
+                known().find(|known| known.starts_with(name.as_str())).or_else(|| nearest(name, known()));
+            let advice = match near {
+                Some(near) => format!("did you mean {near}?"),
+                None => {
+                    let mut wanted: Vec<&str> =
+                        columns.iter().filter(|own| own.is_wanted).map(Column::plain).collect();
+                    wanted.dedup();
+                    format!("there are {}, and --all prints every one", wanted.join(", "))
+                }
+            };
+            return Err(Failure::Usage(format!("has no column `{}`; {advice}", shortened(name))));
         }
         columns.retain(|own| own.is_coordinate || names.iter().any(|name| own.is_named(name)));
         Ok(columns)

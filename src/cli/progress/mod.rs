@@ -80,7 +80,9 @@ impl OfSeveral {
             runs => taken.time / runs,
         };
         let of_run = each.saturating_sub(own).max(of_phase.unwrap_or_default());
-        Some(of_run + each * (self.run.count - self.run.number) as u32)
+        let left = of_run + each * (self.run.count - self.run.number) as u32;
+        // A last run that takes longer than the others has no known end.
+        Some(left).filter(|left| !left.is_zero())
     }
 }
 

@@ -54,7 +54,8 @@ fn warned(warnings: &str) -> String {
         text += &labelled("warning", line);
     }
     if left > 0 {
-        text += &labelled("", &format!("{left} more with other numbers: stiction info"));
+        text +=
+            &labelled("", &format!("{left} more like these, with other numbers: stiction info lists all"));
     }
     text
 }

@@ -124,8 +124,8 @@ fn independence(rows: &[Row<'_>]) -> Column {
     })
 }
 
-/// Pull-offs, what they follow and their difference to the first point, the cross-check, and whether asperities are independent;
-/// without a device the model range. The integral and the differences are of whole histories.
+/// Pull-offs, what they follow and their difference to the first point, the cross-check, whether asperities are independent, and
+/// the model range. The integral and the differences are of whole histories.
 fn pull_offs(rows: &[Row<'_>], p_values: &[f64]) -> Vec<Column> {
     let is_pressed = rows.iter().any(|row| row.pull_off.is_some_and(|own| own.preload.is_some()));
     let disagree = disagreeing(p_values);
@@ -145,8 +145,7 @@ fn pull_offs(rows: &[Row<'_>], p_values: &[f64]) -> Vec<Column> {
     }
     columns.push(column("p-value", rows, |row| p_value(p_values[row.at], disagree[row.at])));
     columns.push(independence(rows));
-    let has = |known: fn(&PointPullOff) -> bool| rows.iter().filter_map(|row| row.pull_off).any(known);
-    if has(|own| own.model_range.is_some()) && !has(|own| own.stuck_probability.is_some()) {
+    if rows.iter().filter_map(|row| row.pull_off).any(|own| own.model_range.is_some()) {
         let newtons = |ends: &[f64]| si_to(3, ends, " to ", "N");
         columns
             .push(column("model range", rows, |row| row.cell(|own| Some(range(own.model_range?, newtons)))));

@@ -14,7 +14,7 @@ type Column = Vec<String>;
 const HEAD: usize = 10;
 
 /// Heads of the columns that are left out of a table that is too wide for a terminal, one after the other.
-const LEFT_OUT: [&str; 3] = ["integral", "to the first", "p-value"];
+const LEFT_OUT: [&str; 4] = ["integral", "to the first", "p-value", "model range"];
 
 /// A row of a table: a point, by its number, and one of its pull-offs; none where there are no replicas.
 #[derive(Clone, Copy)]
@@ -48,15 +48,17 @@ impl<'a> Row<'a> {
 pub(super) fn tables(sweep: &Sweep, points: &[SweepPoint], scene: &Scene) -> String {
     let rows = Row::all(points);
     let p_values: Vec<f64> = points.iter().map(|point| point.p_value).collect();
-    // A mark in the column of p-values says which points disagree.
-    let left_out = match disagreeing(&p_values).contains(&true) {
-        true => &LEFT_OUT[..2],
-        false => &LEFT_OUT[..],
+    // A mark in the column of p-values says which points disagree; with a device the probability has a range.
+    let is_needed = |head: &&str| match *head {
+        "p-value" => disagreeing(&p_values).contains(&true),
+        "model range" => scene.restoring_force.is_none(),
+        _ => false,
     };
+    let left_out: Vec<&str> = LEFT_OUT.into_iter().filter(|head| !is_needed(head)).collect();
     if scene.replicas == 0 {
         return fitting(sweep, &rows, &[integral(&rows), independence(&rows)], &[]) + "\n";
     }
-    let mut text = fitting(sweep, &rows, &pull_offs(&rows, &p_values), left_out) + "\n";
+    let mut text = fitting(sweep, &rows, &pull_offs(&rows, &p_values), &left_out) + "\n";
     if let Some(force) = scene.restoring_force {
         let is_swept = sweep.axes.iter().any(|axis| axis.key.name.starts_with("device."));
         let force = if is_swept { "the restoring force".to_owned() } else { si(force, "N") };

@@ -36,8 +36,10 @@ class Answer:
         The area asked for, m².
     above : float or None
         The force asked for, N.
+    material : dict
+        E*, Pa, Δγ, J/m², and with a hardness that, Pa.
     ways : list of Way
-        The map itself, where there is one map, and patches, with both cut-offs.
+        The map itself, where there is one map, and patches, with both cut-offs; none where boundary elements are needed in any case.
     criteria : list of Criterion
         All of them.
     factor : float
@@ -55,6 +57,7 @@ class Answer:
     cutoffs: Cutoffs
     area: float
     above: float | None
+    material: dict[str, float]
     ways: list[Way]
     criteria: list[Criterion]
     factor: float
@@ -69,7 +72,7 @@ class Answer:
     @property
     def forces(self) -> Any:
         """The one distribution: pull-offs of the patches with both cut-offs in equal parts, (2 replicas,), N."""
-        return np.concatenate([way.forces for way in self.patches])
+        return np.concatenate([way.forces for way in self.patches] or [np.zeros(0)])
 
     @property
     def failed(self) -> list[Criterion]:

@@ -70,7 +70,7 @@ def assess_map(
     smooth : float or str, optional
         The smaller cut-off, m, or a text, in place of the one that is chosen.
     pixel, height_unit, channel, factor, mask, level_rows, level : optional
-        As of `find_asperities`.
+        As of `find_asperities`; of several scans a list `pixel` has one for each.
     output : path, optional
         The result file, for `stiction plot`, `info` and `report`; without it the file is temporary.
     replicas, seed, threads, force, progress, **overrides
@@ -79,7 +79,7 @@ def assess_map(
     Returns
     -------
     Finding
-        `words` is the answer. Its tree has `pull_off_force` (way, replica), N, with `cutoff` (way), m; `power` (wavevector), m⁴; and
+        `words` is the answer. Without runs, and so without pull-offs, where boundary elements are needed in any case. Its tree has `pull_off_force` (way, replica), N, with `cutoff` (way), m; `power` (wavevector), m⁴; and
         the attributes `assessment` (``yes`` or ``no``), `factor` and `nominal_area`, m².
 
     Raises
@@ -172,36 +172,40 @@ def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides:
         cutoffs = chosen(
             spectrum.shortest,
             min(sides),
-            lambda cutoff: contact_width(moments(cutoff).radius, **of),
+            lambda cutoff: contact_width(moments(cutoff).radius, of["work_of_adhesion"], of["reduced_modulus"]),
             asked.smooth,
         )
     except SceneError as error:
         raise SceneError(f"{largest.map.name}: {error}") from None
     area = asked.area or math.prod(sides)
     smooth = [_smoothed(largest, cutoff) for cutoff in cutoffs.both] if len(surfaces) == 1 else []
+    errors, first = criteria.sampling(largest.grid), moments(cutoffs.smaller)
+    met = [
+        *criteria.of_surface(largest.moments, errors),
+        *criteria.of_shape(2.0 * math.pi * math.sqrt(first.m2 / first.m4), first.alpha, cutoffs),
+    ]
+    names = [scan.name for scan in spectrum.scans]
+    of_scan = [f"{surface.map.name}: {one}" if len(names) > 1 else one for surface in surfaces for one in surface.warnings]
+    warnings = [*dict.fromkeys(of_scan + spectrum.warnings)]
+    answer = Answer(
+        names, scene is None, smooth or [largest], spectrum, cutoffs, area, asked.above, of, [], met,
+        math.inf, None, warnings,
+    )  # fmt: skip
+    if any(one.advice == criteria.ELEMENTS for one in met):
+        return answer
     found = [ways.of_map(tables, one, asked.runs) for one in smooth]
     changed = _by_history(tables, smooth, found, asked.runs)
     of_patches = tables if changed is None else ways.approaching(tables)
     for cutoff in cutoffs.both:
         found.append(ways.of_spectrum(of_patches, moments(cutoff), cutoff, area, asked.runs))
-    errors = criteria.sampling(largest.grid)
-    first = moments(cutoffs.smaller)
-    last = moments(cutoffs.both[1])
-    met = [
-        *criteria.of_surface(largest.moments, errors),
-        *criteria.of_shape(2.0 * math.pi * math.sqrt(first.m2 / first.m4), first.alpha, cutoffs),
-        *criteria.of_contacts(found, last.density * math.prod(sides)),
+    met += [
+        *criteria.of_contacts(found, moments(cutoffs.both[1]).density * math.prod(sides)),
         *criteria.of_spread(
             found, abs(math.log(area / math.prod(sides))) < 0.2,
             ways.of_sigma(tables, first, area, min(errors.std, 0.5), asked.runs), errors.std,
         ),
     ]  # fmt: skip
-    names = [scan.name for scan in spectrum.scans]
-    warnings = [*dict.fromkeys([one for surface in surfaces for one in surface.warnings] + spectrum.warnings)]
-    return Answer(
-        names, scene is None, smooth or [largest], spectrum, cutoffs, area, asked.above, found, met,
-        criteria.factor_of(met), changed, warnings,
-    )  # fmt: skip
+    return replace(answer, ways=found, factor=criteria.factor_of(met), changed=changed)
 
 
 def _by_history(
@@ -227,11 +231,20 @@ def _surfaces(scans: Sequence[Any], asked: _Asked) -> tuple[list[Surface], Power
         raise SceneError("maps: one map or more are needed")
     steps = steps_of(**asked.levelling, smooth=None, prominence=None, min_distance=None, cutoffs=None)
     tip, surfaces = tip_radius(asked.tip), []
-    for scan in scans:
-        found = read_map(scan, **asked.reading)
+    for scan, pixel in zip(scans, _pixels(asked.reading["pixel"], len(scans)), strict=True):
+        found = read_map(scan, **{**asked.reading, "pixel": pixel})
         surfaces.append(found_on(found, steps, str(scan) if isinstance(scan, str | Path) else "map"))
     spectrum = combined([of_scan(one.grid, one.map.name, tip) for one in surfaces])
     return sorted(surfaces, key=lambda one: -one.area), spectrum
+
+
+def _pixels(given: Any, count: int) -> list[Any]:
+    """The pixel of each scan: of several scans a list has one for each, everything else is of all."""
+    if count == 1 or not isinstance(given, list):
+        return [given] * count
+    if len(given) != count:
+        raise SceneError(f"pixel = {given!r}: one for each of the {count} scans is needed")
+    return given
 
 
 def _smoothed(surface: Surface, cutoff: float) -> Surface:

@@ -48,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         nargs="+",
         metavar="MAP",
-        help="a height map, as of `stiction asperities`, or several scans of one surface",
+        help="a height map, as of `stiction asperities`, or several scans of one surface, with `--pixel \"4 nm; 20 nm\"` in their order",
     )
     parser.add_argument(
         "--set",
@@ -81,6 +81,8 @@ def _map(given: argparse.Namespace) -> None:
         name: getattr(given, name)
         for name in ("area", "above", "tip", "smooth", "level", "level_rows", "seed", "threads", "force")
     }
+    if given.pixel is not None and ";" in given.pixel:
+        given.pixel = [one.strip() for one in given.pixel.split(";")]
     if given.replicas is not None:
         options["replicas"] = given.replicas
     found = assess_map(

@@ -18,6 +18,7 @@ from .cutoffs import Cutoffs
 from .ways import Way
 
 __all__ = [
+    "ELEMENTS",
     "LARGEST_FACTOR",
     "Criterion",
     "Sampling",
@@ -43,7 +44,7 @@ _SUMMITS, _BEYOND = 20.0, 0.01
 # Standard errors from which on a skewness or kurtosis is no chance.
 _ERRORS = 3.0
 
-_ELEMENTS, _COUPLE, _SCAN, _MORE = "boundary elements", "couple", "scan", "more maps"
+ELEMENTS, _COUPLE, _SCAN, _MORE = "boundary elements", "couple", "scan", "more maps"
 
 
 @dataclass(frozen=True)
@@ -129,11 +130,11 @@ def of_shape(wave: float, alpha: float, cutoffs: Cutoffs) -> Iterator[Criterion]
         advice=_SCAN if ratio < _NOISE else "",
     )
     yield Criterion(
-        "bandwidth", f"alpha = {_n(alpha)} (to {_n(_ALPHA)})", advice=_ELEMENTS if alpha > _ALPHA else ""
+        "bandwidth", f"alpha = {_n(alpha)} (to {_n(_ALPHA)})", advice=ELEMENTS if alpha > _ALPHA else ""
     )
     wide = cutoffs.width / cutoffs.smaller
     yield Criterion(
-        "merging", f"contacts are {_n(wide)} cut-offs wide (to 1)", advice=_ELEMENTS if wide > 1.0 else ""
+        "merging", f"contacts are {_n(wide)} cut-offs wide (to 1)", advice=ELEMENTS if wide > 1.0 else ""
     )
 
 
@@ -144,6 +145,9 @@ def of_contacts(ways: Sequence[Way], count: float) -> Iterator[Criterion]:
         f"{count:.0f} on the map with the larger cut-off (from {_SUMMITS:.0f})",
         advice=_SCAN if count < _SUMMITS else "",
     )
+    if all("coupling" in way.run for way in ways):
+        yield Criterion("independence", "asperities are coupled")
+        return
     order = ("good", "a shift", "invalid")
     worst = max(ways, key=lambda way: order.index(str(way.run.independence.attrs["verdict"])))
     word = str(worst.run.independence.attrs["verdict"])
@@ -167,7 +171,7 @@ def _independent(run: Run, word: str) -> str:
     if word != "invalid":
         return ""
     return (
-        _ELEMENTS
+        ELEMENTS
         if float(run.independence["contact_share"]) >= float(run.independence.attrs["invalid_contact_share"])
         else _COUPLE
     )
@@ -197,7 +201,7 @@ def of_spread(ways: Sequence[Way], is_own_area: bool, of_sigma: float, error: fl
     ends = [_model_range(way.run) for way in own]
     if any(ratio > 1.0 for ratio in ends):
         yield Criterion("plasticity", f"plastic contacts differ {_n(max(ends))} times", max(ends))
-    yield Criterion("shape", f"true summits are no spheres: {_SHAPE:g} times", _SHAPE)
+    yield Criterion("shape", f"summits are no spheres: {_SHAPE:g} times between asperities and boundary elements", _SHAPE)
     if own and is_own_area:
         below = float(
             np.mean([np.mean(patch.forces <= way.forces[0]) for patch, way in zip(patches, own, strict=True)])

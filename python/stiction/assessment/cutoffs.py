@@ -19,6 +19,9 @@ APART = 2.0
 _SIDE, _STEPS = 0.25, 8
 
 
+_RESOLVED = "the shortest that pixels and tip resolve"
+
+
 @dataclass(frozen=True)
 class Cutoffs:
     """The smaller of two cut-offs.
@@ -90,5 +93,5 @@ def chosen(shortest: float, side: float, width: Callable[[float], float], given:
     count = max(math.ceil(_STEPS * math.log2(most / shortest)), 1) + 1
     for cutoff in np.geomspace(shortest, most, count):
         if (wide := width(float(cutoff))) <= cutoff:
-            return Cutoffs(float(cutoff), wide, "resolved" if cutoff == shortest else "as wide as contacts")
-    return Cutoffs(shortest, width(shortest), "resolved")
+            return Cutoffs(float(cutoff), wide, _RESOLVED if cutoff == shortest else "as wide as contacts")
+    return Cutoffs(shortest, width(shortest), _RESOLVED)

@@ -36,14 +36,13 @@ def draw(result: xarray.Dataset, width: str | float = "180mm") -> Figure:
     """
     wide = inches(width)
     columns = 2 if wide >= _WIDE else 1
-    rows = 4 // columns
+    # Without runs there are no pull-offs.
+    panels = (_map, _spectrum, _pull_offs, _over_force)[: 4 if result.sizes["way"] else 2]
+    rows = len(panels) // columns
     figure = Figure(figsize=(wide, rows * (0.8 if columns == 1 else 0.38) * wide), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    _map(axes[0], result)
-    _spectrum(axes[1], result)
-    _pull_offs(axes[2], result)
-    _over_force(axes[3], result)
-    for place, ax in enumerate(axes):
+    for place, (ax, panel) in enumerate(zip(axes, panels, strict=True)):
+        panel(ax, result)
         lettered(ax, place)
     return figure
 

@@ -19,7 +19,8 @@ VERSION = (1, 0)
 def dataset(answer: Answer, words: str) -> xarray.Dataset:
     """The dataset of an answer and its words."""
     surface, spectrum = answer.surfaces[0], answer.spectrum
-    most = max(way.forces.size for way in answer.ways)
+    most = max((way.forces.size for way in answer.ways), default=0)
+    run = answer.ways[-1].run if answer.ways else None
     forces = np.full((len(answer.ways), most), np.nan)
     for place, way in enumerate(answer.ways):
         forces[place, : way.forces.size] = way.forces
@@ -81,8 +82,8 @@ def dataset(answer: Answer, words: str) -> xarray.Dataset:
         "x": ("x", (np.arange(columns) + 0.5) * dx, _about("m", "place along x")),
     }
     attrs = {
-        "format": "stiction-map", "format_version": np.array(VERSION), "title": answer.ways[-1].run.title,
-        "scene": answer.ways[-1].run.scene_text, "summary": words, "nominal_area": answer.area,
+        "format": "stiction-map", "format_version": np.array(VERSION), "title": run.title if run else "",
+        "scene": run.scene_text if run else "", "summary": words, "nominal_area": answer.area,
         "above": math.nan if answer.above is None else answer.above, "factor": answer.factor,
         "assessment": "no" if answer.failed or answer.factor > LARGEST_FACTOR else "yes",
     }  # fmt: skip

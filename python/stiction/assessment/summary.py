@@ -17,6 +17,8 @@ from .ways import Way
 __all__ = ["probability", "words"]
 
 _WIDTH = 60
+# Logarithm of the ratio of areas from which on the area of the map is printed.
+_OWN = 0.1
 # Level of intervals of probabilities.
 _LEVEL = 0.95
 # Where to go, by the advice of a criterion.
@@ -31,9 +33,9 @@ _ADVICE = {
 
 def words(answer: Answer) -> str:
     """All that is printed."""
-    parts = [
-        [", ".join(answer.names), *_inputs(answer)], list(_table(answer)), [*_distribution(answer), *_assessment(answer)]
-    ]  # fmt: skip
+    parts = [[", ".join(answer.names), *_inputs(answer)], [*_assessment(answer)]]
+    if answer.ways:
+        parts[1:] = [list(_table(answer)), [*_distribution(answer), *_assessment(answer)]]
     return "\n\n".join("\n".join(lines) for lines in parts)
 
 
@@ -43,7 +45,7 @@ def _row(label: str, text: str) -> Iterator[str]:
 
 
 def _inputs(answer: Answer) -> Iterator[str]:
-    of = answer.ways[-1].run.attrs
+    of = answer.material
     material = [
         f"{name} {quantities.si(of[key], unit)}"
         for name, key, unit in (
@@ -51,7 +53,7 @@ def _inputs(answer: Answer) -> Iterator[str]:
             ("hardness", "hardness", "Pa"),
             ("work of adhesion", "work_of_adhesion", "J m-2"),
         )
-        if key in of and math.isfinite(float(of[key]))
+        if key in of
     ]
     source = (
         "of the template measured-map, not of your surface: give --scene, or --set material.work_of_adhesion=..."
@@ -59,22 +61,27 @@ def _inputs(answer: Answer) -> Iterator[str]:
         else ""
     )
     yield from _row("material", "; ".join([", ".join(material), source]).strip("; "))
-    own = answer.ways[0].run.attrs
-    model = f"{own['law']}, {own['history']}"
-    if answer.changed is not None:
-        share = quantities.number(abs(100.0 * answer.changed), 2) if abs(answer.changed) > 5e-5 else "0.00"
-        model += f"; patches on approach, from which this map differs by {share} %"
-    yield from _row("model", model)
+    if answer.ways:
+        yield from _row("model", _model(answer))
     for scan in answer.spectrum.scans:
         limits = " to ".join(quantities.si(wave, "m", 3) for wave in (scan.shortest, scan.longest))
         yield from _row("reliable waves", f"{limits}{f' of {scan.name}' if len(answer.names) > 1 else ''}")
     both = " and ".join(quantities.si(cutoff, "m", 3) for cutoff in answer.cutoffs.both)
     yield from _row(
         "cut-offs",
-        f"{both}, {answer.cutoffs.why}; contacts are {quantities.si(answer.cutoffs.width, 'm', 2)} wide",
+        f"{both}, the smaller {answer.cutoffs.why}; contacts are {quantities.si(answer.cutoffs.width, 'm', 2)} wide",
     )
     for warning in answer.warnings:
         yield from _row("warning", warning)
+
+
+def _model(answer: Answer) -> str:
+    own = answer.ways[0].run.attrs
+    model = f"{own['law']}, {own['history']}"
+    if answer.changed is None:
+        return model
+    share = quantities.number(abs(100.0 * answer.changed), 2) if abs(answer.changed) > 5e-5 else "0.00"
+    return f"{model}; patches on approach, since pressing changes this map by {share} % only"
 
 
 def _table(answer: Answer) -> Iterator[str]:
@@ -118,16 +125,18 @@ def probability(answer: Answer) -> tuple[float, float, float]:
 
 def _distribution(answer: Answer) -> Iterator[str]:
     median = float(np.nanmedian(answer.forces))
-    area = quantities.si(answer.area, "m2", 3)
+    area, of_map = quantities.si(answer.area, "m2", 3), answer.ways[0].area
+    is_own = abs(math.log(answer.area / of_map)) < _OWN
+    own = "" if is_own or answer.ways[0].name != "map" else f" (this map has {quantities.si(of_map, 'm2', 3)})"
     yield from _row(
         "pull-off",
-        f"of {area}: half of the patches below {quantities.si(median, 'N', 3)}, 90 % from {_ends(answer.forces)}",
+        f"of {area}{own}: half of the patches below {quantities.si(median, 'N', 3)}, 90 % from {_ends(answer.forces)}",
     )
     if answer.above is not None:
         share, low, high = (100.0 * of for of in probability(answer))
         yield from _row(
             f"above {quantities.si(answer.above, 'N', 3)}",
-            f"P = {share:.1f} % ({low:.1f} to {high:.1f} % by cut-off)",
+            f"P = {share:.1f} % ({low:.1f} to {high:.1f} % by chance and cut-off)",
         )
 
 

@@ -104,7 +104,7 @@ def approaching(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def constants(tables: Mapping[str, Any]) -> dict[str, float]:
-    """E*, Pa, and Δγ, J/m², of a scene as the program reads it."""
+    """E*, Pa, Δγ, J/m², and with a hardness that, Pa, of a scene as the program reads it."""
     surface = {
         "asperity_radius": "1 um",
         "asperity_density": "1 /um^2",
@@ -113,7 +113,8 @@ def constants(tables: Mapping[str, Any]) -> dict[str, float]:
     }
     scene = {"material": tables.get("material", {}), "surface": surface}
     alone = experiments.run(scene, replicas=0, progress=False)
-    return {name: float(alone.attrs[name]) for name in ("reduced_modulus", "work_of_adhesion")}
+    names = ("reduced_modulus", "hardness", "work_of_adhesion")
+    return {name: float(alone.attrs[name]) for name in names if name in alone.attrs and math.isfinite(float(alone.attrs[name]))}
 
 
 def of_map(tables: Mapping[str, Any], surface: Surface, options: Mapping[str, Any]) -> Way:
@@ -154,7 +155,7 @@ def of_sigma(
         scene = _on(approaching(tables), {"spectrum": moved, "nominal_area": f"{area!r} m^2"})
         run = experiments.run(scene, **experiments.ONE_MODEL, **options)
         means.append(run.pull_off.mean_over_patches)
-    return means[0] / means[1] if min(means) > 0.0 else math.inf
+    return max(means) / min(means) if min(means) > 0.0 else math.inf
 
 
 def _spectrum(of: SpectralMoments) -> dict[str, Any]:
@@ -173,4 +174,4 @@ def _forces(run: Run) -> NDArray[np.float64]:
     preload = float(after["preload"])
     if math.isnan(preload):
         raise SceneError("instability.preload: no patch reaches it; give a smaller one, or a larger area")
-    return np.asarray(run.replicas[f"pull_off_after_preload[{preload!r} N]"].values, dtype=float)
+    return np.asarray(run["replicas/pull_off_after_preload"].sel(preload=preload).values, dtype=float)

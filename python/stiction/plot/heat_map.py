@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 from .. import quantities
 from ..errors import FileError
@@ -76,13 +77,17 @@ def heat_map(
     assert figure is not None
     figure.colorbar(mesh, ax=ax, label=folded(label(words_of(result, quantity, preload), sign)))
     if cells.size <= _WRITTEN:
+        written: list[Text] = []
         colours, dark = mesh.to_rgba(cells), ~(np.ma.filled(mesh.norm(cells), 0.0) >= 0.5)
         for (row, column), value in np.ndenumerate(cells):
             text = "–" if np.isnan(value) else quantities.number(float(value), 3)
             # Its own background keeps a number readable in a hatched cell.
             behind = {"facecolor": colours[row, column], "linewidth": 0.0, "pad": 1.0}
             color = "white" if dark[row, column] and not np.isnan(value) else "black"
-            ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small", bbox=behind)
+            written.append(ax.text(column + 0.5, row + 0.5, text, ha="center", va="center", color=color, fontsize="x-small", bbox=behind))
+        if not _are_narrow(ax, written, cells.shape[1]):
+            for one in written:
+                one.remove()
     invalid = invalid_points(result).squeeze(drop=True).transpose(along, across).values
     hatched = [Rectangle((column, row), 1.0, 1.0, fill=False, hatch="///", linewidth=0.0, label=INVALID) for row, column in np.argwhere(invalid)]
     for cell in hatched:
@@ -96,7 +101,18 @@ def heat_map(
         texts = [plain(value) if is_choice else f"{float(f'{value / key_factor:.4g}'):g}" for value in key.values]
         axis.set_ticks(np.arange(key.size) + 0.5, texts)
         axis.set_label_text(folded(label(plain(str(key.attrs.get("long_name", name))), plain(key_sign))))
+    if not _are_narrow(ax, ax.get_xticklabels(), cells.shape[1]):
+        ax.tick_params(axis="x", labelrotation=40.0)
     return ax
+
+
+def _are_narrow(ax: Axes, written: list[Text], columns: int) -> bool:
+    """Whether each text is narrower than its cell, as wide as the panel is now."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    # Some of a panel's width is taken by its labels and its bar of colours.
+    room = 0.72 * ax.get_window_extent().width / columns
+    return all(text.get_window_extent().width <= room for text in written)
 
 
 def _colours(cells: Any, quantity: str) -> Normalize:

@@ -242,3 +242,22 @@ def test_a_line_scan_has_no_patches(tmp_path, capsys):
 def test_moments_of_two_surfaces_are_in_the_order_of_toml():
     of = in_numbers(Moments(1e-18, 1e-4, 1e-4, 1e10, 0.0, 0.0))
     assert of.toml == 'spectrum = { m0 = "1 nm^2", m2 = 0.0001, m4 = "0.01 /um^2" }'
+
+
+def test_what_boundary_elements_need_is_found_without_runs(tmp_path, capsys):
+    """White noise in 8 nm pixels under long waves: the bandwidth is beyond any comparison, which is printed with the spectrum."""
+    noise = np.random.Generator(np.random.PCG64(2)).standard_normal((2, 128, 128))
+    for name, pixel, heights in (("small.npy", 8.0, noise[0]), ("large.npy", 64.0, noise[1])):
+        waves = np.cumsum(np.cumsum(heights, axis=0), axis=1)
+        np.save(tmp_path / name, heights + pixel * (waves - waves.mean()) / waves.std())
+    scans = [str(tmp_path / name) for name in ("small.npy", "large.npy")]
+    options = ["--height-unit", "nm", "--quiet", "-o", str(tmp_path / "answer.h5")]
+    assert main([*scans, *options, "--pixel", "8 nm; 64 nm; 1 nm"]) == 2
+    assert "one for each of the 2 scans is needed" in capsys.readouterr().err
+    assert main([*scans, *options, "--pixel", "8 nm; 64 nm"]) == 0
+    said = capsys.readouterr().out
+    assert "assessment        no: " in said and "! bandwidth      alpha = " in said and "pull-off" not in said
+    assert "reliable waves    256 nm" in said and "boundary elements solve the map itself" in said
+    with stiction.open_run(tmp_path / "answer.h5") as found:
+        assert found.tree.sizes["way"] == 0 and found.attrs["assessment"] == "no"
+        assert len(found.plot().axes) == 3

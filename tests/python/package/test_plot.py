@@ -525,3 +525,14 @@ def test_the_restoring_force_stands_in_the_histogram_of_pull_offs(result):
     assert f"restoring force, 600 µN: {quantities.number(100.0 * share, 3)} % above" in words
     forces = run["replicas/pull_off_after_preload"].sel(preload=run.after_preload()["preload"]).values
     assert share == np.mean(forces > 6e-4)
+
+
+def test_a_heat_map_writes_no_number_that_its_cells_cut(result):
+    """Many narrow cells have colours alone and turned ticks; where there is room numbers stand in them."""
+    sweep = result("heat_map")
+    for width, count in ((7.0, 9), (0.8, 0)):
+        figure = pyplot.figure(figsize=(width, 2.0))
+        ax = plot.heat_map(sweep, ax=figure.add_subplot())
+        assert len(ax.texts) == count, width
+        assert {text.get_rotation() for text in ax.get_xticklabels()} == ({0.0} if count else {40.0})
+        pyplot.close(figure)

@@ -227,7 +227,7 @@ fn stuck_patches(results: &Results) -> String {
     let preloads = &results.scene.instability.preload;
     if let Some(counts) = stuck(results) {
         let range = by_contact(results, |own| own.whole.stuck, percents);
-        return labelled(&label, &probability(counts)) + &range + &rare(counts);
+        return labelled(&label, &probability(counts)) + &range + &rare(results, counts);
     }
     let lines = preloads.iter().zip(snaps.places_of_turns()).enumerate().map(|(i, (preload, turn))| {
         let counts = snaps.stuck(turn, force);
@@ -243,15 +243,22 @@ fn stuck_patches(results: &Results) -> String {
         labelled(label, &format!("after {}: {of}", si(*preload, "N"))) + &range
     });
     let few = preloads.iter().zip(snaps.places_of_turns()).max_by(|a, b| a.0.total_cmp(b.0));
-    lines.collect::<String>() + &few.map_or(String::new(), |(_, turn)| rare(snaps.stuck(turn, force)))
+    lines.collect::<String>()
+        + &few.map_or(String::new(), |(_, turn)| rare(results, snaps.stuck(turn, force)))
 }
 
 /// Where to find a probability that few patches know.
-fn rare(counts: Counts) -> String {
+fn rare(results: &Results, counts: Counts) -> String {
+    let surface = &results.scene.surface;
+    // `stiction design` is of flat patches of one radius.
+    let is_known = surface.heights.depths().is_none() && !surface.is_polydisperse();
+    let advice = if is_known {
+        "stiction design finds probabilities of rare ones"
+    } else {
+        "more replicas know it better"
+    };
     match counts.snap {
-        0..FEW if counts.known > 0 => {
-            labelled("", "few patches decide: stiction design finds probabilities of rare ones")
-        }
+        0..FEW if counts.known > 0 => labelled("", &format!("few patches decide: {advice}")),
         _ => String::new(),
     }
 }
@@ -269,7 +276,7 @@ fn chances(counts: Counts) -> [String; 3] {
 fn probability(counts: Counts) -> String {
     let [share, low, high] = chances(counts);
     let rare = match counts.snap {
-        0 => "; rarer: stiction design, or more replicas",
+        0 => "; rarer: more replicas",
         _ => "",
     };
     format!("P = {share}, 95 % interval {low} to {high}{rare}")

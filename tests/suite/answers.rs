@@ -237,7 +237,9 @@ fn each_preload_has_columns_in_the_table_of_a_sweep() {
     assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
     let refused = text(&folder.stiction(&["info", "--csv", "--columns", "zzz", "scene.h5"]).stderr);
     assert!(
-        refused.contains("has no column `zzz`; there are pull_off_after_preload_mean, pull_off_after"),
+        refused.contains(
+            "has no column `zzz`; there are material_work_of_adhesion, pull_off_after_preload_mean,"
+        ),
         "{refused}"
     );
 }

@@ -636,6 +636,11 @@ fn tables_are_what_is_in_the_file() {
                 continue;
             }
             let stored = dataset.read_raw::<f64>().unwrap();
+            // Choices have names.
+            if header.starts_with("model_law") {
+                assert!(column(&csv, header).iter().all(|name| name.parse::<f64>().is_err()), "{csv}");
+                continue;
+            }
             // The keys of a grid stand at each of its points.
             if csv.lines().count() != stored.len() + 1 {
                 assert_eq!(name, "grid.h5");

@@ -296,7 +296,7 @@ def _checked(tables: Mapping[str, Any]) -> None:
     """Refuses scenes that neither tilts nor splitting know."""
     for table, content in tables.items():
         if isinstance(content, Mapping) and table not in _TABLES:
-            raise SceneError(f"{table}: rare patches are computed without this table; leave it out")
+            raise SceneError(f"{table}: rare patches are not computed with this table; `stiction run --above` with more replicas counts them")
     surface, ensemble = tables.get("surface", {}), tables.get("ensemble", {})
     for key in ("asperities", "spectrum", "summits", "radii"):
         if key in surface and surface[key] != "common":

@@ -166,7 +166,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
         way, _, color, _ = branches(run)[:2][-1]
         at = np.interp(place, x, means[way]) / unit
         marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
-        of = "whole loop" if isinstance(run, Run) and run.after_largest_preload is not None else "mean"
+        of = "mean curve of the whole loop" if isinstance(run, Run) and run.after_largest_preload is not None else "mean"
         marker[0].set_label(f"pull-off of the {of}, {quantities.si(pull, 'N')}")
         handles += marker
     handles += _snaps(run, ax, x, means, unit)

@@ -8,7 +8,7 @@ use crate::output::layouts::RUN;
 use crate::output::reader::{Description, Reader, Stored};
 use crate::output::schema::{ASPERITIES, Dimension, Layout};
 use crate::scene::echo::shortened;
-use crate::scene::nearest;
+use crate::scene::{SWEEPABLE, nearest};
 
 /// Dimensions of the rows by default, for files without points.
 const BY_DEFAULT: [(&Layout, Dimension); 2] =
@@ -64,7 +64,8 @@ impl Column {
     fn is_named(&self, name: &str) -> bool {
         let name = name.trim().trim_end_matches('/');
         let group = self.plain().split_once('/').map(|(group, _)| group);
-        name == self.name || name == self.plain() || group == Some(name)
+        let own = self.plain().rsplit('/').next();
+        name == self.name || name == self.plain() || group == Some(name) || own == Some(name)
     }
 }
 
@@ -92,7 +93,7 @@ pub(super) fn csv(reader: &Reader, by: Option<&str>, chosen: &Chosen<'_>) -> Res
             let problem = format!("has a dataset {} of the shape {:?}, not {shape:?}", own.path, own.shape);
             return Err(Failure::Usage(problem));
         }
-        let column = Column::new(name, fields(reader.stored(&own.path)?), own.is_coordinate);
+        let column = Column::new(name, of_key(own, reader.stored(&own.path)?), own.is_coordinate);
         columns.push(Column { is_wanted, ..column });
         Ok(())
     };
@@ -150,7 +151,7 @@ fn grid(reader: &Reader, scales: &[&Description], shape: &[usize]) -> Result<Vec
     let mut columns = Vec::new();
     for (i, scale) in scales.iter().enumerate() {
         let behind: usize = shape[i + 1..].iter().product();
-        let values = fields(reader.stored(&scale.path)?);
+        let values = of_key(scale, reader.stored(&scale.path)?);
         let rows = (0..shape.iter().product()).map(|row: usize| values[row / behind % shape[i]].clone());
         columns.push(Column::new(named(scale.names().1, scale), rows.collect(), true));
     }
@@ -309,6 +310,16 @@ fn named(name: &str, described: &Description) -> String {
 fn no_formula(text: String) -> String {
     let begins = text.trim_start().starts_with(['=', '+', '-', '@']);
     if begins && text.parse::<f64>().is_err() { format!("'{text}") } else { text }
+}
+
+/// The texts of a dataset; of a key of a sweep that chooses between names these.
+fn of_key(own: &Description, stored: Stored) -> Vec<String> {
+    let key =
+        SWEEPABLE.iter().find(|key| !key.names.is_empty() && own.path[1..] == key.name.replace('.', "_"));
+    match (key, stored) {
+        (Some(key), Stored::Numbers(values)) => values.iter().map(|value| key.shown(*value)).collect(),
+        (_, stored) => fields(stored),
+    }
 }
 
 fn fields(stored: Stored) -> Vec<String> {

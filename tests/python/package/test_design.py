@@ -430,7 +430,7 @@ def test_the_command_says_what_was_found(tmp_path, capsys):
 @pytest.mark.parametrize(
     "table, key, value, reported",
     [
-        ("electrostatic", "voltage", "1 V", "electrostatic: rare patches are computed without this table; leave it out"),
+        ("electrostatic", "voltage", "1 V", "electrostatic: rare patches are not computed with this table; `stiction run --above`"),
         ("surface", "radii", {"law": "gamma", "coefficient_of_variation": 0.3}, "surface.radii: .* one radius"),
         ("surface", "heights", {"law": "file", "path": "x.csv", "column": 1, "unit": "nm"}, "surface.heights.law = 'file'"),
         ("ensemble", "heights", {"path": "x.csv", "column": 1, "unit": "nm"}, "ensemble.heights: patches are drawn"),

@@ -284,7 +284,7 @@ def test_curves_bands_and_markers_of_forces_are_those_of_the_file(result, name):
     wide = bands[2 if loop else 0]
     assert wide.min() == pytest.approx(quantile[0].min()) and wide.max() == pytest.approx(quantile[4].max())
     # The marker of the pull-off sits on the curve.
-    of = "mean" if run.after_largest_preload is None else "whole loop"
+    of = "mean" if run.after_largest_preload is None else "mean curve of the whole loop"
     marker = next(line for label, line in lines(ax).items() if label.startswith(f"pull-off of the {of}"))
     place, force = (float(of[0]) for of in marker.get_data())
     assert force * unit == pytest.approx(np.interp(place, run["ensemble/h_star"].values, mean), rel=1e-12)

@@ -32,8 +32,8 @@ __all__ = [
 
 #: Largest factor of an answer.
 LARGEST_FACTOR = 3.0
-# Convention: md and dmt are 1.5 times, md_kim 2.6 times the pull-off of boundary elements on one map (docs/my-afm-map.md); of loads
-# it is up to 1.25 (docs/coupling.md).
+# Convention: by md the shipped map has 1.4 times the pull-off of boundary elements (docs/my-afm-map.md); of loads it is up to 1.25
+# (docs/coupling.md).
 _SHAPE = 1.6
 # Wave from maximum to maximum over the cut-off: white noise has 0.96, a self-affine surface with a Hurst exponent of 0 has 1.36.
 _NOISE = 1.2

@@ -23,7 +23,7 @@ _OWN = 0.1
 _LEVEL = 0.95
 # Where to go, by the advice of a criterion.
 _ADVICE = {
-    "boundary elements": "boundary elements solve the map itself, with contacts that merge: export it by `stiction asperities MAP -o map.h5`, "
+    "boundary elements": "boundary elements solve the map itself, with contacts that merge: export it by `stiction asperities MAP --smooth CUT-OFF -o levelled.h5`, "
     "then docs/my-afm-map.md#boundary-elements",
     "couple": "couple the summits of the map through the substrate: --set substrate.coupling=patch",
     "scan": "scan again with smaller pixels, less noise or a larger area",

@@ -306,6 +306,8 @@ def _run(run: Run) -> Facts:
         level, single = f"{100 * quoted.interval_level:g} %", quoted.replicas == 1
         note = "of one patch: it has no standard error" if single else f"mean over {quoted.replicas} patches and its standard error"
         note = quoted.agreement or note
+        if "coupling" not in run and str(run["independence"].attrs["verdict"]) == "invalid":
+            note = f"not to be quoted, since asperities are not independent; {note}"
         after = "" if quoted.preload is None else f" after {quantities.si(quoted.preload, 'N', 3)}"
         numbers = [Number(f"pull-off force{after}", str(quoted), note, quoted.mean_over_patches, quoted.standard_error)]
         if not single and not quoted.agreement:

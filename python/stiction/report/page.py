@@ -185,6 +185,11 @@ def _rows(rows: Sequence[tuple[str, str]]) -> str:
     return f"<table class=pairs><tbody>{cells}</tbody></table>"
 
 
+def _as_words(words: str) -> str:
+    """A caption without the signs of formulas: h* for $h^*$."""
+    return re.sub(r"\$([^$]*)\$", lambda found: found[1].replace("^", ""), words)
+
+
 def _grid(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "", kind: str = "") -> str:
     head = "".join(f"<th scope=col>{escape(name)}</th>" for name in header)
     cells = "".join(f"<tr>{''.join(map(_table_cell, row))}</tr>" for row in rows)
@@ -252,7 +257,7 @@ def _figure(result: Result, name: str, number: int) -> str:
     links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
     return (
         f'<figure id="figure-{number}">{_svg(drawing, f"f{number}-", words)}'
-        f"<figcaption>{escape(caption.partition(chr(10))[0])}</figcaption>"
+        f"<figcaption>{escape(_as_words(caption.partition(chr(10))[0]))}</figcaption>"
         f"<details class=data-of-figure><summary>Data of {escape(words)}</summary>{''.join(links)}</details></figure>"
     )
 
@@ -345,5 +350,5 @@ def _provenance(result: Result) -> list[tuple[str, str]]:
         group = result["diagnostics"]
         seconds = float(group["seconds"].values.sum())
         threads = int(group["threads"].values.max())
-        rows.append(("computed in", f"{quantities.number(seconds, 3)} s on {quantities.counted(threads, 'thread')}" + f", {group.attrs['instruction_set']}" * ("instruction_set" in group.attrs)))
+        rows.append(("computed in", f"{quantities.number(seconds, 3)} s on {quantities.counted(threads, 'thread')}" + (f", {instructions}" if (instructions := group.attrs.get("instruction_set", "")) else "")))
     return rows

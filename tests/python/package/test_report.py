@@ -95,7 +95,7 @@ def test_probabilities_of_a_device_are_of_every_preload(result):
     ranges = sweep.group("model_range")["stuck_probability_after_preload"]
     expected, means = [], []
     for point, energy in enumerate(("20.00 mJ/m²", "50.00 mJ/m²")):
-        for place, load in ((1, "10.0 N"), (0, "1.00 mN")):
+        for place, load in ((0, "1.00 mN"), (1, "10.0 N")):
             share, low, high = (float(device[f"stuck_probability{end}_after_preload"][point, place]) for end in ("", "_low", "_high"))
             mean = float(after["pull_off_after_preload_mean"][point, place])
             means.append([energy, load, "–" if np.isnan(mean) else quantities.si(mean, "N", 3).split(" ")[1]])

@@ -25,7 +25,8 @@ use std::path::{Path, PathBuf};
 /// # Examples
 /// ```no_run
 /// for point in stiction::sweep("configs/sweep_roughness.toml", "roughness.h5")? {
-///     println!("{:.3e} N ± {:.0e} N", point.pull_off[0], point.pull_off[1]);
+///     let [mean, error] = point.pull_offs[0].force;
+///     println!("{mean:.3e} N ± {error:.0e} N");
 /// }
 /// # Ok::<(), stiction::Error>(())
 /// ```

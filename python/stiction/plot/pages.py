@@ -11,6 +11,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..errors import FileError
 from ..finite_size.study import is_study, study
@@ -221,6 +222,10 @@ def _give_room(figure: Figure, grid: GridSpec, rows: list[list[Axes]], title: bo
     heights = [_AXES + _LINE * max(legend_rows(ax) for ax in row) + (_MAP if any(ax.images for ax in row) else 0.0) for row in rows]
     grid.set_height_ratios(heights)
     figure.set_figheight(sum(heights) + (0.3 if title else 0.0))
+    # Legends above the highest panels are a pixel higher than the layout takes them for.
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(h_pad=0.06)
 
 
 def _of_finding(result: Finding, width: str | float | None) -> Figure:

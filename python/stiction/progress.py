@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 # Seconds until the first line of a log, and at least and at most between lines: each interval is twice the one before.
 _FIRST, _APART, _MOST = 10.0, 10.0, 60.0
-# Seconds between times that a bar shows, and characters of its words: those of the work around go first.
+# Seconds between times that a bar shows, and characters of its words; the words of the work around it are cut first.
 _SHOWN, _WORDS = 1.0, 42
 
 
@@ -69,7 +69,7 @@ def work(words: str = "", progress: bool | None = None) -> Iterator[None]:
     words : str
         Such as ``batch 2``; none of their own.
     progress : bool, optional
-        Whether its bars are shown, as in `Bar`; None: as those of the work around it.
+        Whether its bars are shown, as in `Bar`; None: as the work around it shows its own.
     """
     shown, before = _around.get()
     token = _around.set((shown if progress is None else progress, ": ".join(part for part in (before, words) if part)))

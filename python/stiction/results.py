@@ -6,9 +6,9 @@ import math
 import re
 import shutil
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -363,12 +363,18 @@ class _Curves(Result):
         of = self.group("device") if pressed is None else pressed
         return of[[f"stuck_probability{end}" for end in ("", "_low", "_high")]]
 
+    @property
+    def restoring_force(self) -> float | None:
+        """The restoring force of the device, N; None without one, and where the points of a sweep differ in it."""
+        forces = np.unique(self["device/restoring_force"].values) if "device" in self else np.zeros(0)
+        return float(forces[0]) if forces.size == 1 else None
+
     def _stuck(self) -> list[tuple[str, str]]:
         """The lines of a device: probabilities with their intervals, of a sweep the smallest and the largest of its points."""
         if "device" not in self or not self.has_replicas:
             return []
-        force = np.unique(self["device/restoring_force"].values)
-        label = f"above {quantities.si(force[0], 'N')}" if force.size == 1 else "stuck"
+        force = self.restoring_force
+        label = "stuck" if force is None else f"above {quantities.si(force, 'N')}"
         rows = []
         loads: list[float | None] = [*self.preloads]
         for preload in loads or [None]:
@@ -388,7 +394,7 @@ class _Curves(Result):
     @cached_property
     def after_largest_preload(self) -> xarray.Dataset | None:
         """Pull-off after the largest preload that replicas reach; see `after_preload`."""
-        return self.after_preload()
+        return self._pulled(None)
 
     def after_preload(self, preload: Any = None) -> xarray.Dataset | None:
         """Pull-off after a preload, of a sweep at each point; None for a scene without preloads or without replicas.
@@ -410,11 +416,15 @@ class _Curves(Result):
         SceneError
             The scene has no such preload.
         """
+        return self.after_largest_preload if preload is None else self._pulled(preload)
+
+    def _pulled(self, preload: Any) -> xarray.Dataset | None:
+        """As `after_preload`, computed anew."""
         if not self.has_preload or not self.has_replicas:
             if preload is not None:
                 is_preload(xarray.DataArray([np.nan]), preload)
             return None
-        group, of = self.group("instability"), partial(self._after, preload=preload)
+        group, of = self.group("instability"), self._after(preload)
         names = {"mean_over_patches": "mean", "standard_error": "standard_error", "interval": "interval", "std": "std"}
         found = {name: of(group[f"pull_off_after_preload_{own}"]) for name, own in names.items()}
         found["count"] = of(group["preload_reached_count"])
@@ -426,13 +436,13 @@ class _Curves(Result):
                 found[name] = of(device[f"{name}_after_preload"])
         return xarray.Dataset(found)
 
-    def _after(self, array: xarray.DataArray, preload: Any = None) -> xarray.DataArray:
-        """Values after a preload, by default the largest that replicas reach; NaN where they do not reach it."""
+    def _after(self, preload: Any) -> Callable[[xarray.DataArray], xarray.DataArray]:
+        """What takes values after a preload, by default the largest that replicas reach; they are NaN where replicas do not reach it."""
         known = self.group("instability")["preload"]
         chosen = known.notnull() if preload is None else is_preload(known, preload)
         reached = chosen & (self.group("instability")["preload_reached_count"] > 0)
-        largest = known.where(reached, -np.inf).argmax("preload")
-        return array.isel(preload=largest).where(reached.any("preload")).drop_vars("preload", errors="ignore")
+        place, is_reached = known.where(reached, -np.inf).argmax("preload"), reached.any("preload")
+        return lambda array: array.isel(preload=place).where(is_reached).drop_vars("preload", errors="ignore")
 
     @cached_property
     def model_range(self) -> xarray.Dataset | None:
@@ -464,10 +474,11 @@ class _Curves(Result):
         group = self.group("model_range")
         found = {str(name): of for name, of in group.data_vars.items() if not str(name).endswith("_after_preload")}
         if self.has_preload and self.has_replicas:
+            of = self._after(preload)
             for name, own in (("pull_off_force", "pull_off_after_preload"), ("stuck_probability", "stuck_probability_after_preload")):
                 found.pop(name, None)
                 if own in group:
-                    found[name] = self._after(group[own], preload)
+                    found[name] = of(group[own])
         return xarray.Dataset(found)
 
     @cached_property

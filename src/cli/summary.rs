@@ -133,20 +133,13 @@ fn pull_off(results: &Results) -> String {
         let below = below.as_deref().unwrap_or(FEW_FOR_QUANTILES);
         text += &labelled("patches", &format!("{below}; std {}", percent(std / mean.abs())));
     }
-    let at_edge = replicas.iter().filter(|replica| is_at_edge(replica, &results.scene.separations)).count();
+    let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
         text += &paragraph(&format!(
             "at least {at_edge} have it at the edge of the separations: it may lie beyond, widen [separation]"
         ));
     }
     text
-}
-
-/// Whether a replica is pulled off at an end of the separations, or within a step of it, where a law that jumps may have a minimum.
-fn is_at_edge(replica: &Replica, separations: &[f64]) -> bool {
-    let [_, second, .., last_but_one, _] = separations else { return replica.pull_off_at_edge };
-    let place = replica.pull_off_separation;
-    replica.pull_off_force > 0.0 && (replica.pull_off_at_edge || place < *second || place > *last_but_one)
 }
 
 /// The range of a number over the plastic contacts, from the smallest on, where contacts yield.

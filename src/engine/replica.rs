@@ -44,8 +44,8 @@ pub struct Replica {
     pub peak_secant_stiffness: f64,
     /// Separation h in the middle of the span there, m.
     pub peak_secant_stiffness_separation: f64,
-    /// Whether the smallest force is at the first or last separation, so that the curve may fall further
-    /// beyond.
+    /// Whether the smallest force is at the first or last separation, or within a step of them, where a law that jumps may have it,
+    /// so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
     /// The record of it as a loop, if it is one; all above is then of the retraction.
     pub cycle: Option<Box<Cycle>>,
@@ -95,6 +95,11 @@ impl CoupledReplica {
     }
 }
 
+/// Whether a place is in the first or the last step of separations.
+fn is_in_end_step(place: f64, separations: &[f64]) -> bool {
+    matches!(separations, [_, second, .., before, _] if place < *second || place > *before)
+}
+
 impl Replica {
     /// The record of a surface of `count` asperities whose curves are known; its snaps are left in these, and the
     /// attraction of the mean planes in the external force.
@@ -118,7 +123,7 @@ impl Replica {
         let (branch, samples) = (reversal.map_or(Branch::Approach, Branch::Retraction), job.samples(pulled));
         let pull_off = surface.find(Sought::PullOff, branch, &samples);
         (kept.pull_off_force, kept.pull_off_separation) = (-pull_off.value, pull_off.place);
-        kept.pull_off_at_edge = pull_off.at_edge;
+        kept.pull_off_at_edge = pull_off.at_edge || is_in_end_step(pull_off.place, job.separations);
         let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
         let stiffest = |span| surface.find(Sought::Stiffness(span), branch, &samples);
         kept.stiffest(&job.protocol.stiffness_span.map_or(unknown, stiffest));

@@ -4,6 +4,7 @@ use super::error::{SceneError, Together};
 use super::keys::Sign::{NotNegative, Positive};
 use super::keys::Value::{OneOrMore, Quantity, Table};
 use super::keys::{Key, key};
+use super::lookup::repeated;
 use super::reader::{Entry, Section};
 use super::units::Dimension as Of;
 use crate::integral::substrate_stiffness;
@@ -124,7 +125,7 @@ fn one_or_more<T: PartialEq>(
         .enumerate()
         .map(|(i, element)| read(&entry.element(i, element)))
         .collect::<Result<_, _>>()?;
-    if let Some(twice) = (1..values.len()).find(|at| values[..*at].contains(&values[*at])) {
+    if let Some(twice) = repeated(&values) {
         return Err(entry.element(twice, &array[twice]).wrong("is given twice; give it once"));
     }
     Ok(values)

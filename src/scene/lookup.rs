@@ -115,6 +115,11 @@ fn tabled_table(name: &str) -> String {
     }
 }
 
+/// The place of the first value that stands before, too.
+pub fn repeated<T: PartialEq>(values: &[T]) -> Option<usize> {
+    (1..values.len()).find(|at| values[..*at].contains(&values[*at]))
+}
+
 /// The known name that a misspelt one most likely means; none where it is too long to mean any.
 pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     if given.len() > LONGEST_NAME {

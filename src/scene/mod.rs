@@ -61,7 +61,7 @@ pub use instability::Instability;
 pub use keys::{Absent, Key, Sign, Value};
 #[doc(hidden)]
 pub(crate) use lookup::former_value;
-pub use lookup::nearest;
+pub use lookup::{nearest, repeated};
 #[doc(hidden)]
 pub use mode::MOST_POINTS;
 pub use mode::Mode;

@@ -10,7 +10,7 @@ use crate::asperity::scale::{Asperity, STRESS_RATIO};
 use crate::asperity::{Adhesion, LARGEST_DMT_LAMBDA, LARGEST_ELASTIC_PSI, Model, Plasticity};
 use crate::asperity::{Law, PlasticContact};
 use crate::background::VanDerWaals;
-use crate::format::{si, signed_percent};
+use crate::format::{counted, si, signed_percent};
 use crate::integral::{HIGHEST, LARGEST_CONTACT, LARGEST_SHARE, substrate_stiffness};
 use crate::substrate::Coupling;
 use crate::surface::{HeightLaw, Radii};
@@ -409,8 +409,7 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
         let finding = format!("{contacts:.1e} contacts are expected {place}");
         (finding, "nothing touches, only attraction across the gap is computed".to_owned())
     } else {
-        let expected =
-            if contacts < 1.5 { "1 contact is".to_owned() } else { format!("{contacts:.0} contacts are") };
+        let expected = counted(contacts.round_ties_even() as u64, "contact is", "contacts are");
         let finding = format!("only {expected} expected {place}, fewer than {FEWEST_CONTACTS}");
         (
             finding,

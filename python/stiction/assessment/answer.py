@@ -25,7 +25,7 @@ class Answer:
     names : list of str
         The scans, the largest first.
     template : bool
-        Whether material and model are those of the template.
+        Whether material and model come from the template.
     surfaces : list of Surface
         Of a single map behind both cut-offs, of several scans the largest one levelled.
     spectrum : PowerSpectrum

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,6 @@ from ..opened import Finding, Place
 from ..scenes import Scene, named_files
 
 if TYPE_CHECKING:
-    from ..maps.combine import PowerSpectrum
     from ..maps.moments import SpectralMoments
     from ..maps.surface import Surface
     from .answer import Answer
@@ -155,18 +155,30 @@ def _count(replicas: Any) -> int:
 
 
 def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides: Mapping[str, Any]) -> Answer:
+    from ..maps.combine import read_scans
+    from ..maps.moments import in_numbers
+    from ..maps.surface import found_on
     from . import criteria, ways
     from .answer import Answer
     from .cutoffs import chosen, contact_width
 
-    surfaces, spectrum = _surfaces(scans, asked)
+    if not scans:
+        raise SceneError("maps: one map or more are needed")
+    surfaces, spectrum = read_scans(scans, asked.reading, asked.levelling, asked.tip)
+    surfaces.sort(key=lambda one: -one.area)
     largest = surfaces[0]
     tables = ways.tables_of(scene, overrides)
     of = ways.constants(tables)
     sides = [count * step for count, step in zip(largest.grid.heights.shape, largest.grid.steps, strict=True)]
 
+    @cache
+    def smoothed(cutoff: float) -> Surface:
+        """The summits of the largest map behind a cut-off, m."""
+        return found_on(largest.map, replace(largest.steps, smooth=cutoff), largest.map.name)
+
     def moments(cutoff: float) -> SpectralMoments:
-        return _moments(surfaces, spectrum, cutoff)
+        """Moments behind a cut-off, m: of the map itself, or of the combined spectrum of several scans."""
+        return in_numbers(smoothed(cutoff).moments) if len(surfaces) == 1 else spectrum.moments(cutoff)
 
     try:
         cutoffs = chosen(
@@ -178,7 +190,7 @@ def _answer(scans: Sequence[Any], scene: Scene | None, asked: _Asked, overrides:
     except SceneError as error:
         raise SceneError(f"{largest.map.name}: {error}") from None
     area = asked.area or math.prod(sides)
-    smooth = [_smoothed(largest, cutoff) for cutoff in cutoffs.both] if len(surfaces) == 1 else []
+    smooth = [smoothed(cutoff) for cutoff in cutoffs.both] if len(surfaces) == 1 else []
     errors, first = criteria.sampling(largest.grid), moments(cutoffs.smaller)
     met = [
         *criteria.of_surface(largest.moments, errors),
@@ -219,45 +231,3 @@ def _by_history(
     force = ways.of_map(ways.approaching(tables), smooth[0], runs).forces[0]
     changed = float(own[0].forces[0] / force - 1.0) if force > 0.0 else math.inf
     return changed if abs(changed) <= _CHANGED else None
-
-
-def _surfaces(scans: Sequence[Any], asked: _Asked) -> tuple[list[Surface], PowerSpectrum]:
-    """The levelled maps, the largest first, and their spectrum."""
-    from ..maps.combine import combined, of_scan, tip_radius
-    from ..maps.reading import read_map
-    from ..maps.surface import found_on, steps_of
-
-    if not scans:
-        raise SceneError("maps: one map or more are needed")
-    steps = steps_of(**asked.levelling, smooth=None, prominence=None, min_distance=None, cutoffs=None)
-    tip, surfaces = tip_radius(asked.tip), []
-    for scan, pixel in zip(scans, _pixels(asked.reading["pixel"], len(scans)), strict=True):
-        found = read_map(scan, **{**asked.reading, "pixel": pixel})
-        surfaces.append(found_on(found, steps, str(scan) if isinstance(scan, str | Path) else "map"))
-    spectrum = combined([of_scan(one.grid, one.map.name, tip) for one in surfaces])
-    return sorted(surfaces, key=lambda one: -one.area), spectrum
-
-
-def _pixels(given: Any, count: int) -> list[Any]:
-    """The pixel of each scan: of several scans a list has one for each, everything else is of all."""
-    if count == 1 or not isinstance(given, list):
-        return [given] * count
-    if len(given) != count:
-        raise SceneError(f"pixel = {given!r}: one for each of the {count} scans is needed")
-    return given
-
-
-def _smoothed(surface: Surface, cutoff: float) -> Surface:
-    """The summits of a map behind a cut-off, m."""
-    from ..maps.surface import found_on
-
-    return found_on(surface.map, replace(surface.steps, smooth=cutoff), surface.map.name)
-
-
-def _moments(surfaces: Sequence[Surface], spectrum: PowerSpectrum, cutoff: float) -> SpectralMoments:
-    """Moments behind a cut-off, m: of a single map its own, of several scans those of their spectrum."""
-    from ..maps.moments import in_numbers
-
-    return (
-        in_numbers(_smoothed(surfaces[0], cutoff).moments) if len(surfaces) == 1 else spectrum.moments(cutoff)
-    )

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import files
-from ..errors import StictionError
 from ..maps.options import READING, add, as_options, reading
 from ..maps.surface import check_outputs
 from ..scenes import setting
@@ -67,10 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(given_words(arguments))
 
     def work() -> None:
-        try:
+        with as_options(given):
             _map(given)
-        except StictionError as error:
-            raise type(error)(as_options(str(error), given), error.exit_code) from None
 
     return ended("stiction map", work, is_long=True)
 

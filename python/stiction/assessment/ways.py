@@ -118,7 +118,7 @@ def constants(tables: Mapping[str, Any]) -> dict[str, float]:
 
 
 def of_map(tables: Mapping[str, Any], surface: Surface, options: Mapping[str, Any]) -> Way:
-    """The map itself: its summits as they are, once. The options are those of `stiction.run`."""
+    """The run of the map itself: one replica that has the summits of the map. The options go to `stiction.run`."""
     with files.Folder() as folder:
         path = folder / "map.h5"
         write(path, surface, "", force=False, inputs=[])

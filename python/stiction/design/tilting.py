@@ -150,7 +150,7 @@ class Mixture:
     shares: Array
 
     def drawn(self, patches: int, rng: np.random.Generator, words: str) -> Drawn:
-        """Patches, of each law as many as its fraction on average; `words` are those of their progress."""
+        """Draws patches, from each law its fraction of them on average; `words` name their progress."""
         places = (np.arange(patches) + rng.random()) / patches
         laws = np.searchsorted(np.cumsum(self.shares), places, side="right").clip(0, self.shares.size - 1)
         step = max(min(int(_HEIGHTS / self.patch.count), _NUMBERS // _CELLS), 1)

@@ -8,7 +8,7 @@ L. Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001; of the tip A. Sanner 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,8 +23,9 @@ from .moments import SpectralMoments, in_numbers
 
 if TYPE_CHECKING:
     from .level import Grid
+    from .surface import Surface
 
-__all__ = ["PowerSpectrum", "ScanSpectrum", "combine_spectra", "combined", "of_scan", "tip_radius"]
+__all__ = ["PowerSpectrum", "ScanSpectrum", "combine_spectra", "combined", "of_scan", "read_scans", "tip_radius"]
 
 Array = NDArray[np.float64]
 
@@ -146,7 +147,7 @@ def combine_spectra(
     tip : float or str, optional
         Radius R of the tip, a number in m or a text with a unit. By default pixels alone limit the waves.
     pixel, height_unit, channel, factor, mask, level_rows, level : optional
-        As of `find_asperities`, for all scans.
+        As of `find_asperities`, for all scans; a list `pixel` has one for each.
 
     Returns
     -------
@@ -167,18 +168,49 @@ def combine_spectra(
     """
     if isinstance(scans, str | Path) or not isinstance(scans, Sequence) or not scans:
         raise SceneError("scans: a list of maps is needed, such as ['1um.spm', '10um.spm']")
+    reading = {"pixel": pixel, "height_unit": height_unit, "channel": channel, "factor": factor, "mask": mask}
+    return read_scans(scans, reading, {"level": level, "level_rows": level_rows}, tip)[1]
+
+
+def read_scans(
+    scans: Sequence[Any], reading: Mapping[str, Any], levelling: Mapping[str, Any], tip: Any
+) -> tuple[list[Surface], PowerSpectrum]:
+    """The levelled scans in their order, and their combined spectrum.
+
+    Parameters
+    ----------
+    scans : sequence of maps
+        As `find_asperities` takes them, one or more.
+    reading, levelling : mapping
+        Arguments of `read_map`, and `level` and `level_rows`; a list `pixel` has one for each of several scans.
+    tip : float or str, optional
+        As of `combine_spectra`.
+
+    Raises
+    ------
+    SceneError
+        As of `combine_spectra`.
+    """
     # SciPy takes as long to import as the rest of the package.
     from .reading import read_map
     from .surface import found_on, steps_of
 
     radius = tip_radius(tip)
-    steps = steps_of(level, level_rows, smooth=None, prominence=None, min_distance=None, cutoffs=None)
-    found = []
-    for scan in scans:
-        one = read_map(scan, pixel=pixel, height_unit=height_unit, channel=channel, factor=factor, mask=mask)
+    steps = steps_of(**levelling, smooth=None, prominence=None, min_distance=None, cutoffs=None)
+    surfaces = []
+    for scan, pixel in zip(scans, _pixels(reading["pixel"], len(scans)), strict=True):
         called = str(scan) if isinstance(scan, str | Path) else "map"
-        found.append(of_scan(found_on(one, steps, called).grid, one.name, radius))
-    return combined(found)
+        surfaces.append(found_on(read_map(scan, **{**reading, "pixel": pixel}), steps, called))
+    return surfaces, combined([of_scan(one.grid, one.map.name, radius) for one in surfaces])
+
+
+def _pixels(given: Any, count: int) -> list[Any]:
+    """The pixel of each scan: a list has one for each of several scans, everything else is of all."""
+    if count == 1 or not isinstance(given, list):
+        return [given] * count
+    if len(given) != count:
+        raise SceneError(f"pixel = {given!r}: one for each of the {count} scans is needed")
+    return given
 
 
 def tip_radius(tip: Any) -> float | None:
@@ -232,7 +264,7 @@ def of_scan(grid: Grid, name: str, tip: float | None) -> ScanSpectrum:
     if not shortest < longest:
         raise SceneError(
             f"{name}: no wave is reliable: pixels{' and tip' if tip else ''} need {quantities.si(shortest, 'm', 3)} or more, "
-            f"and a third of the side is {quantities.si(longest, 'm', 3)}; leave this scan out"
+            f"and a third of the side is {quantities.si(longest, 'm', 3)}; leave this scan out, or take a larger one"
         )
     return ScanSpectrum(name, min(sides), mean_q, mean, modes[some].astype(float), longest, shortest)
 

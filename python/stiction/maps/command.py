@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import SceneError, StictionError
+from ..errors import SceneError
 from ..progress import Bar
 from ..terminal import ended, given_words
 from .figure import draw
@@ -61,10 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(given_words(arguments))
 
     def work() -> None:
-        try:
+        with as_options(given):
             _asperities(given)
-        except StictionError as error:
-            raise type(error)(as_options(str(error), given), error.exit_code) from None
 
     return ended("stiction asperities", work)
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..errors import StictionError
 from ..terminal import whole
 from .level import LEVELS, ROWS
 
@@ -44,8 +47,13 @@ def reading(given: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(given, name) for name in ("pixel", "height_unit", "channel", "factor", "mask")}
 
 
-def as_options(message: str, given: argparse.Namespace) -> str:
-    """A message with the arguments that it names as options of the command."""
+@contextlib.contextmanager
+def as_options(given: argparse.Namespace) -> Iterator[None]:
+    """Errors name options of the command where they named arguments."""
     # `ended` has its own words for force=True.
     names = "|".join(sorted(vars(given).keys() - {"force"}, key=len, reverse=True))
-    return re.sub(rf"(?<![\w-])({names}) ?= ?", lambda found: f"--{found[1].replace('_', '-')} ", message)
+    try:
+        yield
+    except StictionError as error:
+        said = re.sub(rf"(?<![\w-])({names}) ?= ?", lambda found: f"--{found[1].replace('_', '-')} ", str(error))
+        raise type(error)(said, error.exit_code) from None

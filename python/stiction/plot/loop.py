@@ -196,8 +196,8 @@ def preloads(run: Run, ax: Axes | None = None) -> Axes:
             there / unit, color=BLUE, linestyle=DASHED, label=f"on approach, {quantities.si(there, 'N')}"
         )
     )
-    if "device/restoring_force" in run:
-        restoring = float(values(run, "device/restoring_force"))
+    restoring = run.restoring_force
+    if restoring is not None:
         words = f"restoring force, {quantities.si(restoring, 'N')}"
         handles.append(ax.axhline(restoring / unit, color="black", linestyle=DASH_DOT, label=words))
     places(ax, preload[reached] / load)
@@ -221,17 +221,17 @@ def stuck(run: Run, ax: Axes | None = None) -> Axes:
     if not known.any():
         return empty(ax, "no preload is reached")
     load, sign = scaled("N", preload[known])
-    restoring = quantities.si(float(values(run, "device/restoring_force")), "N")
+    restoring = float(run["device/restoring_force"])
     handles: list[Any] = [
         ax.fill_between(preload[known] / load, low[known], high[known], color=VERMILION, alpha=0.2, linewidth=0,
                         label="95 % interval"),
         *ax.plot(preload[known] / load, share[known], "o-", color=VERMILION, markersize=3, clip_on=False,
-                 label=f"pull-off force above {restoring}"),
+                 label=f"pull-off force above {quantities.si(restoring, 'N')}"),
         *_model_range(ax, run, "stuck_probability_after_preload", preload / load),
     ]  # fmt: skip
     places(ax, preload[known] / load)
     ax.set_xlabel(label("preload", sign))
-    probability(ax, f"probability to stay adhered\nunder {quantities.si(float(values(run, 'device/restoring_force')), 'N', 3)}")
+    probability(ax, f"probability to stay adhered\nunder {quantities.si(restoring, 'N', 3)}")
     legend(ax, handles)
     return ax
 

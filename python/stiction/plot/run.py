@@ -410,8 +410,9 @@ def pull_off(run: Run, ax: Axes | None = None, *, preload: Any = None) -> Axes:
         ]
     for value, words, line in lines:
         handles.append(ax.axvline(value / unit, color="black", linestyle=line, label=words))
-    if "device" in run and 0.3 * of_replicas.min() < float(run["device/restoring_force"]) < 3.0 * of_replicas.max():
-        force, share = (float(of) for of in (run["device/restoring_force"], run.stuck_after(preload)["stuck_probability"]))
+    force = run.restoring_force
+    if force is not None and 0.3 * of_replicas.min() < force < 3.0 * of_replicas.max():
+        share = float(run.stuck_after(preload)["stuck_probability"])
         words = f"restoring force, {quantities.si(force, 'N', 3)}: {quantities.number(100.0 * share, 3)} % above"
         handles.append(ax.axvline(force / unit, color=PINK, linestyle=":", label=words))
     ax.set(xlabel=label("pull-off force", sign), ylabel="patches")

@@ -128,8 +128,8 @@ def words_of(result: Sweep, quantity: str, preload: Any = None) -> str:
     """A quantity in words, with the restoring force and the preload that it is of, where all points have one."""
     words = QUANTITIES[quantity].words
     if quantity == "stuck":
-        forces = np.unique(result["device/restoring_force"].values)
-        words += f"\nunder {quantities.si(forces[0], 'N', 3)}" if forces.size == 1 else "\nunder the restoring force"
+        force = result.restoring_force
+        words += "\nunder the restoring force" if force is None else f"\nunder {quantities.si(force, 'N', 3)}"
     pressed = result.after_preload(preload)
     if pressed is not None and quantity in ("stuck", "pull_off_force", "pull_off_scatter"):
         loads = np.unique(pressed["preload"].values[np.isfinite(pressed["preload"].values)])
@@ -196,7 +196,7 @@ def _curves(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple
 
 
 def _of_zip(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple[str, dict[str, Any]]]]:
-    """The curves of points that are not a grid: one, or where places are those of several points one for each value of another key."""
+    """The curves of points that are not a grid: one curve, or, where several points share a place, one for each value of another key."""
     points, place = str(next(iter(result.points.dims))), result[across].values
     keys = [key.replace(".", "_") for key in result.keys]
     for other in [by] if by else [name for name in keys if name != across]:
@@ -211,7 +211,7 @@ def _of_zip(result: Sweep, across: str, by: str | None) -> tuple[str, list[tuple
 
 
 class _Shown(NamedTuple):
-    """What is drawn of a quantity at all points, or of those of a curve, where they are arrays."""
+    """The drawn numbers of a quantity: at all points, or as arrays at the points of one curve."""
 
     mean: Any
     error: Any
@@ -220,7 +220,7 @@ class _Shown(NamedTuple):
     invalid: Any
 
     def of(self, chosen: dict[str, Any], factor: float) -> _Shown:
-        """The arrays of a curve, in units of the axis; those of the error have a dimension for its ends where it has."""
+        """The arrays of a curve, in units of the axis; the error keeps its dimension of ends."""
 
         def values(array: xarray.DataArray) -> Any:
             return array.isel(chosen).values.ravel() / factor

@@ -589,8 +589,8 @@ def _rows(tables: list[list[list[str]]]) -> list[list[str]]:
 
 
 def _restoring(result: Run | Sweep) -> str:
-    force = np.unique(result["device/restoring_force"].values)
-    return quantities.si(force[0], "N") if force.size == 1 else "the restoring force"
+    force = result.restoring_force
+    return "the restoring force" if force is None else quantities.si(force, "N")
 
 
 def _pull_off_words(sweep: Sweep) -> dict[str, tuple[str, Callable[[Any], str]]]:

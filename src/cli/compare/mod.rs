@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::output::OutputLock;
 use crate::output::sweep::Points;
 use crate::output::sweep::run_sweep;
-use crate::scene::Document;
+use crate::scene::{Document, repeated};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         return Err(Failure::Usage("--replicas is for ensembles: give --ensemble, too".to_owned()));
     }
     let laws = arguments.laws.iter().map(|name| law(name)).collect::<Result<Vec<String>, Failure>>()?;
-    if let Some(twice) = (1..laws.len()).find(|at| laws[..*at].contains(&laws[*at])) {
+    if let Some(twice) = repeated(&laws) {
         return Err(Failure::Usage(format!("--laws: {} is given twice; give it once", laws[twice])));
     }
     let Document { scene: first, sweep: Some(sweep) } = scene.along_laws(&laws)? else {

@@ -6,7 +6,7 @@ use crate::error::OutputError;
 use crate::experiment::model_range::ends;
 use crate::output::layouts::RUN;
 use crate::output::reader::{Description, Reader, Stored};
-use crate::output::schema::{ASPERITIES, Dimension, Layout};
+use crate::output::schema::{ASPERITIES, Dimension, Layout, name_of_key};
 use crate::scene::echo::shortened;
 use crate::scene::{SWEEPABLE, nearest};
 
@@ -22,8 +22,15 @@ const OF_WHOLE_LOOP: [&str; 4] =
 const PRELOADS: &str = "/instability/preload";
 
 /// Datasets that a table of points has by default, after its keys and its pull-offs.
-const OF_POINTS: [&str; 4] =
-    ["/integral/pull_off_force", "/independence/verdict", "/validation/p_value", "/validation/verdict"];
+const OF_POINTS: [&str; 7] = [
+    "/device/stuck_probability",
+    "/device/stuck_probability_low",
+    "/device/stuck_probability_high",
+    "/integral/pull_off_force",
+    "/independence/verdict",
+    "/validation/p_value",
+    "/validation/verdict",
+];
 
 /// The columns that are asked for.
 pub(super) enum Chosen<'a> {
@@ -57,7 +64,7 @@ impl Column {
 
     /// The name without preload and unit.
     fn plain(&self) -> &str {
-        self.name.split(['[']).next().unwrap_or_default().trim_end()
+        self.name.split('[').next().unwrap_or_default().trim_end()
     }
 
     /// Whether a name, of the column or of its group, means it.
@@ -206,13 +213,6 @@ fn quoted(reader: &Reader, described: &[Description], points: usize) -> Result<V
             columns.push(Column::wanted(format!("{name} [N]"), texts.collect()));
         }
     }
-    for name in ["stuck_probability", "stuck_probability_low", "stuck_probability_high"] {
-        let values = numbers(reader, described, &format!("/device/{name}"))?;
-        if !values.is_empty() {
-            let texts = values.iter().map(f64::to_string);
-            columns.push(Column::wanted(format!("{name} [1]"), texts.collect()));
-        }
-    }
     for (name, unit) in [("pull_off_force", "N"), ("stuck_probability", "1")] {
         for (end, values) in by_contact(&numbers(reader, described, &format!("/model_range/{name}"))?, 1) {
             let texts = values.iter().map(|value| format!("{value:?}"));
@@ -314,8 +314,7 @@ fn no_formula(text: String) -> String {
 
 /// The texts of a dataset; of a key of a sweep that chooses between names these.
 fn of_key(own: &Description, stored: Stored) -> Vec<String> {
-    let key =
-        SWEEPABLE.iter().find(|key| !key.names.is_empty() && own.path[1..] == key.name.replace('.', "_"));
+    let key = SWEEPABLE.iter().find(|key| !key.names.is_empty() && own.path[1..] == name_of_key(key.name));
     match (key, stored) {
         (Some(key), Stored::Numbers(values)) => values.iter().map(|value| key.shown(*value)).collect(),
         (_, stored) => fields(stored),

@@ -77,8 +77,8 @@ fn fitting(sweep: &Sweep, rows: &[Row<'_>], columns: &[Column], left_out: &[&str
     };
     let is_narrow = |text: &String| text.lines().all(|line| line.chars().count() <= COLUMNS);
     let values = values(sweep, rows);
-    let beside = |count: usize| aligned(&[values.clone(), kept(count)].concat());
-    let below = |count: usize| {
+    let in_columns = |count: usize| aligned(&[values.clone(), kept(count)].concat());
+    let in_lines = |count: usize| {
         let lines = aligned(&kept(count));
         let (head, lines) = lines.split_once('\n').unwrap_or_default();
         let mut text = format!("{head}\n");
@@ -93,10 +93,10 @@ fn fitting(sweep: &Sweep, rows: &[Row<'_>], columns: &[Column], left_out: &[&str
     };
     let all = || 0..=left_out.len();
     all()
-        .map(beside)
+        .map(in_columns)
         .find(is_narrow)
-        .or_else(|| all().map(below).find(is_narrow))
-        .unwrap_or_else(|| below(left_out.len()))
+        .or_else(|| all().map(in_lines).find(is_narrow))
+        .unwrap_or_else(|| in_lines(left_out.len()))
 }
 
 /// A column with a head and a cell for each row.

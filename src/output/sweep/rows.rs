@@ -364,13 +364,13 @@ fn pull_offs(reader: &Reader) -> Result<Vec<PointPullOff>, OutputError> {
     let of = |path: String| if reader.has(&path) { reader.values::<f64>(&path).map(Some) } else { Ok(None) };
     let of_pull_off = |name: &str| reader.values::<f64>(&format!("{pull_off}_{name}"));
     let (means, errors) = (of_pull_off(mean)?, of_pull_off(error)?);
-    let stuck = ["", "_low", "_high"].map(|end| of(format!("/device/stuck_probability{end}{after}")));
-    let [stuck, low, high] = stuck;
-    let stuck = stuck?.zip(low?).zip(high?);
+    let [share, low, high] =
+        ["", "_low", "_high"].map(|end| of(format!("/device/stuck_probability{end}{after}")));
+    let stuck = share?.zip(low?).zip(high?);
     let preloads = if is_pressed { Some(reader.values::<f64>("/instability/preload")?) } else { None };
-    let ranges = [if is_pressed { "pull_off" } else { "pull_off_force" }, "stuck_probability"]
-        .map(|name| of(format!("/model_range/{name}{after}")));
-    let [force_range, stuck_range] = ranges;
+    let [force_range, stuck_range] =
+        [if is_pressed { "pull_off" } else { "pull_off_force" }, "stuck_probability"]
+            .map(|name| of(format!("/model_range/{name}{after}")));
     let count = preloads.as_ref().map_or(1, Vec::len);
     let [force_range, stuck_range] = [force_range?, stuck_range?]
         .map(|of_contacts| of_contacts.map(|values| ends(&values, values.len() / PlasticContact::ALL.len())));

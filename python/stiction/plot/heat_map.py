@@ -108,8 +108,6 @@ def heat_map(
 
 def _are_narrow(ax: Axes, written: list[Text], columns: int) -> bool:
     """Whether each text is narrower than its cell, as wide as the panel is now."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
     # Some of a panel's width is taken by its labels and its bar of colours.
     room = 0.72 * ax.get_window_extent().width / columns
     return all(text.get_window_extent().width <= room for text in written)

@@ -20,6 +20,8 @@ const PAST: f64 = 4.0;
 const TOUCHING: f64 = 1e-3;
 /// Ends of the range are whole multiples of 1 over this in h*, so that a few digits give their bits.
 const STEPS_OF_ENDS: f64 = 10.0;
+/// Steps of the ends over which the force has to fall from the nearest separation on, so that the pull-off lies within.
+const STEPS_TO_PULL_OFF: f64 = 6.0;
 /// Heights that stand for the law of heights, at equal probabilities.
 const HEIGHTS: u32 = 2000;
 /// Mean load of the closest separation over the largest preload, less its standard deviations.
@@ -41,6 +43,8 @@ pub(crate) struct Summits<'a> {
     pub preload: f64,
     /// The plastic contact of `md_plastic`, where there is a preload to reach.
     pub flow: Option<&'a dyn Law>,
+    /// The law of approach.
+    pub law: Option<&'a dyn Law>,
 }
 
 /// A sum over the summits of a patch, and the standard deviations, of summits at random, that the mean is above it.
@@ -50,8 +54,9 @@ struct Wanted {
 }
 
 impl Summits<'_> {
-    /// The nearest and the furthest separation, m: from where a tenth of the nominal area touches, or where the largest
-    /// preload is reached, to where the tallest summit of a thousand replicas pulls no longer.
+    /// The nearest and the furthest separation, m: from where a tenth of the nominal area touches, closer where soft summits are
+    /// pulled off only there, or from where the largest preload is reached, to where the tallest summit of a thousand replicas
+    /// pulls no longer.
     pub fn range(&self) -> (f64, f64) {
         let (surface, sigma) = (self.surface, self.surface.surface_height_std);
         let normal = Heights::gaussian(1.0);
@@ -68,6 +73,7 @@ impl Summits<'_> {
         let shortest = normal.gaussian_quantile(libm::pow(TOUCHING, 1.0 / surface.asperity_count as f64));
         let highest = surface.heights.of_normal(shortest.min(HIGHEST));
         let small = highest - LARGEST_CONTACT * LARGEST_CONTACT * surface.asperity_radius;
+        let h = |steps: f64| steps / STEPS_OF_ENDS * sigma;
         let end = |d: f64| (d + surface.mean_plane_offset) / sigma * STEPS_OF_ENDS;
         let from = match self.preload > 0.0 {
             true => {
@@ -77,10 +83,30 @@ impl Summits<'_> {
             }
             // Patches without tall summits come nearer than the mean.
             false if surface.heights.depths().is_some() => end(highest - self.pulled()).floor(),
-            false => end(touching).floor().max(end(small).ceil()),
+            false => {
+                let force = |steps: f64| self.force(&heights, surface.asperity_separation(h(steps)));
+                let least = end(small).ceil();
+                let mut from = end(touching).floor().max(least);
+                // Soft summits are pulled off where more of them touch.
+                while from > least && force(from) < force(from + STEPS_TO_PULL_OFF) {
+                    from -= 1.0;
+                }
+                from
+            }
         };
-        let h = |steps: f64| steps / STEPS_OF_ENDS * sigma;
         (h(from), h(end(furthest).ceil()))
+    }
+
+    /// The mean force, N, on a summit at a separation d, m, of a law without tables.
+    fn force(&self, heights: &[f64], separation: f64) -> f64 {
+        let Some(law) = self.law else { return 0.0 };
+        let facing = Facing { law, heights, separation };
+        let mut force = 0.0;
+        facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, own| {
+            let forces = own.contact.iter().zip(&own.adhesion).take(block.len());
+            force += forces.map(|(pressed, pulled)| pressed - pulled).sum::<f64>();
+        });
+        force / heights.len() as f64
     }
 
     /// An interference, m, that a summit passes after its pull-off.

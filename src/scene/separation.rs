@@ -23,8 +23,9 @@ pub(super) static KEYS: &[Key] = &[
     key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
         .what("where forces are computed")
         .about(
-            "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, or \
-             where the largest preload is reached, to where nothing pulls, in 161 steps.",
+            "Without `h` and `h_star` the range follows from the surface: from where a tenth of the nominal area touches, \
+             or closer where soft asperities are pulled off only there, or where the largest preload is reached, to where \
+             nothing pulls, in 161 steps.",
         )
         .follows("a range that follows from the surface"),
     key("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }", Various(RANGE))

@@ -1,7 +1,7 @@
 //! The range of separations that follows from the summits of a surface.
 
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Facing, Law, Scratch, SolverStats};
+use crate::asperity::{Facing, Law, LawParameters, Path, Scratch, SolverStats, model};
 use crate::math::interpolation::linear;
 use crate::surface::{Heights, Surface};
 use std::f64::consts::PI;
@@ -43,8 +43,6 @@ pub(crate) struct Summits<'a> {
     pub preload: f64,
     /// The plastic contact of `md_plastic`, where there is a preload to reach.
     pub flow: Option<&'a dyn Law>,
-    /// The law of approach.
-    pub law: Option<&'a dyn Law>,
 }
 
 /// A sum over the summits of a patch, and the standard deviations, of summits at random, that the mean is above it.
@@ -84,7 +82,11 @@ impl Summits<'_> {
             // Patches without tall summits come nearer than the mean.
             false if surface.heights.depths().is_some() => end(highest - self.pulled()).floor(),
             false => {
-                let force = |steps: f64| self.force(&heights, surface.asperity_separation(h(steps)));
+                let law = self.elastic();
+                let force = |steps: f64| {
+                    let separation = surface.asperity_separation(h(steps));
+                    law.as_deref().map_or(0.0, |law| force(Facing { law, heights: &heights, separation }))
+                };
                 let least = end(small).ceil();
                 let mut from = end(touching).floor().max(least);
                 // Soft summits are pulled off where more of them touch.
@@ -97,16 +99,10 @@ impl Summits<'_> {
         (h(from), h(end(furthest).ceil()))
     }
 
-    /// The mean force, N, on a summit at a separation d, m, of a law without tables.
-    fn force(&self, heights: &[f64], separation: f64) -> f64 {
-        let Some(law) = self.law else { return 0.0 };
-        let facing = Facing { law, heights, separation };
-        let mut force = 0.0;
-        facing.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, own| {
-            let forces = own.contact.iter().zip(&own.adhesion).take(block.len());
-            force += forces.map(|(pressed, pulled)| pressed - pulled).sum::<f64>();
-        });
-        force / heights.len() as f64
+    /// Maugis's law of these summits, if they are within its reach: soft ones do not yield before their pull-off.
+    fn elastic(&self) -> Option<Box<dyn Law>> {
+        let parameters = LawParameters::new(self.asperity, Path::Approach, (0.0, 0.0)).ok()?;
+        model("md")?.law(&LawParameters { table_range: None, ..parameters }).ok()
     }
 
     /// An interference, m, that a summit passes after its pull-off.
@@ -162,4 +158,14 @@ impl Summits<'_> {
         });
         [depths, loads]
     }
+}
+
+/// The force, N, on summits, pressure positive.
+fn force(summits: Facing<'_>) -> f64 {
+    let mut force = 0.0;
+    summits.for_each_block(&mut Scratch::default(), &mut SolverStats::default(), |_, block, own| {
+        let forces = own.contact.iter().zip(&own.adhesion).take(block.len());
+        force += forces.map(|(pressed, pulled)| pressed - pulled).sum::<f64>();
+    });
+    force
 }

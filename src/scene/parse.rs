@@ -157,13 +157,8 @@ impl<'a> Readings<'a> {
             let own = crate::asperity::model(contact.name())?;
             own.law(&LawParameters { table_range: None, ..of_law }).ok()
         });
-        let approach = match given {
-            None if preload == 0.0 => law.law(&LawParameters { table_range: None, ..of_law }).ok(),
-            _ => None,
-        };
         let separations = |surface: &Surface| {
-            let (flow, law) = (flow.as_deref(), approach.as_deref());
-            let summits = Summits { asperity: &asperity, surface, liquid, preload, flow, law };
+            let summits = Summits { asperity: &asperity, surface, liquid, preload, flow: flow.as_deref() };
             given.clone().unwrap_or_else(|| separation::following(&summits))
         };
         let (surface, separations) = match &self.shape {

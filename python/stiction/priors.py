@@ -12,6 +12,9 @@ A number of a scene may be a table with ``prior``:
 ``"fixed"``         `value`                                it is that number
 ==================  =====================================  ==========================================================
 
+Where specimens or batches of patches differ in a number, its prior has ``batch_log_std``, too: the number of a batch is the
+number times exp(τ v) with a standard normal v, and τ has a half-normal prior of this scale. `stiction.inference` alone takes it.
+
 A table ``[priors]`` may have ``keys = ["material.work_of_adhesion", ...]`` and either ``correlation``, the
 matrix of these keys for their normal scores (a Gaussian copula), or ``covariance`` of normal and log-normal
 priors: in SI units, of log-normal ones of the logarithms, with the squares of their own standard deviations
@@ -35,7 +38,7 @@ from . import quantities
 from .errors import SceneError
 from .scenes import Scene
 
-__all__ = ["MOST", "Prior", "Priors", "opened", "read"]
+__all__ = ["MOST", "BatchScatter", "Prior", "Priors", "opened", "read"]
 
 Array = NDArray[np.float64]
 
@@ -50,6 +53,7 @@ _NEEDED = {
     "fixed": ("value",),
 }
 _POSSIBLE = {"normal": ("from", "to")}
+_BATCH = "batch_log_std"
 # The nearest to 0 and 1 that a point of the unit cube may be: its quantiles are finite.
 _EDGE = 2.0**-53
 
@@ -70,6 +74,8 @@ class Prior:
         Standard deviation of a normal law without limits, and of the logarithm of a log-normal one.
     distribution : frozen distribution of `scipy.stats`
         The law of the number in SI units: ``ppf``, ``logpdf``, ``cdf`` and their kin.
+    batch_log_std : float or None
+        Scale of the half-normal prior of the standard deviation of its logarithm between batches.
     """
 
     key: str
@@ -77,6 +83,7 @@ class Prior:
     unit: str
     std: float | None
     distribution: Any = field(compare=False, repr=False)
+    batch_log_std: float | None = None
 
     def text(self, value: float) -> str | float:
         """A value as scenes write it."""
@@ -96,6 +103,22 @@ class Prior:
     def logarithmic(self) -> bool:
         """Whether the law is one of the logarithm."""
         return self.law.startswith("log_")
+
+
+@dataclass(frozen=True)
+class BatchScatter:
+    """The number of a scene that differs between batches.
+
+    Attributes
+    ----------
+    place : int
+        Its place among the priors.
+    log_std : float
+        Scale of the half-normal prior of the standard deviation τ of its logarithm.
+    """
+
+    place: int
+    log_std: float
 
 
 @dataclass(frozen=True)
@@ -125,6 +148,12 @@ class Priors:
     def are_independent(self) -> bool:
         """Whether no two of the numbers are correlated."""
         return bool((self.correlation == np.eye(len(self.priors))).all())
+
+    @property
+    def of_batch(self) -> BatchScatter | None:
+        """The number that differs between batches, if one does."""
+        found = [BatchScatter(place, prior.batch_log_std) for place, prior in enumerate(self.priors) if prior.batch_log_std]
+        return found[0] if found else None
 
     def draw(self, points: ArrayLike) -> Array:
         """Parameters from points of the unit cube.
@@ -199,13 +228,15 @@ class Priors:
         }
 
 
-def read(scene: Scene) -> Priors:
+def read(scene: Scene, *, batches: bool = False) -> Priors:
     """Reads a scene that may have priors for its numbers.
 
     Parameters
     ----------
     scene : path or dict
         The TOML file of the scene, or its tables. Paths in a file are relative to it.
+    batches : bool
+        Whether a number may differ between batches.
 
     Raises
     ------
@@ -233,6 +264,11 @@ def read(scene: Scene) -> Priors:
         )
     if len(priors) > MOST:
         raise SceneError(f"{len(priors)} numbers have priors, {', '.join(p.key for p in priors)}: {MOST} at most may")
+    scattered = [prior.key for prior in priors if prior.batch_log_std is not None]
+    if scattered and not batches:
+        raise SceneError(f"{scattered[0]}.{_BATCH}: batches are of measured data, which `stiction infer` alone has; leave it out")
+    if len(scattered) > 1:
+        raise SceneError(f"{scattered[1]}.{_BATCH}: {scattered[0]} has one, and one number may differ between batches; leave one out")
     return Priors(replaced, tuple(priors), _correlation(given, priors))
 
 
@@ -292,7 +328,7 @@ def _prior(key: str, table: Mapping[str, Any]) -> Any:
         raise SceneError(f"{key}.prior = {law!r}: one of {', '.join(_NEEDED)} is needed")
     known = (*_NEEDED[law], *_POSSIBLE.get(law, ()))
     for name in table:
-        if name not in ("prior", *known):
+        if name not in ("prior", *known, *([_BATCH] if law != "fixed" else [])):
             raise SceneError(f"{key}.{name}: a prior that is {law} has {', '.join(known)}")
     for name in _NEEDED[law]:
         if name not in table:
@@ -314,7 +350,20 @@ def _prior(key: str, table: Mapping[str, Any]) -> Any:
         raise SceneError(f"{key}: {listed}: all of them have to be of one dimension")
     # For a normal law that is cut the covariance is not the covariance of its normal scores.
     std = numbers.get("log_std", None if numbers.keys() & {"from", "to"} else numbers.get("std"))
-    return Prior(key, law, next(iter(units.values())), std, _distribution(key, law, table, numbers))
+    distribution = _distribution(key, law, table, numbers)
+    return Prior(key, law, next(iter(units.values())), std, distribution, _between_batches(key, table, distribution))
+
+
+def _between_batches(key: str, table: Mapping[str, Any], distribution: Any) -> float | None:
+    """The scale of the prior of the scatter between batches, if there are any."""
+    if _BATCH not in table:
+        return None
+    scale = table[_BATCH]
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0.0 < scale <= 3.0:
+        raise SceneError(f"{key}.{_BATCH} = {scale!r}: a number above 0, 3 at most, is needed, such as 0.2 where batches differ by 20 %")
+    if not distribution.support()[0] >= 0.0:
+        raise SceneError(f"{key}.{_BATCH}: it is of a logarithm, and the number may be negative; give it `from`, or a prior of the logarithm")
+    return float(scale)
 
 
 def _distribution(key: str, law: str, table: Mapping[str, Any], numbers: Mapping[str, float]) -> Any:

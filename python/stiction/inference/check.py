@@ -5,18 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import ABOVE, BELOW, EXACT, MISSING, Group
-from .density import log_sum_exp
-from .emulator import Emulator
+from .data import ABOVE, BELOW, MISSING
+from .likelihood import Likelihood
 
-__all__ = ["anderson_darling", "check_p_values", "farthest"]
+__all__ = ["anderson_darling", "check_p_values"]
 
 Array = NDArray[np.float64]
 # Draws of the posterior that are looked at.
 _CHECKED = 1000
 
 
-def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator) -> Array:
+def check_p_values(likelihood: Likelihood, values: Array, random: np.random.Generator) -> Array:
     """Posterior-predictive p-value of each outcome.
 
     The discrepancy is Anderson and Darling's of P(outcome ≤ the measured one), which are uniform if the model made the data (D. Rubin, *Ann. Statist.* 12
@@ -26,10 +25,9 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
 
     Parameters
     ----------
-    emulator : Emulator
-    groups : tuple of Group
-        The data.
-    values : array (draws, parameters)
+    likelihood : Likelihood
+        Of the data.
+    values : array (draws, batches, parameters)
         The posterior, in SI units.
     random : numpy.random.Generator
 
@@ -38,7 +36,8 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
     array (outcomes,)
     """
     chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
-    cumulative = np.concatenate([emulator.cumulative(groups, piece) for piece in np.array_split(chosen, max(len(chosen) // 50, 1))])
+    cumulative = np.concatenate([likelihood.cumulative(piece) for piece in np.array_split(chosen, max(len(chosen) // 50, 1))])
+    groups = likelihood.measured.groups
     kinds = np.concatenate([group.kinds for group in groups])
     within = random.random(cumulative.shape)
     uniform = np.where(kinds == BELOW, cumulative * within, np.where(kinds == ABOVE, 1.0 - (1.0 - cumulative) * within, cumulative))
@@ -50,35 +49,6 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
         drawn = np.sum([anderson_darling(random.random(of.shape)) for of in each], axis=0)
         result.append(float((drawn >= np.sum([anderson_darling(of) for of in each], axis=0)).mean()))
     return np.array(result)
-
-
-def farthest(
-    emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator
-) -> list[tuple[int, float]]:
-    """The datum of each outcome farthest off what the other data say, and the probability of one as far off.
-
-    A datum is compared with the prediction from all data but its own: draws of the posterior weigh
-    1/p(patch | draw), at most √n times their mean of n draws (E. L. Ionides, *J. Comput. Graph. Stat.* 17
-    (2008) 295). The p-value is for the farthest of all data of the outcome, 1 − (1 − p)ⁿ.
-
-    Returns
-    -------
-    list of (int, float)
-        Of each outcome the patch, counted over all groups, and the p-value.
-    """
-    chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
-    pieces = np.array_split(chosen, max(len(chosen) // 50, 1))
-    cumulative = np.concatenate([emulator.cumulative(groups, piece) for piece in pieces])
-    logs = np.concatenate([log_sum_exp(emulator.log_densities(groups, piece), axis=0) for piece in pieces])
-    weights = np.exp(logs.min(axis=0) - logs)
-    weights = np.minimum(weights, weights.mean(axis=0) * len(chosen) ** 0.5)
-    predicted = np.einsum("dp,dpo->po", weights / weights.sum(axis=0), cumulative)
-    kinds = np.concatenate([group.kinds for group in groups])
-    sides = {BELOW: predicted, ABOVE: 1.0 - predicted, EXACT: 2.0 * np.minimum(predicted, 1.0 - predicted)}
-    p = np.select([kinds == kind for kind in sides], list(sides.values()), 1.0)
-    place = p.argmin(axis=0)
-    each = zip(place.tolist(), p.min(axis=0), (kinds != MISSING).sum(axis=0), strict=True)
-    return [(patch, float(-np.expm1(number * np.log1p(-min(least, 1.0 - 1e-15))))) for patch, least, number in each]
 
 
 def anderson_darling(uniform: Array) -> Array:

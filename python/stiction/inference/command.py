@@ -37,9 +37,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--end-error", type=real, default=0.02, metavar="X",
                         help="error of the ends of 95 %% intervals over their width that the chains leave, by default 0.02")  # fmt: skip
     parser.add_argument("--emulator-error", type=real, default=0.2, metavar="X",
-                        help="error of the fitted density over the posterior's standard deviation, by default 0.2")  # fmt: skip
-    parser.add_argument("--replicas", type=whole, default=300, metavar="N",
-                        help="patches that are simulated at each parameter set, by default 300: several times as many as were measured")  # fmt: skip
+                        help="shift of the posterior by the error of the fitted density, over its standard deviation, by default 0.2: patches are "
+                        "simulated, in proportion to the data, until fresh ones show less")  # fmt: skip
+    parser.add_argument("--resume", action="store_true",
+                        help="go on with the patches that OUT.h5.partial or OUT.h5 has, such as of an interrupted inference or of other data of this "
+                        "scene; errors to reach are of all patches together")  # fmt: skip
+    parser.add_argument("--reuse", type=Path, metavar="OTHER.h5", help="another result of this scene, whose simulated patches are taken, too")
     parser.add_argument("--missing", choices=("refuse", "drop"), default="refuse",
                         help="whether a gap of the table, such as an empty cell or #N/A, is an error, or was not measured")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite what is there")
@@ -69,17 +72,17 @@ def _infer(given: argparse.Namespace) -> None:
     for path in written:
         if written.count(path) > 1:
             raise FileError(f"{path} would be written twice; give other names to the scenes, or another output")
-        files.check(path, force=given.force, inputs=inputs)
+        files.check(path, force=given.force or given.resume, inputs=inputs)
     if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
         raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
     # Errors are reported before minutes are spent on others.
     for scene in given.model:
         posterior.checked(given.data, scene, given.missing)
-    options = {"missing": given.missing, "seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
+    options = {"missing": given.missing, "seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "resume": given.resume}
     results = {}
     for scene, path in zip((given.scene, *given.model), outputs, strict=True):
         with work(scene.name if given.model else ""):
-            results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
+            results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, reuse=given.reuse if scene == given.scene else None, **options)
         print(f"{scene}\n{result}", flush=True)
         if given.figure is not None and scene == given.scene:
             with files.writing(given.figure, force=given.force, inputs=inputs) as part:

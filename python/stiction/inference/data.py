@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -30,6 +31,8 @@ _OF_SIZE = {EXACT: EXACT, BELOW: ABOVE, ABOVE: BELOW, MISSING: MISSING}
 _LABELS = {"", "sample", "label", "name", "id", "index", "no", "nr", "patch", "test"}
 # The outcome after a preload of the scene.
 AFTER_PRELOAD = "pull_off_after_preload"
+# Columns of labels of specimens or batches of patches.
+_BATCHES = ("batch", "specimen")
 # Columns of tables of force curves that say where and with what was measured, and why not.
 _ASIDE = {"curve", "spring_constant", "position_x", "position_y", "remark"}
 
@@ -52,6 +55,8 @@ class Group:
         Lines of the file, if they are from one.
     samples : tuple of str
         Labels of the patches, if the file has them.
+    batches : array (patches,) of int
+        Places of their batches among `Measurements.batches`; 0 where there is one.
     """
 
     conditions: dict[str, Any]
@@ -60,6 +65,7 @@ class Group:
     kinds: NDArray[np.int64]
     lines: tuple[int, ...] = ()
     samples: tuple[str, ...] = ()
+    batches: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
 @dataclass(frozen=True)
@@ -76,12 +82,15 @@ class Measurements:
         One for each set of conditions.
     gaps : int
         The number of outcomes that are not measured.
+    batches : tuple of str
+        Labels of the batches, if the file has them.
     """
 
     outcomes: tuple[str, ...]
     units: tuple[str, ...]
     groups: tuple[Group, ...]
     gaps: int = 0
+    batches: tuple[str, ...] = ()
 
     @property
     def floors(self) -> Array:
@@ -103,6 +112,7 @@ class _Roles:
     errors: dict[str, Column] = field(default_factory=dict)
     conditions: list[Column] = field(default_factory=list)
     labels: list[Column] = field(default_factory=list)
+    batches: list[Column] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -125,7 +135,7 @@ def read(
         A table, as `stiction.read_table` reads it. A column is headed by an outcome of patches with its unit,
         ``pull_off_force (uN)``; by an outcome with ``_error``, the standard deviation of its measurement; or by a
         key of the scene, ``surface.nominal_area (um^2)``, for patches under different conditions. A column of
-        texts labels the patches. ``<0.5`` is a pull-off below 0.5, ``>5`` one above. Forces that are all negative
+        texts labels the patches, a column ``batch`` or ``specimen`` what they were made with. ``<0.5`` is a pull-off below 0.5, ``>5`` one above. Forces that are all negative
         are taken by their size.
     outcomes : dict, optional
         The outcomes that patches of the scene have, with their units as files have them; without it any.
@@ -155,9 +165,18 @@ def read(
         if any(one.kinds[row] != MISSING for one in found):
             conditions = tuple(sorted((column.name, _condition(column, row)) for column in roles.conditions))
             places.setdefault(conditions, []).append(row)
-    groups = tuple(_group(dict(conditions), rows, found, roles, table) for conditions, rows in places.items())
+    labels = [roles.batches[0].cells[row] for row in range(len(table.lines))] if roles.batches else []
+    batches = tuple(dict.fromkeys(labels))
+    if "" in batches:
+        column = roles.batches[0]
+        raise FileError(f"{column.where(labels.index(''))}: nothing: a label is needed in each line")
+    of_rows = np.array([batches.index(label) for label in labels] if labels else np.zeros(len(table.lines)), dtype=np.int64)
+    groups = tuple(
+        dataclasses.replace(_group(dict(conditions), rows, found, roles, table), batches=of_rows[rows])
+        for conditions, rows in places.items()
+    )
     gaps = sum(one.kinds.count(MISSING) for one in found)
-    return Measurements(tuple(units), tuple(unit.si for unit in units.values()), groups, gaps)
+    return Measurements(tuple(units), tuple(unit.si for unit in units.values()), groups, gaps, batches)
 
 
 def first_conditions(path: str | Path) -> dict[str, Any]:
@@ -185,6 +204,8 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
             roles.conditions.append(column)
         elif name in _ASIDE:
             continue
+        elif name in _BATCHES and not column.unit:
+            roles.batches.append(column)
         elif known is not None and name in known:
             roles.outcomes[name] = column
         elif name.endswith(_ERROR):
@@ -199,6 +220,8 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
         raise FileError(
             f"{roles.labels[1].title}: a second column of labels; one may be there, and notes behind #"
         )
+    if len(roles.batches) > 1:
+        raise FileError(f"{roles.batches[1].title}: a second column of batches; one may be there")
     if not roles.outcomes:
         such = next(iter(known or ()), "pull_off_force")
         raise FileError(f"{table.path}: no column has an outcome, such as `{such} (uN)`")

@@ -29,6 +29,8 @@ _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
 _SMALLEST_WIDTH = 3e-3
 # The pull of every coefficient towards the beginning of the fit, in patches of unit information.
 _RIDGE = 1.0
+# Steps of a fit at most.
+_STEPS = 400
 
 
 def log_sum_exp(logs: Array, axis: int) -> Array:
@@ -73,11 +75,11 @@ def features(x: Array, degree: int) -> Array:
 
 @dataclass(frozen=True)
 class Density:
-    """A fitted density; several coefficient arrays are members of an ensemble.
+    """A fitted density.
 
     Attributes
     ----------
-    coefficients : array (members, monomials, parts, 1 + 2 outcomes)
+    coefficients : array (monomials, parts, 1 + 2 outcomes)
         Of each part: the logit of its weight, the means, the logarithms of the widths.
     degree : int
         Degree of the polynomials.
@@ -90,35 +92,27 @@ class Density:
     shift: Array
     scale: Array
 
-    @property
-    def members(self) -> int:
-        """Number of members."""
-        return len(self.coefficients)
-
     def parts(self, x: Array) -> tuple[Array, Array, Array]:
-        """Log weights (members, points, parts), means and widths (members, points, parts, outcomes) of ln outcome at x."""
-        table = features(x, self.degree)
-        raw = np.tensordot(self.coefficients, table, axes=([1], [1])).transpose(0, 3, 1, 2)
+        """Log weights (points, parts), means and widths (points, parts, outcomes) of ln outcome at x."""
+        raw = np.tensordot(features(x, self.degree), self.coefficients, axes=1)
         outcomes = len(self.shift)
         logits, means, widths = raw[..., 0], raw[..., 1 : 1 + outcomes], raw[..., 1 + outcomes :]
         log_weights = logits - log_sum_exp(logits, axis=-1)[..., None]
-        return log_weights, self.shift + self.scale * means, self.scale * _width(widths)
+        return log_weights, self.shift + self.scale * means, self.scale * _width(np.clip(widths, -30, 30))
 
     def cumulative(self, x: Array, logs: Array) -> Array:
-        """P(outcome j ≤ e^logs) at each of the points x, averaged over the members; (points, outcomes) of logs of that shape."""
+        """P(outcome j ≤ e^logs) at each of the points x; (points, outcomes) of logs of that shape."""
         log_weights, means, widths = self.parts(x)
-        each = np.exp(log_ndtr((logs[None, :, None, :] - means) / widths) + log_weights[..., None])
-        result: Array = each.sum(axis=2).mean(axis=0)
+        each = np.exp(log_ndtr((logs[:, None, :] - means) / widths) + log_weights[..., None])
+        result: Array = each.sum(axis=1)
         return result
 
     def draw(self, x: Array, random: np.random.Generator) -> Array:
-        """One patch at each of the points x, of a random member: logarithms of its outcomes, (points, outcomes)."""
+        """One patch at each of the points x: logarithms of its outcomes, (points, outcomes)."""
         log_weights, means, widths = self.parts(x)
-        points = np.arange(len(x))
-        member = random.integers(self.members, size=len(x))
-        steps = np.cumsum(np.exp(log_weights[member, points]), axis=1)
+        steps = np.cumsum(np.exp(log_weights), axis=1)
         part = (random.random((len(x), 1)) * steps[:, -1:] > steps).sum(axis=1)
-        chosen = member, points, part
+        chosen = np.arange(len(x)), part
         result: Array = means[chosen] + widths[chosen] * random.standard_normal(means[chosen].shape)
         return result
 
@@ -134,13 +128,8 @@ def fit(
     *,
     parts: int,
     degree: int,
-    members: int,
-    random: np.random.Generator,
 ) -> Density:
     """Fits a density to simulated patches.
-
-    The first fit is of all patches. Each member of the ensemble has random weights of the patches (the Bayesian bootstrap: D. B. Rubin,
-    *Ann. Statist.* 9 (1981) 130), so that members differ as the density is uncertain from the finite number of patches.
 
     Parameters
     ----------
@@ -152,10 +141,6 @@ def fit(
         What a patch of each point counts: local fits have small ones far off.
     parts, degree : int
         Parts of the mixture and degree of its polynomials.
-    members : int
-        Members of the ensemble; 1 is the plain fit.
-    random : numpy.random.Generator
-        For the bootstrap.
     """
     _, replicas, outcomes = logs.shape
     flat = logs.reshape(-1, outcomes)
@@ -164,14 +149,7 @@ def fit(
     table = features(x, degree)
     start = _start(table, y, weights, parts)
     every = np.repeat(weights[:, None], replicas, axis=1)
-    whole = _maximised(start, start, table, y, every, 400)
-    if members == 1:
-        return Density(whole[None], degree, shift, scale)
-    boots = [
-        _maximised(whole, start, table, y, every * random.standard_exponential(every.shape), 150)
-        for _ in range(members)
-    ]
-    return Density(np.stack(boots), degree, shift, scale)
+    return Density(_maximised(start, table, y, every), degree, shift, scale)
 
 
 def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
@@ -194,7 +172,7 @@ def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
     return result
 
 
-def _maximised(begin: Array, centre: Array, table: Array, y: Array, weights: Array, steps: int) -> Array:
+def _maximised(begin: Array, table: Array, y: Array, weights: Array) -> Array:
     shape, outcomes = begin.shape, y.shape[2]
     total = weights.sum()
 
@@ -218,13 +196,13 @@ def _maximised(begin: Array, centre: Array, table: Array, y: Array, weights: Arr
         slope[..., 1 + outcomes :] = (
             np.einsum("pkr,pkrj->pkj", share, deviation**2) - of_part[..., None]
         ) * (np.exp(log_widths) / widths)
-        pull = coefficients - centre
+        pull = coefficients - begin
         value -= 0.5 * _RIDGE * float((pull**2).sum())
         gradient = np.tensordot(table.T, slope, axes=1) - _RIDGE * pull
         return -value / total, -gradient.ravel() / total
 
     found: Any = minimize(
-        objective, begin.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": steps, "maxcor": 20, "ftol": 1e-9}
+        objective, begin.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": _STEPS, "maxcor": 20, "ftol": 1e-9}
     )
     result: Array = found.x.reshape(shape)
     return result

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,9 +21,9 @@ from ..priors import Priors
 from ..progress import work
 from ..results import OF_WHOLE_LOOP, Sweep
 from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
-from .density import Density, fit, log_sum_exp
+from .density import Density, features, fit, log_sum_exp
 
-__all__ = ["FORCE_SCALE", "Emulator", "Patches", "design", "outcomes_of", "simulate", "try_out"]
+__all__ = ["FORCE_SCALE", "ROW", "SHAPES", "Emulator", "Patches", "as_measured", "design", "log_density", "outcomes_of", "outliers_of", "simulate", "try_out"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -34,20 +36,26 @@ _LIMIT_WEIGHTS = _LIMIT_WEIGHTS / _LIMIT_WEIGHTS.sum()
 _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
-# Parts and degree of a density, and members of the ensemble by which the uncertainty of the fit is carried.
-_PARTS, _DEGREE, _MEMBERS = 6, 2, 5
+#: Parts and degree of a density, from the simplest to the most flexible.
+SHAPES = ((6, 2), (10, 2), (10, 3), (16, 3))
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
-# Weight of a patch far from the posterior, against one that is there.
-_FAR = 0.02
-# Standard deviations of the posterior within which patches count fully, to a Gaussian's shoulder.
-_NEAR = 3.0
+# Standard deviations of the posterior: of the patches' weight in a fit, and up to where a fit holds.
+_NEAR, _EDGE = 3.0, 7.0
+# ln of the likelihood beyond.
+_BEYOND = -1e9
+# Numbers of a table over points, patches and parts at most.
+_MOST_NUMBERS = 2_000_000
+#: Patches of a point that stand together.
+ROW = 50
 # Points of the priors at which patches are tried where data are off those in the middle, and how far they are off.
 _TRIED, _FAR_OFF = 16, 1e3
 #: The key of the factor that all measured forces share; the scene of the program has none.
 FORCE_SCALE = "calibration.force_scale"
 # The largest fraction of patches at a point that may lack an outcome, as a patch without tall tips that no preload reaches.
 _MOST_LACKING = 0.02
+# Fraction of outliers that is expected.
+_OUTLIERS = 0.02
 # Beginnings of units with a newton.
 _OF_FORCES = ("N", "J")
 
@@ -123,7 +131,7 @@ def simulate(
     tables = _tables(priors, conditions or {}, replicas)
     scale = _force_scale(tables, priors, values)
     known = _known(_swept(tables, priors, values, seed=seed, threads=threads))
-    if "calibration" in tables and not any(_has_newton(known[name]) for name in outcomes if name in known):
+    if "force_scale" in _calibration(tables) and not any(_has_newton(known[name]) for name in outcomes if name in known):
         raise SceneError(f"{FORCE_SCALE}: none of {', '.join(outcomes)} is a force, a stiffness or an energy; leave it out")
     columns = []
     for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
@@ -242,19 +250,31 @@ def _tables(priors: Priors, conditions: Mapping[str, Any], replicas: int) -> dic
 
 def _force_scale(tables: Mapping[str, Any], priors: Priors, values: Array) -> Array:
     """``calibration.force_scale`` at each point, (points,): 1 without it."""
-    table = tables.get("calibration", {"force_scale": 1.0})
-    if not isinstance(table, Mapping) or set(table) != {"force_scale"}:
-        raise SceneError(f"calibration: a table with the number force_scale and nothing else is needed, not {table!r}")
     try:
-        number, unit = quantities.parsed(FORCE_SCALE, table["force_scale"])
+        number, unit = quantities.parsed(FORCE_SCALE, _calibration(tables).get("force_scale", 1.0))
     except ValueError as error:
         raise SceneError(str(error)) from None
     place = priors.keys.index(FORCE_SCALE) if FORCE_SCALE in priors.keys else None
     least = number if place is None else float(priors.priors[place].distribution.ppf(_TAIL))
     if unit != "1" or not least > 0.0:
-        given = f"= {table['force_scale']!r}" if unit != "1" or place is None else f"may be {least:.3g}"
+        given = f"= {_calibration(tables)['force_scale']!r}" if unit != "1" or place is None else f"may be {least:.3g}"
         raise SceneError(f"{FORCE_SCALE} {given}: a number greater than 0 without a unit is needed, measured forces over true ones")
     return np.full(len(values), number) if place is None else values[:, place]
+
+
+def outliers_of(priors: Priors) -> float:
+    """``calibration.outliers``: the fraction of the data that is expected to be of something else than the model."""
+    given = _calibration(priors.tables).get("outliers", _OUTLIERS)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 <= given <= 0.3:
+        raise SceneError(f"calibration.outliers = {given!r}: a number from 0 to 0.3 is needed, the fraction of the data that is expected to be of something else; 0 without")
+    return float(given)
+
+
+def _calibration(tables: Mapping[str, Any]) -> Mapping[str, Any]:
+    table = tables.get("calibration", {})
+    if not isinstance(table, Mapping) or not set(table) <= {"force_scale", "outliers"}:
+        raise SceneError(f"calibration: a table with force_scale, outliers or both is needed, not {table!r}")
+    return table
 
 
 def _has_newton(of: xarray.DataArray) -> bool:
@@ -294,59 +314,76 @@ class Emulator:
         For the scale of the parameters.
     patches : list of Patches
         For each set of conditions.
-    centre, covariance : arrays (parameters,), (parameters, parameters), optional
-        Mean and covariance of the posterior of `Priors.natural`, where patches count fully; without them all count alike.
-    seed : int
-        Of the bootstrap.
+    around : array (draws, parameters), optional
+        Draws of `Priors.natural` of a posterior, about which the densities are fitted and hold; without it over all of the priors.
+    shape : (int, int)
+        Parts and degree of the densities, as in `SHAPES`.
     """
 
     def __init__(
-        self,
-        priors: Priors,
-        patches: list[Patches],
-        *,
-        centre: Array | None = None,
-        covariance: Array | None = None,
-        seed: int = 1,
+        self, priors: Priors, patches: list[Patches], *, around: Array | None = None, shape: tuple[int, int] = SHAPES[0]
     ) -> None:
-        self._priors = priors
-        quantiles = [prior.distribution.ppf([_TAIL, 1.0 - _TAIL]) for prior in priors.priors]
-        low, high = priors.natural(np.stack(quantiles, axis=1))
-        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
-        self.densities: list[Density] = []
-        random = np.random.default_rng(seed)
-        for of in patches:
-            natural = priors.natural(of.values)
-            weights = np.ones(len(natural))
-            if centre is not None and covariance is not None:
-                away = natural - centre
-                distance = np.einsum("pi,pi->p", away, np.linalg.solve(covariance, away.T).T)
-                weights = np.maximum(np.exp(-0.5 * distance / _NEAR**2), _FAR)
-            made: Density = fit(
-                self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=_MEMBERS, random=random
-            )
-            self.densities.append(made)
+        self.priors = priors
+        self._is_local = around is not None
+        if around is None:
+            quantiles = [prior.distribution.ppf([_TAIL, 1.0 - _TAIL]) for prior in priors.priors]
+            low, high = priors.natural(np.stack(quantiles, axis=1))
+            self._middle, self._axes = 0.5 * (low + high), np.diag(0.5 * (high - low))
+        else:
+            covariance = np.cov(around.T).reshape(around.shape[1], -1)
+            self._middle, self._axes = around.mean(axis=0), _NEAR * np.linalg.cholesky(covariance)
+        self.densities = [self._fitted(of, *shape) for of in patches]
+
+    def _fitted(self, patches: Patches, parts: int, degree: int) -> Density:
+        x = self._placed(patches.values)
+        if not self._is_local:
+            return fit(x, patches.logs, np.ones(len(x)), parts=parts, degree=degree)
+        away = np.linalg.norm(x, axis=1)
+        # As many as the coefficients need, where few are near.
+        least = np.sort(away)[min(4 * features(x[:1], degree).shape[1], len(x) - 1)]
+        near = away <= max(_EDGE / _NEAR, float(least))
+        weights = np.maximum(np.exp(-0.5 * away[near] ** 2), 1e-3)
+        return fit(x[near], patches.logs[near], weights, parts=parts, degree=degree)
+
+    def _placed(self, values: Array) -> Array:
+        away = self.priors.natural(values) - self._middle
+        placed: Array = np.linalg.solve(self._axes, away.T).T
+        return placed
+
+    def holds(self, values: Array) -> NDArray[np.bool_]:
+        """Whether parameters are where the densities were fitted, (points,)."""
+        x = self._placed(values)
+        inside: NDArray[np.bool_] = np.linalg.norm(x, axis=1) <= _EDGE / _NEAR if self._is_local else np.ones(len(x), dtype=bool)
+        return inside
 
     def scaled(self, values: Array) -> Array:
-        """Parameters, or their logarithms, from −1 to 1 within the priors."""
-        # Beyond what was simulated the density is that at its edge.
-        scaled: Array = np.clip((self._priors.natural(values) - self._middle) / self._half, -1.0, 1.0)
-        return scaled
-
-    def log_densities(self, groups: tuple[Group, ...], values: Array) -> Array:
-        """ln p of each patch of the data at each point, by each member: (members, points, patches)."""
-        x = self.scaled(values)
-        pairs = zip(self.densities, groups, strict=True)
-        return np.concatenate([_log_density(density, group, x) for density, group in pairs], axis=2)
-
-    def log_likelihood(self, groups: tuple[Group, ...], values: Array) -> Array:
-        """ln of the likelihood of all data at each point, averaged over the members: (points,)."""
-        each = self.log_densities(groups, values).sum(axis=2)
-        result: Array = log_sum_exp(each, axis=0) - np.log(len(each))
+        """Parameters as the densities take them, the nearest where they hold."""
+        x = self._placed(values)
+        if not self._is_local:
+            return np.clip(x, -1.0, 1.0)
+        away = np.linalg.norm(x, axis=1, keepdims=True)
+        result: Array = x * np.minimum(1.0, _EDGE / _NEAR / np.maximum(away, 1e-300))
         return result
 
+    def of_group(self, place: int) -> Emulator:
+        """That of one set of conditions."""
+        single = copy.copy(self)
+        single.densities = [self.densities[place]]
+        return single
+
+    def log_densities(self, groups: tuple[Group, ...], values: Array) -> Array:
+        """ln p of each patch of the data at each point, (points, patches); as good as none where the densities do not hold."""
+        size = sum(len(group.values) for group in groups) * self.densities[0].coefficients.shape[1]
+        pieces = np.array_split(values, max(len(values) * size // _MOST_NUMBERS, 1))
+        result = np.concatenate([self._log_densities(groups, self.scaled(piece)) for piece in pieces])
+        result[~self.holds(values)] = _BEYOND
+        return result
+
+    def _log_densities(self, groups: tuple[Group, ...], x: Array) -> Array:
+        return np.concatenate([log_density(of, group, x) for of, group in zip(self.densities, groups, strict=True)], axis=1)
+
     def cumulative(self, groups: tuple[Group, ...], values: Array) -> Array:
-        """P(measured outcome ≤ the data's), averaged over the members: (points, patches, outcomes); of limits at the limit, NaN where missing."""
+        """P(measured outcome ≤ the data's): (points, patches, outcomes); of limits at the limit, NaN where missing."""
         x = self.scaled(values)
         result = []
         for density, group in zip(self.densities, groups, strict=True):
@@ -354,9 +391,8 @@ class Emulator:
             for j in range(group.values.shape[1]):
                 kinds = np.full(group.kinds.shape, MISSING)
                 kinds[:, j] = np.where(group.kinds[:, j] == MISSING, MISSING, BELOW)
-                one = Group(group.conditions, group.values, group.errors, kinds)
-                value = np.exp(_log_density(density, one, x)).mean(axis=0)
-                columns.append(np.where(group.kinds[:, j] == MISSING, np.nan, value))
+                one = dataclasses.replace(group, kinds=kinds)
+                columns.append(np.where(group.kinds[:, j] == MISSING, np.nan, np.exp(log_density(density, one, x))))
             result.append(np.stack(columns, axis=2))
         return np.concatenate(result, axis=1)
 
@@ -369,13 +405,38 @@ class Emulator:
         return np.concatenate(result, axis=1)
 
 
-def _log_density(density: Density, group: Group, x: Array) -> Array:
-    """ln p of each patch by each member, (members, points, patches), from the logarithms of the outcomes and their errors."""
+def as_measured(group: Group, logs: Array, random: np.random.Generator) -> Group:
+    """Patches as the data of a group would have them: with the errors, gaps and limits of data at random.
+
+    Parameters
+    ----------
+    group : Group
+        The data.
+    logs : array (patches, outcomes)
+        Logarithms of the outcomes, SI.
+    random : numpy.random.Generator
+        It chooses data, and draws their errors.
+    """
+    like = random.integers(len(group.values), size=len(logs))
+    errors = group.errors[like]
+    values = np.exp(logs) + errors * random.standard_normal(logs.shape)
+    kinds = np.where(group.kinds[like] == MISSING, MISSING, EXACT)
+    for j in range(logs.shape[1]):
+        for kind, nearest, is_beyond in ((BELOW, np.max, np.less), (ABOVE, np.min, np.greater)):
+            if (limits := group.values[group.kinds[:, j] == kind, j]).size:
+                beyond = (kinds[:, j] == EXACT) & is_beyond(values[:, j], limit := nearest(limits))
+                values[beyond, j], kinds[beyond, j] = limit, kind
+    kinds = np.where((values > 0.0) | (kinds != EXACT), kinds, MISSING)
+    return Group(group.conditions, np.where(kinds == MISSING, 1.0, values), errors, kinds)
+
+
+def log_density(density: Density, group: Group, x: Array) -> Array:
+    """ln p of each patch at each point, (points, patches), from the logarithms of the outcomes and their errors."""
     log_weights, means, widths = density.parts(x)
-    whole = log_weights[:, :, None, :]  # (members, points, patches, parts)
+    whole = log_weights[:, None, :]  # (points, patches, parts)
     for j in range(group.values.shape[1]):
-        mean, width = means[:, :, None, :, j], widths[:, :, None, :, j]
-        terms = np.zeros((*whole.shape[:2], len(group.values), whole.shape[3]))
+        mean, width = means[:, None, :, j], widths[:, None, :, j]
+        terms = np.zeros((len(x), len(group.values), whole.shape[2]))
         for kind in (EXACT, BELOW, ABOVE):
             for measured in (False, True):
                 of = np.flatnonzero((group.kinds[:, j] == kind) & ((group.errors[:, j] > 0.0) == measured))
@@ -384,9 +445,9 @@ def _log_density(density: Density, group: Group, x: Array) -> Array:
                     pairs, back = np.unique(np.stack([group.values[of, j], group.errors[of, j]], axis=1), axis=0, return_inverse=True)
                     value, error = pairs[:, :1], pairs[:, 1:]
                     each = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
-                    terms[:, :, of] = each[:, :, back.ravel()]
+                    terms[:, of] = each[:, back.ravel()]
         whole = whole + terms
-    result: Array = log_sum_exp(whole, axis=3)
+    result: Array = log_sum_exp(whole, axis=2)
     return result
 
 
@@ -410,10 +471,10 @@ def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array)
     result = np.empty(np.broadcast_shapes(value.shape, mean.shape))
     small = (error / value)[:, 0] < _SMALL_ERROR
     if small.any():
-        result[:, :, small] = _plain(kind, value[small], mean, np.hypot(width, (error / value)[small]))
+        result[:, small] = _plain(kind, value[small], mean, np.hypot(width, (error / value)[small]))
     if not small.all():
         integral = _exact_integral if kind == EXACT else functools.partial(_limit_integral, kind)
-        result[:, :, ~small] = np.maximum(integral(value[~small], error[~small], mean, width), _LEAST_LOG)
+        result[:, ~small] = np.maximum(integral(value[~small], error[~small], mean, width), _LEAST_LOG)
     return result
 
 
@@ -448,12 +509,12 @@ def _limit_integral(kind: int, value: Array, error: Array, mean: Array, width: A
     each = np.where(outcomes > 0.0, each, 0.0 if kind == ABOVE else -np.inf)
     with np.errstate(divide="ignore"):
         large = np.log(np.exp(each) @ _LIMIT_WEIGHTS)
-    narrow = width * value < error  # (members, points, patches, parts)
+    narrow = width * value < error  # (points, patches, parts)
     if narrow.any():
         # Over the part: outcomes exp(mean + width z), measured with the error.
         where = np.nonzero(narrow)
         of_part = np.broadcast_to(mean, narrow.shape)[where], np.broadcast_to(width, narrow.shape)[where]
-        of_patch = value[where[2], 0, None], error[where[2], 0, None]
+        of_patch = value[where[1], 0, None], error[where[1], 0, None]
         outcomes = np.exp(np.minimum(of_part[0][:, None] + of_part[1][:, None] * _LIMIT_NODES, 300.0))
         deviation = (of_patch[0] - outcomes) / of_patch[1]
         large[where] = log_sum_exp(log_ndtr(deviation if kind == BELOW else -deviation) + np.log(_LIMIT_WEIGHTS), axis=-1)

@@ -87,6 +87,27 @@ class Inference:
             self.data.to_netcdf(str(part), engine="h5netcdf")
         return Path(path)
 
+    def _batches(self) -> list[tuple[str, str]]:
+        """Rows on the batches of the data."""
+        names = str(self.attrs["batches"])
+        if "batches" not in self.data.groups():
+            return [("batches", f"{names}: taken as alike; batch_log_std in a prior lets its number differ between them")] if names else []
+        (of,) = self.data.batches.data_vars.values()
+        rows = []
+        for batch in of.batch.values:
+            low, median, high = (quantities.si(end, str(of.attrs["units"])) for end in np.quantile(of.sel(batch=batch), [0.025, 0.5, 0.975]))
+            rows.append((f"batch {batch}", f"{_words(str(of.name))} {median}, 95 % interval {low} to {high}"))
+        return rows
+
+    def _density(self) -> str:
+        """What the fitted density leaves."""
+        share, noise, wanted = (100.0 * float(self.attrs[f"emulator_{name}"]) for name in ("share", "noise", "wanted"))
+        text = (
+            f"{self.attrs['simulated_patches']} simulated patches; by fresh ones its error shifts the posterior by {share:.2g} ± {noise:.1g} % "
+            f"of its standard deviation, and their distribution is off by {100.0 * self.attrs['emulator_distance']:.2g} % at most"
+        )
+        return text if share <= wanted else f"{text}: more than the {wanted:.2g} % wanted, the interval is that much off"
+
     def __str__(self) -> str:
         gaps = f"; not measured: {self.attrs['gaps']}" if self.attrs.get("gaps") else ""
         rows = [("data", f"{quantities.counted(int(self.attrs['patches']), 'patch')}: {self.attrs['outcomes']}{gaps}")]
@@ -94,7 +115,8 @@ class Inference:
             unit = str(self.data.posterior[name].attrs["units"])
             low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))
             rows.append((_words(str(name)), f"{median}, 95 % interval {low} to {high}"))
-        for k in range(len(self.names)):
+        rows += self._batches()
+        for k in range(self.data.identifiability.sizes["combination"]):
             of = self.data.identifiability.isel(combination=k)
             share = 100.0 * float(of.posterior_std / of.prior_std)
             spread = float(of.posterior_std)
@@ -102,10 +124,12 @@ class Inference:
         for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
-        rows += [("datum", said) for said in str(self.attrs.get("farthest", "")).splitlines()]
+        if self.attrs["outliers_expected"]:
+            rows.append(("outliers", f"{100 * self.attrs['outliers']:.2g} % of the data, {100 * self.attrs['outliers_expected']:.2g} % by the prior"))
+        rows += [("doubted", said) for said in str(self.attrs["doubted"]).splitlines()]
         worst = self.summary()
-        rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
-        rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's standard deviation (is in it)"))
+        rows.append(("grid", "of one or two parameters: no error of chains") if self.attrs["is_grid"] else ("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
+        rows.append(("density", self._density()))
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
 

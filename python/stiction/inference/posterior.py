@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import arviz
@@ -18,29 +18,56 @@ from threadpoolctl import threadpool_limits
 
 from .. import experiments, files, quantities
 from .. import priors as scenes
-from ..errors import SceneError, StictionError, written_at_end
+from ..errors import FileError, SceneError, StictionError, written_at_end
 from ..priors import Priors
 from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
 from . import data as measurements
-from .check import check_p_values, farthest
-from .data import EXACT, Group, Measurements
-from .density import log_sum_exp
-from .emulator import FORCE_SCALE, Emulator, Patches, design, outcomes_of, simulate, try_out
+from .check import check_p_values
+from .data import Measurements
+from .emulator import (
+    FORCE_SCALE,
+    ROW,
+    SHAPES,
+    Emulator,
+    Patches,
+    as_measured,
+    design,
+    outcomes_of,
+    outliers_of,
+    try_out,
+)
 from .found import FORMAT, Inference
-from .sampling import Chains, sample
+from .fresh import Misfit, misfit, scores
+from .grid import MOST, on_grid
+from .kept import GROUP, Kept, partial
+from .likelihood import Likelihood, outlier_range
+from .sampling import Chains, independent, sample, weighted
 
 __all__ = ["checked", "infer"]
 
 Array = NDArray[np.float64]
-# Points of the first batch for each parameter that is swept, rounded up to a power of 2; a batch that follows has half of them.
-_POINTS = 32
+# Points of each batch for each parameter that is swept; of the first a power of 2.
+_POINTS = 16
 _MOST_BATCHES = 8
-# Patches of the Fisher information.
-_SCORED = 4000
-# Draws of the prior.
-_PRIOR = 20_000
+# Patches of a point of the first batch, and fresh patches at the posterior over the measured ones: of the second batch, and of each that follows.
+_FIRST, _ROUGH, _FRESH = 100, 25, 100
+# Draws of a rough posterior, and of one on a grid.
+_ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
+# Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
+_SCORED, _STEP = 4000, 0.5
+# Draws of the prior, and draws of which doubts of data are means.
+_PRIOR, _DOUBTED = 20_000, 1000
 _VERSION = (1, 0)
+
+
+@dataclass(frozen=True)
+class _Goals:
+    """Where an inference ends."""
+
+    seed: int
+    end_error: float
+    emulator_error: float
 
 
 def infer(
@@ -52,16 +79,18 @@ def infer(
     threads: int | None = None,
     end_error: float = 0.02,
     emulator_error: float = 0.2,
-    replicas: int = 300,
     missing: str = "refuse",
+    resume: bool = False,
+    reuse: str | Path | None = None,
     force: bool = False,
     progress: bool | None = None,
 ) -> Inference:
     """Infers parameters of a scene from measured outcomes of patches.
 
-    Patches are simulated over the priors, in batches of parameter sets; a density of their outcomes over the parameters is fitted (`Density`) and the
-    posterior sampled. Further batches lie where the posterior is, until the density's own error is small against it. That error is carried in the
-    likelihood: it is the mean over fits to resampled patches.
+    Patches are simulated over the priors, and then in batches where the posterior is; a density of their outcomes over the parameters is fitted
+    (`Density`). The patches of each batch first show how far the density is off there (`misfit`), and then improve it, until its error is small
+    against the posterior. Their number is in proportion to the measured ones. The posterior is that on a grid of one or two parameters, and
+    sampled by emcee of more.
 
     Parameters
     ----------
@@ -70,7 +99,7 @@ def infer(
     scene : path or dict
         The scene with priors, as `stiction.priors.read` has them.
     output : path, optional
-        File for the result, too.
+        File for the result, too. Until that is complete the simulated patches are in ``OUTPUT.partial``.
     seed : int
         Seed of simulations, fits and chains.
     threads : int, optional
@@ -78,11 +107,14 @@ def infer(
     end_error : float
         Monte Carlo error of the ends of 95 % intervals over their width.
     emulator_error : float
-        Scatter of the posterior means of the fits over the standard deviation of the posterior: 0.2 widens it by 2 %.
-    replicas : int
-        Patches that are simulated at each parameter set: several times as many as were measured.
+        Shift of the posterior's mean by the density's error, over its standard deviation.
     missing : {"refuse", "drop"}
         Whether a gap of the table is an error or an outcome that was not measured.
+    resume : bool
+        Whether to go on with the patches that ``OUTPUT.partial`` or `output` has, as of an interrupted inference or of other data of this scene.
+        Errors to reach are of all patches together.
+    reuse : path, optional
+        Another result of this scene whose patches are taken, too.
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
@@ -98,19 +130,53 @@ def infer(
     for name, value, low, high in (("end_error", end_error, 1e-3, 0.5), ("emulator_error", emulator_error, 0.01, 1.0)):
         if not low <= value <= high:
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
-    if not 20 <= replicas <= 100_000:
-        raise SceneError(f"replicas = {replicas}: a number from 20 to 100000 is needed")
     experiments.check_settings(seed=seed, threads=threads)
+    output = None if output is None else Path(output)
+    source = None if output is None else _source(output, resume, force)
     if output is not None:
         inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
-        files.check(output, force=force, inputs=inputs)
+        files.check(output, force=force or resume, inputs=inputs)
     # Matrices are so small that threads would only wait for each other.
-    with written_at_end(), work(progress=progress), threadpool_limits(1):
+    with work(progress=progress), threadpool_limits(1):
         measured, priors = checked(data, scene, missing)
-        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas)
+        kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
+        for path in (source, reuse):
+            if path is not None:
+                kept.take(path)
+        with _interrupted(kept, output):
+            found = _inferred(measured, priors, kept, _Goals(seed, end_error, emulator_error))
     if output is not None:
-        result.save(output, force=force)
-    return result
+        found.save(output, force=force or resume)
+        partial(output).unlink(missing_ok=True)
+    return found
+
+
+def _source(output: Path, resume: bool, force: bool) -> Path | None:
+    """The file whose patches are gone on with, if that is wanted."""
+    if resume:
+        found = [path for path in (partial(output), output) if path.exists()]
+        if not found:
+            raise FileError(f"{output}: neither it nor {partial(output).name} is there to go on with; leave resume=True out")
+        return found[0]
+    if not force and partial(output).exists():
+        raise FileError(
+            f"{partial(output)}: has the patches of an interrupted inference; resume=True goes on with them, force=True begins anew"
+        )
+    return None
+
+
+@contextmanager
+def _interrupted(kept: Kept, output: Path | None) -> Iterator[None]:
+    """States what an interruption leaves."""
+    if output is None:
+        with written_at_end():
+            yield
+        return
+    try:
+        yield
+    except KeyboardInterrupt:
+        what = f"{partial(output)} has {quantities.counted(kept.count, 'simulated patch')}; resume=True goes on with them" if kept.count else "nothing was simulated yet"
+        raise KeyboardInterrupt(f"interrupted; {what}") from None
 
 
 def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refuse") -> tuple[Measurements, Priors]:
@@ -122,74 +188,102 @@ def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refus
         As `infer`.
     """
     if isinstance(data, Measurements):
-        measured, priors = data, scenes.read(scene)
+        measured, priors = data, scenes.read(scene, batches=True)
     else:
         # What is no table is found before anything runs.
         conditions = measurements.first_conditions(data)
-        priors = scenes.read(scene)
+        priors = scenes.read(scene, batches=True)
         with Bar("trial patches"):
             known = outcomes_of(priors, conditions)
         measured = measurements.read(data, outcomes=known, missing=missing)
+    outliers_of(priors)
+    if priors.of_batch is not None and len(measured.batches) < 2:
+        key = priors.keys[priors.of_batch.place]
+        raise SceneError(f"{key}.batch_log_std: the data need a column `batch` or `specimen` with at least two labels; there {'is' if measured.batches else 'are'} {len(measured.batches) or 'none'}")
     with Bar("trial patches"):
         try_out(priors, measured)
     return measured, priors
 
 
-def _inferred(
-    measured: Measurements, priors: Priors, seed: int, threads: int | None, end_error: float,
-    emulator_error: float, replicas: int,
-) -> Inference:  # fmt: skip
-    first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
-    seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
-
-    def simulated(values: Array, batch: int) -> list[Patches]:
-        # One seed under all conditions: they differ in nothing else.
-        of, found = int(next(seeds)), []
-        for number, group in enumerate(measured.groups, 1):
-            with _of_batch(batch), work(f"condition {number} of {len(measured.groups)}" if len(measured.groups) > 1 else "simulation"):
-                found.append(simulate(
-                    priors, measured.outcomes, values, units=measured.units, replicas=replicas, seed=of, threads=threads, floors=measured.floors,
-                    conditions=group.conditions,
-                ))  # fmt: skip
-        return found
-
-    patches = simulated(design(priors, first, int(next(seeds))), 1)
+def _inferred(measured: Measurements, priors: Priors, kept: Kept, goals: _Goals) -> Inference:
+    patches = kept.former()
+    if patches is None:
+        first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
+        with work("over the priors"):
+            patches = kept.simulated(design(priors, first, goals.seed), _FIRST)
     _check_scatter(measured, patches)
-    random = np.random.default_rng(int(next(seeds)))
-    centre: Array | None = None
-    covariance: Array | None = None
-    start: Array | None = None
-    for batch in range(1, _MOST_BATCHES + 1):
-        with _of_batch(batch):
-            with Bar("density"):
-                emulator = Emulator(priors, patches, centre=centre, covariance=covariance, seed=int(next(seeds)))
-            rough = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=0.1, effective=400.0, start=start)
-        start = rough.z.reshape(-1, len(priors.priors))
-        natural = priors.natural(priors.of_scores(start))
-        share = _share(emulator, measured.groups, priors, start)
-        if batch > 1 and share <= emulator_error:
-            break
-        centre, covariance = natural.mean(axis=0), np.cov(natural.T).reshape(len(priors.priors), -1)
-        if batch < _MOST_BATCHES:
-            # Wider than the posterior, so that its flanks are known as well as its middle.
-            middle = start.mean(axis=0)
-            wide = middle + 2.0 * (start[random.choice(len(start), first // 2, replace=False)] - middle)
-            more = simulated(priors.of_scores(np.clip(wide, -3.0, 3.0)), batch + 1)
-            patches = [one + two for one, two in zip(patches, more, strict=True)]
+    floors = np.log(measured.floors)
+    around: Array | None = None
+    level, batch = 0, 0
+    while True:
+        batch += 1
+        random = np.random.default_rng([goals.seed, batch])
+        with work(f"batch {batch} of at most {_MOST_BATCHES}"):
+            likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
+            with Bar("rough posterior"):
+                z = _rough(likelihood, random)
+            around = priors.natural(likelihood.of_batches(z, random)[:, 0])
+            fresh, more = _batch(kept, likelihood, z, random, _ROUGH if batch == 1 else _FRESH)
+            with Bar("error of the density"):
+                found = misfit(likelihood, [_floored(of, floors) for of in fresh], around, random)
+            patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
+            if (batch > 1 and found.share <= goals.emulator_error) or batch == _MOST_BATCHES:
+                break
+            # More flexible where more patches alone would not do.
+            level += batch > 1 and found.share > 2.0 * found.noise and level + 1 < len(SHAPES)
+    random = np.random.default_rng([goals.seed, 0])
     with work("result"):
-        chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)
+        likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
+        if likelihood.dimensions <= MOST:
+            chains = independent(*on_grid(likelihood, likelihood.dimensions, _GRID_DRAWS, random))
+        else:
+            chains = sample(likelihood, _rough(likelihood, random), seed=goals.seed, end_error=goals.end_error)
         with Bar("checks"):
-            return _result(chains, priors, measured, emulator, random, share, sum(of.logs[:, :, 0].size for of in patches), batch)
+            return _result(chains, likelihood, (found, goals.emulator_error), kept, random)
 
 
-def _of_batch(batch: int) -> AbstractContextManager[None]:
-    return work(f"batch {batch} of at most {_MOST_BATCHES}")
+def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], around: Array | None, level: int) -> Likelihood:
+    with Bar("density"):
+        emulator = Emulator(priors, patches, around=around, shape=SHAPES[level])
+    return Likelihood(emulator, measured, priors, outliers_of(priors), outlier_range(measured, [of.logs for of in patches]))
+
+
+def _rough(likelihood: Likelihood, random: np.random.Generator) -> Array:
+    """Normal scores of draws of the posterior, (draws, parameters)."""
+    if likelihood.dimensions <= MOST:
+        return on_grid(likelihood, likelihood.dimensions, _ROUGH_DRAWS, random, is_rough=True)[0]
+    z, weights = weighted(likelihood, likelihood.dimensions, random)
+    return np.asarray(z[random.choice(len(z), _ROUGH_DRAWS, p=weights)])
+
+
+def _batch(
+    kept: Kept, likelihood: Likelihood, z: Array, random: np.random.Generator, over_measured: int
+) -> tuple[list[Patches], list[Patches]]:
+    """Fresh patches at draws of the posterior, and half of their number at points twice as far from its middle, by which its flanks are known."""
+    priors = likelihood.priors
+    points = _POINTS * len({*priors.keys} - {FORCE_SCALE})
+    largest = max(len(group.values) for group in likelihood.measured.groups)
+    rows = math.ceil(over_measured * largest / points / ROW)
+    values = likelihood.of_batches(z[random.choice(len(z), points, replace=False)], random)
+    # Of several batches one at random.
+    values = values[np.arange(points), random.integers(values.shape[1], size=points)]
+    middle = z.mean(axis=0)
+    wide = middle + 2.0 * (z[random.choice(len(z), points // 2, replace=False)] - middle)
+    made = kept.simulated(np.concatenate([values, likelihood.values(np.clip(wide, -3.0, 3.0))]), rows * ROW)
+    own = points * rows
+    return [Patches(of.values[:own], of.logs[:own]) for of in made], [Patches(of.values[own:], of.logs[own:]) for of in made]
+
+
+def _floored(patches: Patches, floors: Array) -> Patches:
+    """Patches without what the data do not resolve."""
+    return Patches(patches.values, np.maximum(patches.logs, floors))
 
 
 def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:
     """Refuses outcomes of which all simulated patches have one value: no density can be fitted."""
     for of in patches:
         for name, unit, logs, floor in zip(measured.outcomes, measured.units, np.moveaxis(of.logs, 2, 0), measured.floors, strict=True):
+            logs = np.maximum(logs, np.log(floor))
             if np.ptp(logs) == 0.0:
                 raise StictionError(
                     f"{name}: all simulated patches are alike, {quantities.si(np.exp(logs.flat[0]), unit)}, and those below a tenth of the smallest "
@@ -197,62 +291,33 @@ def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:
                 )
 
 
-def _likelihood(emulator: Emulator, groups: tuple[Group, ...]) -> Callable[[Array], Array]:
-    return lambda values: emulator.log_likelihood(groups, values)
-
-
-def _share(emulator: Emulator, groups: tuple[Group, ...], priors: Priors, z: Array) -> float:
-    """Scatter of the members' posterior means over the posterior's standard deviation: the largest of all parameters."""
-    values = priors.of_scores(z[:: max(len(z) // 2000, 1)])
-    natural = priors.natural(values)
-    each = np.concatenate([emulator.log_densities(groups, piece).sum(axis=2) for piece in np.array_split(values, 10)], axis=1)
-    weights = np.exp(each - log_sum_exp(each, axis=0))
-    weights /= weights.sum(axis=1, keepdims=True)
-    means = weights @ natural
-    return float((means.std(axis=0, ddof=1) / natural.std(axis=0)).max())
-
-
-def _result(
-    chains: Chains, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator, share: float,
-    simulated: int, batches: int,
-) -> Inference:  # fmt: skip
-    count, draws, dimensions = chains.z.shape
-    values = priors.of_scores(chains.z.reshape(-1, dimensions))
-    flat = priors.natural(values)
-    drawn = priors.of_scores(random.standard_normal((_PRIOR, dimensions)))
-    before = priors.natural(drawn)
-    groups = measured.groups
-    pieces = np.array_split(values, max(len(values) // 200, 1))
-    each = np.concatenate([emulator.log_densities(groups, piece) for piece in pieces], axis=1)
-    pointwise = (log_sum_exp(each, axis=0) - np.log(len(each))).reshape(count, draws, -1)
-    replicated = np.concatenate([emulator.measured(groups, piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
-    observed = {name: np.concatenate([group.values[:, j] for group in groups]) for j, name in enumerate(measured.outcomes)}
-    for j, name in enumerate(measured.outcomes):
-        observed[f"{name}_error"] = np.concatenate([group.errors[:, j] for group in groups])
-        observed[f"{name}_kind"] = np.concatenate([group.kinds[:, j] for group in groups])
-    names = [prior.name for prior in priors.priors]
-    sampled = [*observed]
+def _result(chains: Chains, likelihood: Likelihood, error: tuple[Misfit, float], kept: Kept, random: np.random.Generator) -> Inference:
+    measured, priors = likelihood.measured, likelihood.priors
+    (found, wanted), (count, draws, dimensions) = error, chains.z.shape
+    flat = chains.z.reshape(-1, dimensions)
+    values = likelihood.values(flat)
+    drawn = random.standard_normal((_PRIOR, dimensions))
+    of_batches = likelihood.of_batches(flat, random)
+    pointwise = likelihood.log_densities(flat).reshape(count, draws, -1)
+    pieces = np.array_split(of_batches, max(len(flat) // 200, 1))
+    replicated = np.concatenate([likelihood.predicted(piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
+    doubts, outliers = likelihood.doubts(flat[random.choice(len(flat), min(_DOUBTED, len(flat)), replace=False)])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = arviz.from_dict(
-            posterior={name: values[:, k].reshape(count, draws) for k, name in enumerate(names)},
+            posterior=_parameters(likelihood, flat, (count, draws)),
             sample_stats={"lp": chains.log_probability},
             log_likelihood={"patch": pointwise},
             posterior_predictive={name: replicated[..., j] for j, name in enumerate(measured.outcomes)},
-            observed_data=observed,
-            prior={name: drawn[None, :, k] for k, name in enumerate(names)},
-            dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in sampled}},
+            observed_data=_observed(measured, doubts),
+            prior=_parameters(likelihood, drawn, (1, _PRIOR)),
+            dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in [*_observed(measured, doubts)]}},
             coords={"patch_number": np.arange(measured.size)},
         )
-        data.add_groups(identifiability=_identifiability(values, drawn, priors, measured, emulator, random))
-    for k, prior in enumerate(priors.priors):
-        for group in (data.posterior, data.prior):
-            group[prior.name].attrs.update(units=prior.unit, long_name=prior.key)
-        contraction = 1.0 - float(flat[:, k].var() / before[:, k].var())
-        data.posterior[prior.name].attrs.update(
-            r_hat=chains.r_hat[k], effective=chains.effective[k], end_error=chains.end_errors[k], contraction=contraction,
-            logarithmic=int(prior.logarithmic),
-        )  # fmt: skip
+        data.add_groups(identifiability=_identifiability(values, likelihood.values(drawn), likelihood, random), **{GROUP: kept.dataset()})
+        if priors.of_batch is not None:
+            data.add_groups(batches=_batches(of_batches.reshape(count, draws, *of_batches.shape[1:]), likelihood))
+    _attributes(data, chains, likelihood, flat, drawn)
     for name, unit in zip(measured.outcomes, measured.units, strict=True):
         for of in (data.observed_data, data.posterior_predictive):
             of[name].attrs["units"] = unit
@@ -260,36 +325,82 @@ def _result(
         data.observed_data[f"{name}_kind"].attrs["flag_meanings"] = "0 number, 1 below it, 2 above it, 3 not measured"
     data.posterior.attrs.update(
         format=FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
-        patches=measured.size, gaps=measured.gaps, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
-        emulator_share=share, simulated_patches=simulated, batches=batches,
-        farthest="\n".join(_farthest(measured, farthest(emulator, groups, values, random))),
+        patches=measured.size, gaps=measured.gaps, check_p_value=check_p_values(likelihood, of_batches, random), acceptance=chains.acceptance,
+        emulator_share=found.share, emulator_noise=found.noise, emulator_distance=found.distance, emulator_wanted=wanted,
+        simulated_patches=kept.count, is_grid=int(dimensions <= MOST), outliers=outliers, outliers_expected=outliers_of(priors), doubted="\n".join(_doubted(measured, doubts)), batches=", ".join(measured.batches),
     )  # fmt: skip
-    found = Inference(data)
+    inference = Inference(data)
     data.attrs = {"format": FORMAT, "format_version": np.array(_VERSION), "title": data.posterior.attrs["title"],
-                  "scene": data.posterior.attrs["scene"], "summary": str(found)}  # fmt: skip
+                  "scene": data.posterior.attrs["scene"], "summary": str(inference)}  # fmt: skip
+    return inference
+
+
+def _parameters(likelihood: Likelihood, z: Array, shape: tuple[int, int]) -> dict[str, Array]:
+    """Draws of the parameters by name, from normal scores (draws, parameters)."""
+    names = [prior.name for prior in likelihood.priors.priors]
+    found = {name: column.reshape(shape) for name, column in zip(names, likelihood.values(z).T, strict=True)}
+    if (of_batch := likelihood.priors.of_batch) is not None:
+        found[f"{names[of_batch.place]}_batch_log_std"] = likelihood.spread_of_batches(z).reshape(shape)
     return found
 
 
-def _farthest(measured: Measurements, found: list[tuple[int, float]]) -> Iterator[str]:
-    """Sentences on the datum of each outcome that is farthest off the others."""
+def _observed(measured: Measurements, doubts: Array) -> dict[str, Array]:
+    """The data, and how far each is doubted."""
+    groups, observed = measured.groups, {}
+    for j, name in enumerate(measured.outcomes):
+        observed[name] = np.concatenate([group.values[:, j] for group in groups])
+        observed[f"{name}_error"] = np.concatenate([group.errors[:, j] for group in groups])
+        observed[f"{name}_kind"] = np.concatenate([group.kinds[:, j] for group in groups])
+    return {**observed, "outlier_probability": doubts}
+
+
+def _batches(values: Array, likelihood: Likelihood) -> xarray.Dataset:
+    """The number that differs between batches, of each of them: (chains, draws, batches)."""
+    of_batch = likelihood.priors.of_batch
+    assert of_batch is not None
+    prior = likelihood.priors.priors[of_batch.place]
+    own = (("chain", "draw", "batch"), values[..., of_batch.place], {"units": prior.unit, "long_name": f"{prior.key} of each batch"})
+    return xarray.Dataset({prior.name: own}, coords={"batch": list(likelihood.measured.batches)})
+
+
+def _attributes(data: arviz.InferenceData, chains: Chains, likelihood: Likelihood, flat: Array, drawn: Array) -> None:
+    """Gives each parameter its unit and the figures of its draws."""
+    priors = likelihood.priors
+    after, before = priors.natural(likelihood.values(flat)), priors.natural(likelihood.values(drawn))
+    for k, name in enumerate(data.posterior.data_vars):
+        prior = priors.priors[k] if k < len(priors.priors) else None
+        for group in (data.posterior, data.prior):
+            group[name].attrs.update(units=prior.unit if prior else "1", long_name=prior.key if prior else "standard deviation of the logarithm between batches")
+        contraction = 1.0 - float(after[:, k].var() / before[:, k].var()) if prior else 1.0 - float(data.posterior[name].var() / data.prior[name].var())
+        data.posterior[name].attrs.update(
+            r_hat=chains.r_hat[k], effective=chains.effective[k], end_error=chains.end_errors[k], contraction=contraction,
+            logarithmic=int(prior.logarithmic if prior else False),
+        )  # fmt: skip
+
+
+def _doubted(measured: Measurements, doubts: Array) -> Iterator[str]:
+    """Sentences on the data that are rather outliers than patches of the model."""
     table = np.concatenate([group.values for group in measured.groups])
     lines = [line for group in measured.groups for line in group.lines]
     samples = [sample for group in measured.groups for sample in group.samples]
-    for name, unit, j, (patch, p) in zip(measured.outcomes, measured.units, range(len(found)), found, strict=True):
+    for patch in np.flatnonzero(doubts > 0.5):
         where = f"line {lines[patch]}" if lines else f"patch {patch}"
         where = f"{samples[patch]}, {where}" if samples else where
-        verdict = "far off what the others say: look at it" if p < 0.01 else "as far off as the farthest may be"
-        yield f"{name} of {where}, {quantities.si(table[patch, j], unit)}: p = {p:.2g}, {verdict}"
+        numbers = ", ".join(
+            f"{name} {quantities.si(value, unit)}"
+            for name, unit, value in zip(measured.outcomes, measured.units, table[patch], strict=True)
+            if not math.isnan(value)
+        )
+        yield f"{where}, {numbers}: {100.0 * doubts[patch]:.0f} % for an outlier"
 
 
-def _identifiability(
-    values: Array, drawn: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator
-) -> xarray.Dataset:
+def _identifiability(values: Array, drawn: Array, likelihood: Likelihood, random: np.random.Generator) -> xarray.Dataset:
     """Combinations of the parameters by how far the data narrow them, and the Fisher information at the posterior's mean.
 
     A combination is Σ a_k q_k of the logarithms of the parameters; of one that may be negative q is the number over the standard deviation of its prior. Those that are
     independent under prior and posterior are the solutions of C_posterior a = r C_prior a, with r the fraction of the variance that is left.
     """
+    priors = likelihood.priors
     positive = (values > 0.0).all(axis=0) & (drawn > 0.0).all(axis=0)
     scale = np.where(positive, 1.0, drawn.std(axis=0))
 
@@ -307,7 +418,7 @@ def _identifiability(
     spreads = np.sqrt(np.einsum("ik,ij,jk->k", vectors, after, vectors))
     natural = priors.natural(values)
     middle = natural.mean(axis=0)
-    information = _fisher(middle, natural.std(axis=0), priors, measured, emulator, random)
+    information = _fisher(middle, natural.std(axis=0), likelihood, random)
     # From natural parameters to these coordinates.
     slopes = np.where([one.logarithmic for one in priors.priors], 1.0, np.where(positive, middle, scale))
     names = [prior.name for prior in priors.priors]
@@ -325,26 +436,13 @@ def _identifiability(
     )
 
 
-def _fisher(at: Array, steps: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator) -> Array:
-    """Expected information of the data's patches, measured with their errors and without limits: the mean of the outer products of scores."""
-    dimensions = len(at)
-    result = np.zeros((dimensions, dimensions))
-    for place, group in enumerate(measured.groups):
-        sets = max(_SCORED // len(group.values), 1)
-        single = _only(emulator, place)
-        drawn = single.measured((group,), np.repeat(priors.values(at[None]), sets, axis=0), random).reshape(-1, group.values.shape[1])
-        errors = np.tile(group.errors, (sets, 1))
-        kinds = np.where((drawn > 0.0) & (np.tile(group.kinds, (sets, 1)) != measurements.MISSING), EXACT, measurements.MISSING)
-        like = Group(group.conditions, np.where(drawn > 0.0, drawn, 1.0), errors, kinds)
-        points = priors.values(np.concatenate([at + 0.25 * sign * np.diag(steps) for sign in (1.0, -1.0)]))
-        each = np.concatenate([single.log_densities((like,), point[None]) for point in points], axis=1)
-        logs = log_sum_exp(each, axis=0) - np.log(len(each))
-        scores = (logs[:dimensions] - logs[dimensions:]) / (0.5 * steps[:, None])
-        result += scores @ scores.T / sets
+def _fisher(at: Array, std: Array, likelihood: Likelihood, random: np.random.Generator) -> Array:
+    """Expected information of the data's patches, with their errors, gaps and limits: the mean of the outer products of scores."""
+    result = np.zeros((len(at), len(at)))
+    point = likelihood.priors.values(at[None])
+    for place, group in enumerate(likelihood.measured.groups):
+        emulator = likelihood.emulator.of_group(place)
+        logs = emulator.densities[0].draw(np.repeat(emulator.scaled(point), _SCORED, axis=0), random)
+        each = scores(likelihood, place, as_measured(group, logs, random), point[0], _STEP * std)
+        result += len(group.values) / len(each) * each.T @ each
     return result
-
-
-def _only(emulator: Emulator, place: int) -> Emulator:
-    single = copy.copy(emulator)
-    single.densities = [emulator.densities[place]]
-    return single

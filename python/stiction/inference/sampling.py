@@ -10,12 +10,13 @@ import arviz
 import emcee
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from ..errors import StictionError
-from ..priors import Priors
 from ..progress import Bar, steps
+from .density import log_sum_exp
 
-__all__ = ["Chains", "sample"]
+__all__ = ["Chains", "independent", "sample", "weighted"]
 
 Array = NDArray[np.float64]
 # Independent ensembles of walkers. R̂ compares them; effective sample sizes are by the autocorrelation of every walker.
@@ -26,6 +27,8 @@ _WALKERS = 48
 _BLOCK, _MOST_DRAWS, _THIN = 20, 400, 4
 _LEAST_EFFECTIVE = 1600.0
 _R_HAT = 1.01
+# Draws of the prior that importance sampling begins with, draws of its last proposal, and rounds of proposals.
+_BANK, _DRAWS, _ROUNDS = 4000, 6000, 5
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class Chains:
     log_probability : array (chains, draws)
         ln of prior times likelihood, up to a constant.
     acceptance : float
-        Share of the proposals that were taken.
+        Share of the proposals that were taken; 1 of draws from a grid.
     r_hat, effective : arrays (parameters,)
         Rank-normalised split R̂, and the smaller one of bulk and tail effective sample size (A. Vehtari and others, *Bayesian Anal.* 16 (2021) 667).
     end_errors : array (parameters,)
@@ -57,22 +60,21 @@ class Chains:
 
 def sample(
     log_likelihood: Callable[[Array], Array],
-    priors: Priors,
+    start: Array,
     *,
     seed: int,
     end_error: float = 0.02,
     effective: float = _LEAST_EFFECTIVE,
     r_hat: float = _R_HAT,
-    start: Array | None = None,
 ) -> Chains:
     """Samples the posterior by several independent ensembles of walkers (density estimates and differential evolution).
 
     Parameters
     ----------
     log_likelihood : callable
-        ln of the likelihood at parameters in SI units, (points, parameters) → (points,).
-    priors : Priors
-        Their normal scores are what is sampled, with a standard normal prior.
+        ln of the likelihood at normal scores, which have a standard normal prior: (points, parameters) → (points,).
+    start : array (points, parameters)
+        Normal scores of a rough posterior, where the walkers begin.
     seed : int
         Seed of starts and proposals.
     end_error : float
@@ -80,19 +82,17 @@ def sample(
         of draws.
     effective : float
         The least effective sample size at which it ends.
-    start : array (points, parameters), optional
-        Normal scores of a former posterior to begin at; without it the best of many draws of the prior.
 
     Raises
     ------
     StictionError
         The chains do not agree after the largest number of draws.
     """
-    dimensions = len(priors.priors)
+    dimensions = start.shape[1]
     walkers = _WALKERS * dimensions
 
     def log_probability(z: Array) -> Array:
-        result: Array = log_likelihood(priors.of_scores(z)) - 0.5 * (z**2).sum(axis=1)
+        result: Array = log_likelihood(z) - 0.5 * (z**2).sum(axis=1)
         return result
 
     random = np.random.default_rng(seed)
@@ -101,7 +101,7 @@ def sample(
     samplers, states = [], []
     for _ in steps(range(_ENSEMBLES), "first steps", "ensembles"):
         sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, vectorize=True, moves=moves)
-        begin = _spread(log_probability, start, walkers, dimensions, random)
+        begin = start[random.choice(len(start), walkers, replace=False)]
         state = emcee.State(begin, random_state=np.random.RandomState(random.integers(2**31)).get_state())
         # Steps that walkers need to forget where they began.
         states.append(sampler.run_mcmc(state, 100, store=False, skip_initial_state_check=True))
@@ -132,22 +132,6 @@ def sample(
                 )
 
 
-def _spread(log_probability: Callable[[Array], Array], start: Array | None, walkers: int, dimensions: int, random: Any) -> Array:
-    """Starts of the walkers: draws of a former posterior, or draws of the prior by their probability, tempered until they are several."""
-    if start is not None:
-        return np.asarray(start[random.choice(len(start), walkers, replace=False)])
-    z = random.standard_normal((2000, dimensions))
-    logs = np.concatenate([log_probability(piece) for piece in np.array_split(z, 10)]) + 0.5 * (z**2).sum(axis=1)
-    if not np.isfinite(logs.max()):
-        raise StictionError("the density of the simulated patches is no number at the data: check the units of the data, and the priors")
-    for power in 0.5 ** np.arange(12):
-        weights = np.exp(power * (logs - logs.max()))
-        if weights.sum() ** 2 / (weights**2).sum() > 2 * walkers:
-            break
-    chosen = random.choice(len(z), walkers, p=weights / weights.sum())
-    return np.asarray(z[chosen] + 0.02 * random.standard_normal((walkers, dimensions)))
-
-
 def _judged(z: Array, logs: Array, acceptance: float) -> Chains:
     ensembles, draws, walkers, dimensions = z.shape
     apart = z.transpose(0, 2, 1, 3).reshape(ensembles * walkers, draws, dimensions)
@@ -162,3 +146,57 @@ def _judged(z: Array, logs: Array, acceptance: float) -> Chains:
     stride = min(max(round(apart.shape[0] * draws / effective.min()), 1), draws)
     kept = z[:, ::stride].reshape(ensembles, -1, dimensions), logs[:, ::stride].reshape(ensembles, -1)
     return Chains(*kept, acceptance, r_hat, effective, np.maximum(*ends) / widths)
+
+
+def independent(z: Array, logs: Array) -> Chains:
+    """Independent draws, (draws, parameters), as chains."""
+    ensembles, draws = _ENSEMBLES, len(z) // _ENSEMBLES
+    count = ensembles * draws
+    return _judged(z[:count].reshape(ensembles, draws, 1, -1), logs[:count].reshape(ensembles, draws, 1), 1.0)
+
+
+def weighted(
+    log_likelihood: Callable[[Array], Array], dimensions: int, random: np.random.Generator, draws: int = _DRAWS
+) -> tuple[Array, Array]:
+    """A rough posterior by adaptive importance sampling, where chains would take long.
+
+    The proposal is a mixture of Student's t, with the weighted moments of the round before, and the prior (O. Cappé and others, *J. Comput. Graph. Stat.* 13
+    (2004) 907).
+
+    Parameters
+    ----------
+    log_likelihood : callable
+        As of `sample`.
+    dimensions : int
+        Number of parameters.
+    random : numpy.random.Generator
+    draws : int
+        Draws of the last proposal.
+
+    Returns
+    -------
+    tuple of arrays (draws, parameters), (draws,)
+        Normal scores and their weights, which sum to 1.
+    """
+    prior = stats.multivariate_normal(np.zeros(dimensions))
+    z = random.standard_normal((_BANK, dimensions))
+    logs = log_likelihood(z)
+    for round_of in range(_ROUNDS):
+        # Tempered until several draws count.
+        for power in 0.7 ** np.arange(40):
+            weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
+            weights /= weights.sum()
+            if 1.0 / (weights**2).sum() > 20.0 * dimensions:
+                break
+        centre = weights @ z
+        spread = 1.3 * np.cov(z.T, aweights=weights, ddof=0).reshape(dimensions, -1) + 1e-9 * np.eye(dimensions)
+        proposal = stats.multivariate_t(centre, spread, df=5)
+        count = draws if round_of == _ROUNDS - 1 else draws // 3
+        from_prior = count // 10
+        z = np.concatenate(
+            [np.atleast_2d(proposal.rvs(count - from_prior, random_state=random)).reshape(-1, dimensions), random.standard_normal((from_prior, dimensions))]
+        )
+        density = np.logaddexp(proposal.logpdf(z) + np.log(0.9), prior.logpdf(z) + np.log(0.1))
+        logs = log_likelihood(z) + prior.logpdf(z) - density
+    weights = np.exp(logs - log_sum_exp(logs, axis=0))
+    return z, weights

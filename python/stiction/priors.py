@@ -120,6 +120,11 @@ class BatchScatter:
     place: int
     log_std: float
 
+    def spread(self, scores: ArrayLike) -> Array:
+        """τ at normal scores, (n,): quantiles of its prior."""
+        shares = np.minimum(special.ndtr(np.asarray(scores, dtype=float)), 1.0 - 1e-15)
+        return np.asarray(self.log_std * special.ndtri(0.5 + 0.5 * shares))
+
 
 @dataclass(frozen=True)
 class Priors:

@@ -727,6 +727,7 @@ class Finding(Result):
 
     formats = {
         "stiction-inference": Format("inference", "stiction infer"),
+        "stiction-calibration": Format("calibration", "stiction infer --calibrate"),
         "stiction-sensitivity": Format("sensitivity", "stiction sensitivity"),
         "stiction-design": Format("design", "stiction design"),
         "stiction-map": Format("map", "stiction map"),

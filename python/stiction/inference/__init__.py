@@ -1,9 +1,10 @@
 """Inference of the parameters of a scene from measured outcomes of patches, `stiction infer`.
 
-`infer` takes a CSV file and a scene with priors; needs ``pip install stiction[inference]``.
+`infer` takes a CSV file and a scene with priors, `calibrate` measures how often its intervals contain the truth; needs ``pip install stiction[inference]``.
 """
 
+from .calibration import Calibration, calibrate, open_calibration
 from .found import Inference, models, open_inference
 from .posterior import infer
 
-__all__ = ["Inference", "infer", "models", "open_inference"]
+__all__ = ["Calibration", "Inference", "calibrate", "infer", "models", "open_calibration", "open_inference"]

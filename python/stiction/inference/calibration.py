@@ -1,54 +1,68 @@
-"""Calibration of intervals: inferences from synthetic experiments whose parameters are known."""
+"""Calibration of intervals: inferences from synthetic data whose parameters are known."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import dataclasses
+import os
+import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import xarray
+from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from scipy import stats
+from threadpoolctl import threadpool_limits
 
-from .. import priors as scenes
+from .. import experiments, files, quantities, stored
+from ..errors import FileError, SceneError, StictionError
 from ..priors import Priors
-from .check import check_p_values
-from .data import EXACT, Group
-from .density import log_sum_exp
-from .emulator import Emulator, design, simulate
+from ..progress import Bar, work
+from ..scenes import Scene, named_files, toml
+from .data import EXACT, MISSING, Group, Measurements
+from .emulator import Patches, as_measured, simulate
+from .kept import GROUP, Kept, partial
+from .posterior import Goals, checked, over_priors, posterior
 
-__all__ = ["Calibration", "calibrate", "weighted_posterior"]
+__all__ = ["FORMAT", "Calibration", "calibrate", "open_calibration"]
 
 Array = NDArray[np.float64]
-# What is measured.
-_OUTCOMES = ("pull_off_force",)
-# Draws of the prior that all experiments begin with, and draws of the last proposal.
-_BANK, _DRAWS = 4000, 3000
-# Draws of a posterior that its check looks at.
-_CHECKED = 200
+#: The attribute `format` of its files.
+FORMAT = "stiction-calibration"
+_VERSION = (1, 0)
+# The group of files that has the ranks.
+_RANKS = "calibration"
+_LEVELS = (0.5, 0.9, 0.95)
+# Streams of random numbers of an experiment: its parameters, its data, its inference.
+_TRUTH, _DATA, _INFERENCE = range(3)
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Calibration:
     """Ranks of the true parameters of synthetic experiments in their posteriors.
 
     Attributes
     ----------
-    names : list of str
-        Parameters.
-    ranks : array (experiments, parameters)
-        Shares of the posterior's draws below the true parameter: uniform on 0 to 1 if the posteriors are right (S. Talts and others, arXiv:1804.06788).
-    checks : array (experiments,)
-        p-values of the posterior-predictive check.
+    data : xarray.Dataset
+        Over `experiment` and `parameter`: `rank`, fractions of the posterior's draws below the true parameter, uniform on 0 to 1 if the posteriors are right
+        (S. Talts and others, arXiv:1804.06788); over `experiment` `check`, p-values of the posterior-predictive check, and
+        `emulator_share`. Attributes: title, scene, number of patches, experiments that failed.
     """
 
-    names: list[str]
-    ranks: Array
-    checks: Array
+    data: xarray.Dataset
+
+    @property
+    def names(self) -> list[str]:
+        """Parameters."""
+        return [str(name) for name in self.data.parameter.values]
+
+    @property
+    def ranks(self) -> Array:
+        """Ranks, (experiments, parameters)."""
+        return np.asarray(self.data["rank"].values)
 
     def coverage(self, level: float) -> Array:
-        """Share of the experiments in which the central interval of that probability contains the true parameter, (parameters,)."""
+        """Fraction of the experiments in which the central interval of that probability contains the true parameter, (parameters,)."""
         result: Array = (np.abs(self.ranks - 0.5) <= 0.5 * level).mean(axis=0)
         return result
 
@@ -56,99 +70,261 @@ class Calibration:
         """p-values of uniform ranks by the test of Kolmogorov and Smirnov, (parameters,)."""
         return np.array([stats.kstest(column, "uniform").pvalue for column in self.ranks.T])
 
+    def __str__(self) -> str:
+        failed = int(self.data.attrs["failed"])
+        count = f"{len(self.ranks)} of {quantities.counted(int(self.data.attrs['patches']), 'patch')}, parameters drawn from the priors"
+        width = max(len(name.partition("_")[2]) for name in [*self.names, "_experiments"])
+        heads = "".join(f"{f'{100 * level:.0f} %':<16}" for level in _LEVELS)
+        lines = [f"  {'experiments':<{width}}  {count}{f'; {failed} failed, left out' if failed else ''}", f"  {'intervals of':<{width}}  {heads}ranks uniform"]
+        for place, (name, p) in enumerate(zip(self.names, self.p_values(), strict=True)):
+            cells = []
+            for level in _LEVELS:
+                hits = round(float(self.coverage(level)[place]) * len(self.ranks))
+                low, high = stats.binomtest(hits, len(self.ranks)).proportion_ci(0.95, "wilson")
+                cells.append(f"{100 * hits / len(self.ranks):.0f} ({100 * low:.0f} to {100 * high:.0f})")
+            lines.append(f"  {name.partition('_')[2].replace('_', ' '):<{width}}  {''.join(f'{cell:<16}' for cell in cells)}p = {p:.2g}")
+        return "\n".join(lines)
+
 
 def calibrate(
-    scene: str | Path | Mapping[str, Any],
+    data: str | Path | Measurements,
+    scene: Scene,
+    output: str | Path | None = None,
     *,
-    experiments: int,
-    patches: int,
-    points: int = 512,
-    replicas: int = 300,
+    count: int,
     seed: int = 1,
     threads: int | None = None,
+    emulator_error: float = 0.2,
+    end_error: float = 0.02,
+    missing: str = "refuse",
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | None = None,
 ) -> Calibration:
-    """Simulation-based calibration: parameters from the prior, pull-offs from the program at them, and the posterior from these.
+    """Simulation-based calibration of `infer` with these data: their number, conditions, errors, limits and batches, of parameters drawn from the priors.
 
-    All posteriors have one density, fitted over the whole prior.
+    Each experiment is inferred as `infer` does, with patches of its own at its posterior; all of them share the patches over the priors.
 
     Parameters
     ----------
-    scene : path or dict
-        A scene with priors.
-    experiments, patches : int
-        Synthetic experiments, and patches measured in each.
-    points, replicas : int
-        Parameter sets from which the density is fitted, and simulated patches at each.
+    data, scene, emulator_error, end_error, missing, force, progress
+        As in `infer`.
+    output : path, optional
+        File for the result; ``OUTPUT.partial`` has the experiments that are done.
+    count : int
+        Number of experiments in all.
     seed : int
-        Of everything. Experiments and density share no random numbers.
+        Of everything. Experiments do not depend on their number.
     threads : int, optional
-        Of the simulations.
+        Experiments at once, one per core by default.
+    resume : bool
+        Whether to go on with the experiments that ``OUTPUT.partial`` or `output` has, to `count` in all.
 
     Raises
     ------
-    SceneError
-        The scene is wrong.
+    SceneError, FileError
+        As `infer`.
+    StictionError
+        All experiments failed.
     """
-    priors = scenes.read(scene)
-    seeds = [int(one) for one in np.random.SeedSequence(seed).generate_state(6) >> 1]
-    random = np.random.default_rng(seeds[0])
-    made = simulate(priors, _OUTCOMES, design(priors, points, seeds[1]), replicas=replicas, seed=seeds[2], threads=threads)
-    true = priors.of_scores(random.standard_normal((experiments, len(priors.priors))))
-    data = simulate(priors, _OUTCOMES, true, replicas=patches, seed=seeds[3], threads=threads)
-    emulator = Emulator(priors, [made], seed=seeds[4])
-    bank = random.standard_normal((_BANK, len(priors.priors)))
-    ranks, checks = [], []
-    for place, values in enumerate(np.exp(data.logs)):
-        groups = (Group({}, values, np.zeros_like(values), np.full(values.shape, EXACT)),)
-        z, weights = weighted_posterior(emulator, groups, priors, bank, random)
-        parameters = priors.of_scores(z)
-        ranks.append(weights @ (parameters < true[place]))
-        checks.append(check_p_values(emulator, groups, parameters[random.choice(len(z), _CHECKED, p=weights)], random)[0])
-    return Calibration([prior.name for prior in priors.priors], np.array(ranks), np.array(checks))
+    if count < 2:
+        raise SceneError(f"count = {count}: at least 2 experiments are needed; 100 show coverage of 90 % to ± 6 %")
+    experiments.check_settings(seed=seed, threads=threads)
+    output = None if output is None else Path(output)
+    if output is not None:
+        files.check(output, force=force or resume, inputs=named_files(scene))
+    with work(progress=progress), threadpool_limits(1):
+        measured, priors = checked(data, scene, missing)
+        kept = Kept(priors, measured, seed, threads)
+        goals = Goals(seed, end_error, emulator_error)
+        done = _Done(priors, measured, goals, output, resume)
+        if done.source is not None:
+            kept.take(done.source)
+        patches = over_priors(priors, kept, goals)
+        try:
+            done.save(kept)
+            _all(done, _Job(priors, measured, patches, goals), count, threads or os.cpu_count() or 1, kept)
+        except KeyboardInterrupt:
+            kept_in = f"; {partial(output)} has {done.count} experiments, resume=True goes on with them" if output is not None else ""
+            raise KeyboardInterrupt(f"interrupted{kept_in}") from None
+        if not done.ranks:
+            raise StictionError(f"all {count} experiments failed: {done.failed[min(done.failed)]}")
+        found = Calibration(done.dataset())
+        found.data.attrs["summary"] = str(found)
+        if output is not None:
+            done.finish(found.data, kept, force or resume)
+    return found
 
 
-def weighted_posterior(
-    emulator: Emulator, groups: tuple[Group, ...], priors: Priors, bank: Array, random: np.random.Generator
-) -> tuple[Array, Array]:
-    """A posterior by adaptive importance sampling, for thousands of which chains would take hours.
+@dataclasses.dataclass(frozen=True)
+class _Job:
+    """What experiments have in common."""
 
-    The proposal is a mixture of Student's t, with the weighted moments of the round before, and the prior (O. Cappé and others, *J. Comput. Graph. Stat.* 13
-    (2004) 907).
+    priors: Priors
+    measured: Measurements
+    patches: list[Patches]
+    goals: Goals
 
-    Parameters
-    ----------
-    bank : array (draws, parameters)
-        Normal scores of the first round, draws of the prior.
 
-    Returns
-    -------
-    tuple of arrays (draws, parameters), (draws,)
-        Normal scores and their weights, which sum to 1.
+@dataclasses.dataclass(frozen=True)
+class _Ranked:
+    """Ranks (parameters,), p-values of the check (outcomes,), and the density's error of an experiment."""
+
+    ranks: Array
+    checks: Array
+    share: float
+
+
+class _Done:
+    """The experiments that are done, and the file that keeps them."""
+
+    def __init__(self, priors: Priors, measured: Measurements, goals: Goals, output: Path | None, resume: bool) -> None:
+        self._priors, self._measured, self._goals, self._output = priors, measured, goals, output
+        self.ranks: dict[int, _Ranked] = {}
+        self.failed: dict[int, str] = {}
+        self.source: Path | None = None
+        if resume and output is not None:
+            found = [path for path in (partial(output), output) if path.exists()]
+            if not found:
+                raise FileError(f"{output}: neither it nor {partial(output).name} is there to go on with; leave resume=True out")
+            self.source = found[0]
+            self._read(self.source)
+
+    @property
+    def count(self) -> int:
+        """Number of experiments."""
+        return len(self.ranks) + len(self.failed)
+
+    def _read(self, path: Path) -> None:
+        try:
+            stored.check(path)
+            with xarray.open_dataset(path, engine="h5netcdf", group=_RANKS) as opened:
+                found = opened.load()
+        except FileError:
+            raise
+        except Exception:
+            raise FileError(f"{path}: not a result of `stiction infer --calibrate`") from None
+        if found.attrs["goals"] != repr(self._goals):
+            raise FileError(f"{path}: its experiments have another seed or other errors to reach, {found.attrs['goals']}; leave resume=True out")
+        for place, number in enumerate(found.experiment.values):
+            row = found.isel(experiment=place)
+            self.ranks[int(number)] = _Ranked(row["rank"].values, row["check"].values, float(row.emulator_share))
+        self.failed = {int(number): "" for number in np.atleast_1d(found.attrs["which_failed"])}
+
+    def dataset(self) -> xarray.Dataset:
+        """The experiments in their order."""
+        order = sorted(self.ranks)
+        rows = [self.ranks[number] for number in order]
+        names = [prior.name for prior in self._priors.priors]
+        if (of_batch := self._priors.of_batch) is not None:
+            names.append(f"{names[of_batch.place]}_batch_log_std")
+        variables = {
+            "rank": (("experiment", "parameter"), np.array([row.ranks for row in rows]).reshape(-1, len(names)), {"units": "1", "long_name": "fraction of the posterior below the true parameter"}),
+            "check": (("experiment", "outcome"), np.array([row.checks for row in rows]).reshape(-1, len(self._measured.outcomes)), {"units": "1", "long_name": "p-value of the posterior-predictive check"}),
+            "emulator_share": ("experiment", [row.share for row in rows], {"units": "1", "long_name": "shift of the posterior by the density's error over its standard deviation"}),
+        }  # fmt: skip
+        attrs = {"format": FORMAT, "format_version": np.array(_VERSION), "title": str(self._priors.tables.get("title", "")), "scene": toml(self._priors.tables),
+                 "patches": self._measured.size, "failed": len(self.failed), "which_failed": np.array(sorted(self.failed), dtype=np.int64),
+                 "goals": repr(self._goals)}  # fmt: skip
+        return xarray.Dataset(variables, coords={"experiment": order, "parameter": names}, attrs=attrs)
+
+    def save(self, kept: Kept) -> None:
+        """Keeps what is done."""
+        if self._output is not None:
+            self._write(partial(self._output), self.dataset(), kept, True)
+
+    def finish(self, found: xarray.Dataset, kept: Kept, force: bool) -> None:
+        """Writes the result."""
+        assert self._output is not None
+        self._write(self._output, found, kept, force)
+        partial(self._output).unlink(missing_ok=True)
+
+    @staticmethod
+    def _write(path: Path, found: xarray.Dataset, kept: Kept, force: bool) -> None:
+        about = xarray.Dataset(attrs={name: of for name, of in found.attrs.items() if name != "which_failed"})
+        with files.writing_hdf5(path, force=force) as part:
+            about.to_netcdf(part, engine="h5netcdf")
+            found.to_netcdf(part, engine="h5netcdf", group=_RANKS, mode="a")
+            kept.dataset().to_netcdf(part, engine="h5netcdf", group=GROUP, mode="a")
+
+
+def _all(done: _Done, job: _Job, count: int, processes: int, kept: Kept) -> None:
+    """Does the experiments that are missing, several at once."""
+    missing = [number for number in range(count) if number not in done.ranks and number not in done.failed]
+    jobs = (delayed(_experiment)(job, number) for number in missing)
+    with Bar("experiments", count, "experiments", done=done.count) as bar:
+        for number, found in Parallel(min(processes, max(len(missing), 1)), return_as="generator_unordered")(jobs):
+            if isinstance(found, str):
+                done.failed[number] = found
+            else:
+                done.ranks[number] = found
+            bar.to(done.count)
+            done.save(kept)
+
+
+def _experiment(job: _Job, number: int) -> tuple[int, _Ranked | str]:
+    """An experiment, or why it failed."""
+    priors, goals = job.priors, dataclasses.replace(job.goals, seed=_seed(job.goals.seed, number, _INFERENCE))
+    random = np.random.default_rng([job.goals.seed, number, _TRUTH])
+    z = random.standard_normal(len(priors.priors) + (priors.of_batch is not None))
+    try:
+        with work(progress=False), threadpool_limits(1), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            measured = _synthetic(job, z, random, _seed(job.goals.seed, number, _DATA))
+            kept = Kept(priors, measured, goals.seed, 1)
+            found = posterior(measured, kept, job.patches, goals)
+    except StictionError as error:
+        return number, str(error)
+    flat = found.chains.z.reshape(-1, len(z))
+    return number, _Ranked((flat < z).mean(axis=0), found.checks, found.error.share)
+
+
+def _seed(*of: int) -> int:
+    return int(np.random.SeedSequence(list(of)).generate_state(1)[0] >> 1)
+
+
+def _synthetic(job: _Job, z: Array, random: np.random.Generator, seed: int) -> Measurements:
+    """Data like the given ones, of parameters with the normal scores z."""
+    priors, measured, groups = job.priors, job.measured, []
+    values = np.repeat(priors.of_scores(z[None, : len(priors.priors)]), max(len(measured.batches), 1), axis=0)
+    if (of_batch := priors.of_batch) is not None:
+        values[:, of_batch.place] *= np.exp(of_batch.spread(z[-1:]) * random.standard_normal(len(values)))
+    for place, group in enumerate(measured.groups):
+        made = simulate(
+            priors, measured.outcomes, values, units=measured.units, replicas=max(len(group.values), 2), seed=seed + place, threads=1,
+            floors=float(np.finfo(float).tiny), conditions=group.conditions,
+        )  # fmt: skip
+        batches = group.batches if len(values) > 1 else np.zeros(len(group.values), dtype=np.int64)
+        logs = made.logs[batches, np.arange(len(group.values))]
+        groups.append(_like(group, logs, random))
+    return dataclasses.replace(measured, groups=tuple(groups))
+
+
+def _like(group: Group, logs: Array, random: np.random.Generator) -> Group:
+    """Data in the place of each of a group's, with its error and gaps; what resolution the limits have is that of all."""
+    found = as_measured(group, logs, random, np.arange(len(logs)))
+    values = np.where(found.kinds == MISSING, np.nan, found.values)
+    if not (found.kinds == EXACT).any():
+        raise StictionError("all synthetic data are limits or gaps")
+    return dataclasses.replace(group, values=values, kinds=found.kinds)
+
+
+def open_calibration(path: str | os.PathLike[str]) -> Calibration:
+    """Opens the file of a calibration.
+
+    Raises
+    ------
+    FileError
+        There is no such file, or it holds no calibration.
     """
-    dimensions = bank.shape[1]
-    prior = stats.multivariate_normal(np.zeros(dimensions))
-    z, logs = bank, _log_likelihood(emulator, groups, priors, bank)
-    for round_of in range(3):
-        # Tempered until several draws count.
-        for power in 0.7 ** np.arange(40):
-            weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
-            weights /= weights.sum()
-            if 1.0 / (weights**2).sum() > 20.0 * dimensions:
-                break
-        centre = weights @ z
-        spread = 1.3 * np.cov(z.T, aweights=weights, ddof=0).reshape(dimensions, -1) + 1e-9 * np.eye(dimensions)
-        proposal = stats.multivariate_t(centre, spread, df=5)
-        draws = _DRAWS if round_of == 2 else _DRAWS // 3
-        from_prior = draws // 10
-        z = np.concatenate(
-            [np.atleast_2d(proposal.rvs(draws - from_prior, random_state=random)).reshape(-1, dimensions), random.standard_normal((from_prior, dimensions))]
-        )
-        density = np.logaddexp(proposal.logpdf(z) + np.log(0.9), prior.logpdf(z) + np.log(0.1))
-        logs = _log_likelihood(emulator, groups, priors, z) + prior.logpdf(z) - density
-    weights = np.exp(logs - log_sum_exp(logs, axis=0))
-    return z, weights
-
-
-def _log_likelihood(emulator: Emulator, groups: tuple[Group, ...], priors: Priors, z: Array) -> Array:
-    values = priors.of_scores(z)
-    return np.concatenate([emulator.log_likelihood(groups, piece) for piece in np.array_split(values, len(values) // 100)])
+    path = Path(path)
+    if not path.is_file():
+        raise FileError(f"{path}: no such file")
+    try:
+        stored.check(path)
+        with xarray.open_dataset(path, engine="h5netcdf", group=_RANKS) as opened:
+            return Calibration(opened.load())
+    except FileError:
+        raise
+    except Exception:
+        raise FileError(f"{path}: not a result of `stiction infer --calibrate`") from None

@@ -11,8 +11,6 @@ from .likelihood import Likelihood
 __all__ = ["anderson_darling", "check_p_values"]
 
 Array = NDArray[np.float64]
-# Draws of the posterior that are looked at.
-_CHECKED = 1000
 
 
 def check_p_values(likelihood: Likelihood, values: Array, random: np.random.Generator) -> Array:
@@ -28,15 +26,14 @@ def check_p_values(likelihood: Likelihood, values: Array, random: np.random.Gene
     likelihood : Likelihood
         Of the data.
     values : array (draws, batches, parameters)
-        The posterior, in SI units.
+        Draws of the posterior, in SI units.
     random : numpy.random.Generator
 
     Returns
     -------
     array (outcomes,)
     """
-    chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
-    cumulative = np.concatenate([likelihood.cumulative(piece) for piece in np.array_split(chosen, max(len(chosen) // 50, 1))])
+    cumulative = np.concatenate([likelihood.cumulative(piece) for piece in np.array_split(values, max(len(values) // 50, 1))])
     groups = likelihood.measured.groups
     kinds = np.concatenate([group.kinds for group in groups])
     within = random.random(cumulative.shape)

@@ -39,6 +39,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--emulator-error", type=real, default=0.2, metavar="X",
                         help="shift of the posterior by the error of the fitted density, over its standard deviation, by default 0.2: patches are "
                         "simulated, in proportion to the data, until fresh ones show less")  # fmt: skip
+    parser.add_argument("--calibrate", type=whole, metavar="N",
+                        help="infer from N synthetic data like these instead, of parameters drawn from the priors: how often intervals contain them; "
+                        "the result is the name of the scene with _calibration.h5")  # fmt: skip
     parser.add_argument("--resume", action="store_true",
                         help="go on with the patches that OUT.h5.partial or OUT.h5 has, such as of an interrupted inference or of other data of this "
                         "scene; errors to reach are of all patches together")  # fmt: skip
@@ -55,7 +58,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(given_words(arguments))
     if given.figure is not None and given.figure.suffix.lower() not in _ENDINGS:
         parser.error(f"--figure {given.figure}: a name that ends with {', '.join(_ENDINGS)} is needed")
-    return ended("stiction infer", lambda: _infer(given), is_long=True)
+    if given.calibrate is not None and (given.model or given.reuse):
+        parser.error("--calibrate: it is of one scene, with patches of its own; leave --model and --reuse out")
+    return ended("stiction infer", lambda: _infer(given) if given.calibrate is None else _calibrate(given), is_long=True)
+
+
+def _calibrate(given: argparse.Namespace) -> None:
+    output = given.output or Path(f"{given.scene.stem}_calibration.h5")
+    written = [path for path in (output, given.figure) if path is not None]
+    for path in written:
+        files.check(path, force=given.force or given.resume, inputs=[given.data, *named_files(given.scene)])
+    try:
+        with Bar("loading"):
+            from ..plot.style import picture
+            from . import calibration, figures
+    except ImportError as error:
+        raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
+    found = calibration.calibrate(
+        given.data, given.scene, output, count=given.calibrate, seed=given.seed, threads=given.threads, end_error=given.end_error,
+        emulator_error=given.emulator_error, missing=given.missing, resume=given.resume, force=given.force,
+    )  # fmt: skip
+    print(f"{given.scene}\n{found}")
+    if given.figure is not None:
+        with files.writing(given.figure, force=given.force or given.resume) as part:
+            part.write_bytes(picture(figures.ranks(found), given.figure.suffix))
+    print("\n".join(str(path) for path in written))
 
 
 def _infer(given: argparse.Namespace) -> None:

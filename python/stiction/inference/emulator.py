@@ -350,6 +350,14 @@ class Emulator:
         placed: Array = np.linalg.solve(self._axes, away.T).T
         return placed
 
+    def reach(self, place: int) -> tuple[float, float]:
+        """The least and the largest value of a parameter, SI, where the densities hold."""
+        half = float(np.linalg.norm(self._axes[place])) * (_EDGE / _NEAR if self._is_local else 1.0)
+        ends = np.repeat(self._middle[None], 2, axis=0)
+        ends[:, place] += [-half, half]
+        low, high = self.priors.values(ends)[:, place]
+        return float(low), float(high)
+
     def holds(self, values: Array) -> NDArray[np.bool_]:
         """Whether parameters are where the densities were fitted, (points,)."""
         x = self._placed(values)
@@ -405,8 +413,8 @@ class Emulator:
         return np.concatenate(result, axis=1)
 
 
-def as_measured(group: Group, logs: Array, random: np.random.Generator) -> Group:
-    """Patches as the data of a group would have them: with the errors, gaps and limits of data at random.
+def as_measured(group: Group, logs: Array, random: np.random.Generator, like: NDArray[np.int64] | None = None) -> Group:
+    """Patches as the data of a group would have them: with the errors, gaps and limits of data.
 
     Parameters
     ----------
@@ -415,9 +423,12 @@ def as_measured(group: Group, logs: Array, random: np.random.Generator) -> Group
     logs : array (patches, outcomes)
         Logarithms of the outcomes, SI.
     random : numpy.random.Generator
-        It chooses data, and draws their errors.
+        It draws errors.
+    like : array (patches,), optional
+        Of which datum each has the error and the gap; without it of data at random.
     """
-    like = random.integers(len(group.values), size=len(logs))
+    if like is None:
+        like = random.integers(len(group.values), size=len(logs))
     errors = group.errors[like]
     values = np.exp(logs) + errors * random.standard_normal(logs.shape)
     kinds = np.where(group.kinds[like] == MISSING, MISSING, EXACT)

@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, lettered, new_axes, scaled
+from .calibration import Calibration
 from .data import ABOVE, BELOW, MISSING
 from .found import Inference
 
-__all__ = ["page", "predicted"]
+__all__ = ["page", "predicted", "ranks"]
 
 _SHARES = (0.5, 0.9)
 
@@ -149,3 +150,35 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]
     ax.set_title(f"check: p = {p:.2g}", loc="left")
     return ax
+
+
+@dressed
+def ranks(result: Calibration, width: str | float | None = None) -> Figure:
+    """Histograms of the ranks of the true parameters, with the band in which 95 % of the bars of uniform ranks lie.
+
+    Parameters
+    ----------
+    result : Calibration
+    width : str or float, optional
+        Such as ``95mm``, or mm; 180 mm by default.
+    """
+    from matplotlib import pyplot
+    from scipy import stats
+
+    size, count = inches(width or 180), len(result.names)
+    columns = min(count, 3 if size > 4.8 else 1)
+    rows = -(-count // columns)
+    figure, grid = pyplot.subplots(rows, columns, figsize=(size, 2.2 * rows), squeeze=False, sharex=True)
+    bins = min(max(len(result.ranks) // 10, 4), 20)
+    low, high = stats.binom(len(result.ranks), 1.0 / bins).interval(0.95)
+    for place, (name, ax) in enumerate(zip(result.names, grid.flat, strict=False)):
+        ax.axhspan(low, high, color=GREY, alpha=0.3, lw=0, label="95 % of uniform ranks")
+        ax.hist(result.ranks[:, place], np.linspace(0.0, 1.0, bins + 1), color=BLUE, alpha=0.6)
+        ax.set(title=name.partition("_")[2].replace("_", " "), xlim=(0.0, 1.0))
+        lettered(ax, place)
+    for ax in grid.flat[count:]:
+        ax.remove()
+    figure.supxlabel("fraction of the posterior below the true parameter")
+    figure.supylabel("experiments")
+    grid.flat[0].legend()
+    return figure

@@ -128,7 +128,7 @@ class Inference:
             rows.append(("outliers", f"{100 * self.attrs['outliers']:.2g} % of the data, {100 * self.attrs['outliers_expected']:.2g} % by the prior"))
         rows += [("doubted", said) for said in str(self.attrs["doubted"]).splitlines()]
         worst = self.summary()
-        rows.append(("grid", "of one or two parameters: no error of chains") if self.attrs["is_grid"] else ("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
+        rows.append(("grid", "of one or two priors: no error of chains") if self.attrs["is_grid"] else ("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
         rows.append(("density", self._density()))
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)

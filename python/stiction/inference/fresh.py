@@ -37,7 +37,7 @@ class Misfit:
     distance: float
 
 
-def misfit(likelihood: Likelihood, fresh: list[Patches], natural: Array, random: np.random.Generator) -> Misfit:
+def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, random: np.random.Generator) -> Misfit:
     """Compares a density with patches that it was not fitted to, at parameters of the posterior.
 
     At the true parameters the mean of ∂ ln p(y | θ)/∂θ over patches is zero if p is right. If it is g, n patches shift the mean of the posterior by
@@ -49,12 +49,11 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], natural: Array, random:
         Of the data, with the density.
     fresh : list of Patches
         For each set of conditions patches at draws of the posterior.
-    natural : array (draws, parameters)
-        The posterior, as `Priors.natural`.
+    covariance : array (parameters, parameters)
+        Of the posterior of natural parameters; where batches differ of one of them.
     random : numpy.random.Generator
         It draws errors of the measurement.
     """
-    covariance = np.cov(natural.T).reshape(natural.shape[1], -1)
     std = np.sqrt(np.diag(covariance))
     slope, scatter, distance = np.zeros(len(std)), np.zeros_like(covariance), 0.0
     for place, (group, patches) in enumerate(zip(likelihood.measured.groups, fresh, strict=True)):
@@ -62,8 +61,9 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], natural: Array, random:
             scores(likelihood, place, as_measured(group, logs, random), values, _STEP * std)
             for values, logs in zip(patches.values, patches.logs, strict=True)
         ])  # fmt: skip
-        slope += len(group.values) * each.mean(axis=0)
-        scatter += len(group.values) ** 2 / len(each) * np.cov(each.T).reshape(scatter.shape)
+        count = len(group.values) * likelihood.largest_batch
+        slope += count * each.mean(axis=0)
+        scatter += count**2 / len(each) * np.cov(each.T).reshape(scatter.shape)
         distance = max(distance, _distance(likelihood.emulator.of_group(place), patches))
     shift, noise = covariance @ slope / std, np.sqrt(np.diag(covariance @ scatter @ covariance)) / std
     worst = int(np.abs(shift).argmax())

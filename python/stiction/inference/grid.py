@@ -1,4 +1,4 @@
-"""The posterior of one or two parameters on a grid."""
+"""The posterior of a few parameters on a grid."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from ..errors import StictionError
 
-__all__ = ["MOST", "on_grid"]
+__all__ = ["on_grid"]
 
 Array = NDArray[np.float64]
-#: Most parameters of a grid.
-MOST = 2
-# Points along each of one and of two parameters, coarse and fine; normal scores where the prior ends.
-_COARSE, _FINE, _END = {1: 161, 2: 33}, {1: 401, 2: 71}, 6.0
+# Points along each of one to three parameters, coarse and fine; normal scores where the prior ends.
+_COARSE, _FINE, _END = {1: 161, 2: 33, 3: 21}, {1: 401, 2: 71, 3: 41}, 6.0
 # ln of the posterior over its largest, where it ends; most looks at a smaller range.
 _LOWEST, _LOOKS = -14.0, 6
 
@@ -30,7 +28,7 @@ def on_grid(
     log_likelihood : callable
         ln of the likelihood at normal scores, (points, parameters) → (points,).
     dimensions : int
-        1 or 2.
+        From 1 to 3.
     draws : int
         Their number; they are stratified, so that they err less than independent ones.
     random : numpy.random.Generator

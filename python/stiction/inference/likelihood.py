@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special, stats
-from scipy.interpolate import CubicSpline
+from scipy import stats
 
 from ..priors import Priors
 from .data import ABOVE, BELOW, EXACT, Group, Measurements
@@ -22,12 +21,10 @@ Array = NDArray[np.float64]
 _FRACTIONS = np.array([0.0, 0.002, 0.007, 0.015, 0.03, 0.06, 0.12, 0.24, 0.5])
 # ln of the ratio of two densities at most, and below which there is none.
 _MOST_RATIO, _NOWHERE = 600.0, -5e8
-# Deviations of a batch at which patches are evaluated, and at which their sum is interpolated.
-_DEVIATIONS, _FINE = np.linspace(-4.0, 4.0, 17), np.linspace(-4.0, 4.0, 129)
-_BETWEEN = CubicSpline(_DEVIATIONS, np.eye(len(_DEVIATIONS)))(_FINE)
-_LOG_NORMAL = stats.norm.logpdf(_FINE) - special.logsumexp(stats.norm.logpdf(_FINE))
-# Points whose batches are summed at once.
-_POINTS = 64
+# Values of a parameter that differs between batches over which it is integrated.
+_NODES = 129
+# Points of which draws are made at once, and numbers of a table at most.
+_POINTS, _MOST_NUMBERS = 64, 4_000_000
 
 
 def outlier_range(measured: Measurements, logs: list[Array]) -> Array:
@@ -43,8 +40,8 @@ class Likelihood:
 
     A datum is an outlier with the probability ε, and then uniform in the logarithm of its outcome:
     :math:`p_i = (1 - ε) p(y_i | θ) + ε u(y_i)` (D. W. Hogg, J. Bovy, D. Lang, arXiv:1008.4686). The fraction ε has the prior Beta(1, 1/m − 1)
-    with the mean m, and is summed over. Where a parameter differs between batches, batch b has the value θ exp(τ v_b) with a standard normal v_b, which
-    is integrated over; τ is a parameter of its own, with a half-normal prior.
+    with the mean m, and is summed over. Where a parameter differs between batches, batch b has the value θ_b = θ exp(τ v_b) with a standard normal v_b;
+    ln θ_b is integrated over, and τ is a parameter of its own, with a half-normal prior.
 
     Parameters
     ----------
@@ -71,6 +68,16 @@ class Likelihood:
         """Number of parameters: of the priors, and τ where batches differ."""
         return len(self.priors.priors) + (self.priors.of_batch is not None)
 
+    @property
+    def largest_batch(self) -> float:
+        """The fraction of the patches that have the parameters of one batch."""
+        return float(np.bincount(self._batches).max() / self.measured.size) if self.priors.of_batch is not None else 1.0
+
+    @property
+    def is_gridded(self) -> bool:
+        """Whether there are one or two priors, so that a grid has the posterior."""
+        return len(self.priors.priors) <= 2
+
     def values(self, z: Array) -> Array:
         """The parameters of the priors, SI, from normal scores (points, parameters)."""
         return self.priors.of_scores(z[:, : len(self.priors.priors)])
@@ -78,12 +85,12 @@ class Likelihood:
     def spread_of_batches(self, z: Array) -> Array:
         """τ at normal scores, (points,)."""
         assert self.priors.of_batch is not None
-        result: Array = self.priors.of_batch.log_std * special.ndtri(0.5 + 0.5 * np.minimum(special.ndtr(z[:, -1]), 1.0 - 1e-15))
-        return result
+        return self.priors.of_batch.spread(z[:, -1])
 
     def __call__(self, z: Array) -> Array:
         """ln of the likelihood at normal scores (points, parameters): (points,)."""
-        result: Array = np.concatenate([log_sum_exp(self._of_fractions(piece), axis=1) for piece in self._pieces(z)])
+        of = self._of_fractions(z) if self.priors.of_batch is None else self._integrated(z)[0]
+        result: Array = log_sum_exp(of + self._log_shares, axis=1) + self._outlier.sum()
         return result
 
     @property
@@ -96,39 +103,35 @@ class Likelihood:
         logs = self.emulator.of_group(place).log_densities((group,), values) - _uniform(group.values, group.kinds, self._spread)
         return _mixed(np.minimum(logs, _MOST_RATIO), self._mean)
 
-    def log_densities(self, z: Array) -> Array:
-        """ln p of each patch, of a batch at random and with the mean fraction of outliers: (points, patches)."""
-        result = [log_sum_exp(_mixed(self._ratios(piece), self._mean) + self._weights[:, None], axis=1) for piece in self._pieces(z)]
-        logs: Array = np.concatenate(result) + self._outlier
+    def log_densities(self, values: Array) -> Array:
+        """ln p of each patch at parameters of its batch, SI, (points, batches, parameters), with the mean fraction of outliers: (points, patches)."""
+        logs: Array = _mixed(self._by_own(values), self._mean) + self._outlier
         return logs
 
-    def doubts(self, z: Array) -> tuple[Array, float]:
-        """The probability of each patch to be an outlier, (patches,), and the mean fraction of outliers, over draws of the posterior."""
+    def doubts(self, values: Array) -> tuple[Array, float]:
+        """The probability of each patch to be an outlier, (patches,), and the mean fraction of outliers, over draws (points, batches, parameters), SI."""
         if self.fractions[-1] == 0.0:
             return np.zeros(self.measured.size), 0.0
         doubts, means = [], []
-        for piece in self._pieces(z):
-            of = self._of_fractions(piece)
+        for piece in np.array_split(values, max(len(values) // _POINTS, 1)):
+            logs = _mixed(self._by_own(piece)[:, None], self.fractions[:, None])  # (points, fractions, patches)
+            of = logs.sum(axis=2) + self._log_shares
             weights = np.exp(of - log_sum_exp(of, axis=1)[:, None])
-            ratios = log_sum_exp(self._ratios(piece) + self._weights[:, None], axis=1)
-            outlying = np.exp(np.log(self.fractions)[:, None] - _mixed(ratios[:, None], self.fractions[:, None]))
+            outlying = np.exp(np.log(self.fractions)[:, None] - logs)
             doubts.append((weights[:, :, None] * outlying).sum(axis=1))
             means.append(weights @ self.fractions)
         return np.concatenate(doubts).mean(axis=0), float(np.concatenate(means).mean())
 
+    def _by_own(self, values: Array) -> Array:
+        """As `_single` of each patch at the parameters of its batch."""
+        return self._by_batch([self._single(values[:, batch])[..., None] for batch in range(values.shape[1])])[..., 0]
+
     def of_batches(self, z: Array, random: np.random.Generator) -> Array:
         """Parameters of each batch, SI, drawn from their posterior at each of the points z: (points, batches, parameters)."""
         values = np.repeat(self.values(z)[:, None], max(len(self.measured.batches), 1), axis=1)
-        of_batch = self.priors.of_batch
-        if of_batch is None:
-            return values
-        deviations = []
-        for piece in self._pieces(z):
-            fine = self._of_deviations(piece)
-            whole = log_sum_exp(fine, axis=3).sum(axis=2) + self._log_shares
-            fraction = _drawn(whole, random)
-            deviations.append(_FINE[_drawn(fine[np.arange(len(piece)), fraction], random)])
-        values[..., of_batch.place] *= np.exp(self.spread_of_batches(z)[:, None] * np.concatenate(deviations))
+        if (of_batch := self.priors.of_batch) is not None:
+            drawn = np.concatenate([self._integrated(piece, random)[1] for piece in np.array_split(z, max(len(z) // _POINTS, 1))])
+            values[..., of_batch.place] = np.exp(drawn)
         return values
 
     def cumulative(self, values: Array) -> Array:
@@ -151,43 +154,70 @@ class Likelihood:
         return np.concatenate([group.batches for group in self._groups])
 
     def _pieces(self, z: Array) -> Iterator[Array]:
-        """Points of which tables over patches, fractions and deviations have a bearable size."""
-        size = self.measured.size * len(self.fractions) * len(self._weights)
-        yield from np.array_split(z, max(-(-len(z) * size // 4_000_000), 1))
+        """Points of which tables over patches and fractions have a bearable size."""
+        yield from np.array_split(z, max(-(-len(z) * self.measured.size * len(self.fractions) // _MOST_NUMBERS), 1))
 
-    @cached_property
-    def _weights(self) -> Array:
-        """ln of the weights of the deviations of a batch; without batches one."""
-        if self.priors.of_batch is None:
-            return np.zeros(1)
-        logs = stats.norm.logpdf(_DEVIATIONS)
-        return np.asarray(logs - special.logsumexp(logs))
-
-    def _ratios(self, z: Array) -> Array:
-        """ln of p of the model over p of an outlier: (points, deviations of a batch, patches)."""
-        values, of_batch = self.values(z), self.priors.of_batch
-        if of_batch is not None:
-            factors = np.exp(self.spread_of_batches(z)[:, None] * _DEVIATIONS)
-            values = np.repeat(values[:, None], len(_DEVIATIONS), axis=1)
-            values[..., of_batch.place] *= factors
-        logs = self.emulator.log_densities(self._groups, values.reshape(-1, len(self.priors.priors)))
-        return np.clip(logs.reshape(len(z), -1, self.measured.size) - self._outlier, -2e9, _MOST_RATIO)
+    def _single(self, values: Array) -> Array:
+        """ln of p of the model over p of an outlier at parameters, SI: (points, patches)."""
+        ratios: Array = np.clip(self.emulator.log_densities(self._groups, values) - self._outlier, -2e9, _MOST_RATIO)
+        return ratios
 
     def _of_fractions(self, z: Array) -> Array:
-        """ln of prior times likelihood of each fraction of outliers: (points, fractions)."""
-        if self.priors.of_batch is None:
-            whole = _mixed(self._ratios(z), self.fractions[:, None]).sum(axis=-1)
-        else:
-            whole = log_sum_exp(self._of_deviations(z), axis=3).sum(axis=2)
-        result: Array = whole + self._outlier.sum() + self._log_shares
+        """ln of the likelihood of each fraction of outliers, without batches: (points, fractions)."""
+        of = [_mixed(self._single(self.values(piece))[:, None], self.fractions[:, None]).sum(axis=2) for piece in self._pieces(z)]
+        return np.concatenate(of)
+
+    @cached_property
+    def _nodes(self) -> Array:
+        """ln of the values that a batch may have."""
+        assert self.priors.of_batch is not None
+        low, high = self.emulator.reach(self.priors.of_batch.place)
+        return np.linspace(np.log(max(low, 1e-3 * high)), np.log(high), _NODES)
+
+    def _weights(self, z: Array) -> Array:
+        """ln of the probability of the values that a batch may have: (points, values)."""
+        of_batch = self.priors.of_batch
+        assert of_batch is not None
+        middle = np.log(self.values(z)[:, of_batch.place])
+        # Not narrower than the values are apart.
+        spread = np.hypot(self.spread_of_batches(z), 0.5 * (self._nodes[1] - self._nodes[0]))
+        logs = -0.5 * ((self._nodes - middle[:, None]) / spread[:, None]) ** 2
+        # Of a middle beyond the values hardly any is within.
+        whole = np.maximum(log_sum_exp(logs, axis=1), np.log(spread / (self._nodes[1] - self._nodes[0]) * np.sqrt(2.0 * np.pi)))
+        result: Array = logs - whole[:, None]
         return result
 
-    def _of_deviations(self, z: Array) -> Array:
-        """ln of prior times likelihood of each deviation of each batch: (points, fractions, batches, deviations)."""
-        mixed = _mixed(self._ratios(z)[:, None], self.fractions[:, None, None])  # (points, fractions, deviations, patches)
-        sums = np.stack([mixed[..., self._batches == batch].sum(axis=-1) for batch in range(len(self.measured.batches))], axis=2)
-        result: Array = np.maximum(sums, -1e7) @ _BETWEEN.T + _LOG_NORMAL
-        return result
+    def _integrated(self, z: Array, random: np.random.Generator | None = None) -> tuple[Array, Array]:
+        """ln of the likelihood of each fraction of outliers, (points, fractions), and with `random` draws of ln of the value of each batch, (points, batches).
+
+        Points that differ in the parameter and its scatter between batches alone have one table.
+        """
+        assert self.priors.of_batch is not None
+        natural = self.priors.natural(self.values(z))
+        others = np.delete(natural, self.priors.of_batch.place, axis=1)
+        _, first, back = np.unique(others, axis=0, return_index=True, return_inverse=True)
+        weights, result, drawn = np.exp(self._weights(z)), np.empty((len(z), len(self.fractions))), np.empty((len(z), len(self.measured.batches)))
+        order = np.argsort(back.ravel(), kind="stable")
+        for points in np.split(order, np.cumsum(np.bincount(back.ravel()))[:-1]):
+            table = self._table(z[first[back.ravel()[points[0]]]][None])  # (fractions, batches, values)
+            top = table.max(axis=2, keepdims=True)
+            sums = np.einsum("pv,fbv->pfb", weights[points], np.exp(table - top), optimize=True)
+            logs = np.log(sums + 1e-300) + top[..., 0]
+            result[points] = logs.sum(axis=2)
+            if random is not None:
+                fraction = _drawn(result[points] + self._log_shares, random)
+                each = np.log(weights[points] + 1e-300)[:, None] + table[fraction]
+                step = self._nodes[1] - self._nodes[0]
+                drawn[points] = self._nodes[_drawn(each, random)] + step * (random.random(each.shape[:2]) - 0.5)
+        return result, drawn
+
+    def _table(self, z: Array) -> Array:
+        """ln of the likelihood of the patches of each batch at the values that it may have, at one point: (fractions, batches, values)."""
+        assert self.priors.of_batch is not None
+        values = np.repeat(self.values(z), _NODES, axis=0)
+        values[:, self.priors.of_batch.place] = np.exp(self._nodes)
+        mixed = _mixed(self._single(values), self.fractions[:, None, None])  # (fractions, values, patches)
+        return np.stack([mixed[..., self._batches == batch].sum(axis=2) for batch in range(len(self.measured.batches))], axis=1)
 
 
 def _drawn(logs: Array, random: np.random.Generator) -> NDArray[np.int64]:

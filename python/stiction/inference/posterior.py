@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import arviz
 import numpy as np
@@ -39,12 +40,12 @@ from .emulator import (
 )
 from .found import FORMAT, Inference
 from .fresh import Misfit, misfit, scores
-from .grid import MOST, on_grid
+from .grid import on_grid
 from .kept import GROUP, Kept, partial
 from .likelihood import Likelihood, outlier_range
 from .sampling import Chains, independent, sample, weighted
 
-__all__ = ["checked", "infer"]
+__all__ = ["Goals", "Posterior", "checked", "infer", "over_priors", "posterior"]
 
 Array = NDArray[np.float64]
 # Points of each batch for each parameter that is swept; of the first a power of 2.
@@ -56,14 +57,14 @@ _FIRST, _ROUGH, _FRESH = 100, 25, 100
 _ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
 # Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
 _SCORED, _STEP = 4000, 0.5
-# Draws of the prior, and draws of which doubts of data are means.
-_PRIOR, _DOUBTED = 20_000, 1000
+# Draws of the prior, and draws of the posterior that checks look at.
+_PRIOR, _CHECKED = 20_000, 1000
 _VERSION = (1, 0)
 
 
 @dataclass(frozen=True)
-class _Goals:
-    """Where an inference ends."""
+class Goals:
+    """Seed of an inference, and the errors at which it ends."""
 
     seed: int
     end_error: float
@@ -144,7 +145,7 @@ def infer(
             if path is not None:
                 kept.take(path)
         with _interrupted(kept, output):
-            found = _inferred(measured, priors, kept, _Goals(seed, end_error, emulator_error))
+            found = _inferred(measured, priors, kept, Goals(seed, end_error, emulator_error))
     if output is not None:
         found.save(output, force=force or resume)
         partial(output).unlink(missing_ok=True)
@@ -205,14 +206,35 @@ def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refus
     return measured, priors
 
 
-def _inferred(measured: Measurements, priors: Priors, kept: Kept, goals: _Goals) -> Inference:
-    patches = kept.former()
-    if patches is None:
-        first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
-        with work("over the priors"):
-            patches = kept.simulated(design(priors, first, goals.seed), _FIRST)
+def _inferred(measured: Measurements, priors: Priors, kept: Kept, goals: Goals) -> Inference:
+    found = posterior(measured, kept, over_priors(priors, kept, goals), goals)
+    with work("result"), Bar("checks"):
+        return _result(found, goals.emulator_error, kept)
+
+
+def over_priors(priors: Priors, kept: Kept, goals: Goals) -> list[Patches]:
+    """Patches over the priors for each set of conditions: former ones, if there are any."""
+    if (former := kept.former()) is not None:
+        return former
+    first = 2 ** math.ceil(math.log2(_POINTS * len({*priors.keys} - {FORCE_SCALE})))
+    with work("over the priors"):
+        return kept.simulated(design(priors, first, goals.seed), _FIRST)
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """A posterior, the likelihood, the error of its density as the last batch has it, and p-values of the check, (outcomes,)."""
+
+    chains: Chains
+    likelihood: Likelihood
+    error: Misfit
+    checks: Array
+
+
+def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals: Goals) -> Posterior:
+    """The posterior from patches over the priors and from batches where it is."""
     _check_scatter(measured, patches)
-    floors = np.log(measured.floors)
+    priors, floors = kept.priors, np.log(measured.floors)
     around: Array | None = None
     level, batch = 0, 0
     while True:
@@ -222,10 +244,11 @@ def _inferred(measured: Measurements, priors: Priors, kept: Kept, goals: _Goals)
             likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
             with Bar("rough posterior"):
                 z = _rough(likelihood, random)
-            around = priors.natural(likelihood.of_batches(z, random)[:, 0])
+            around = priors.natural(_of_a_batch(likelihood, z, random))
+            covariance = _of_each_batch(likelihood, z, random)
             fresh, more = _batch(kept, likelihood, z, random, _ROUGH if batch == 1 else _FRESH)
             with Bar("error of the density"):
-                found = misfit(likelihood, [_floored(of, floors) for of in fresh], around, random)
+                found = misfit(likelihood, [_floored(of, floors) for of in fresh], covariance, random)
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
             if (batch > 1 and found.share <= goals.emulator_error) or batch == _MOST_BATCHES:
                 break
@@ -234,12 +257,16 @@ def _inferred(measured: Measurements, priors: Priors, kept: Kept, goals: _Goals)
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):
         likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
-        if likelihood.dimensions <= MOST:
-            chains = independent(*on_grid(likelihood, likelihood.dimensions, _GRID_DRAWS, random))
+        if likelihood.is_gridded:
+            with Bar("posterior"):
+                chains = independent(*on_grid(likelihood, likelihood.dimensions, _GRID_DRAWS, random))
         else:
             chains = sample(likelihood, _rough(likelihood, random), seed=goals.seed, end_error=goals.end_error)
         with Bar("checks"):
-            return _result(chains, likelihood, (found, goals.emulator_error), kept, random)
+            flat = chains.z.reshape(-1, likelihood.dimensions)
+            of_batches = likelihood.of_batches(flat[random.choice(len(flat), min(_CHECKED, len(flat)), replace=False)], random)
+            checks = check_p_values(likelihood, of_batches, random)
+    return Posterior(chains, likelihood, found, checks)
 
 
 def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], around: Array | None, level: int) -> Likelihood:
@@ -250,7 +277,7 @@ def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], 
 
 def _rough(likelihood: Likelihood, random: np.random.Generator) -> Array:
     """Normal scores of draws of the posterior, (draws, parameters)."""
-    if likelihood.dimensions <= MOST:
+    if likelihood.is_gridded:
         return on_grid(likelihood, likelihood.dimensions, _ROUGH_DRAWS, random, is_rough=True)[0]
     z, weights = weighted(likelihood, likelihood.dimensions, random)
     return np.asarray(z[random.choice(len(z), _ROUGH_DRAWS, p=weights)])
@@ -264,14 +291,27 @@ def _batch(
     points = _POINTS * len({*priors.keys} - {FORCE_SCALE})
     largest = max(len(group.values) for group in likelihood.measured.groups)
     rows = math.ceil(over_measured * largest / points / ROW)
-    values = likelihood.of_batches(z[random.choice(len(z), points, replace=False)], random)
-    # Of several batches one at random.
-    values = values[np.arange(points), random.integers(values.shape[1], size=points)]
+    values = _of_a_batch(likelihood, z[random.choice(len(z), points, replace=False)], random)
     middle = z.mean(axis=0)
     wide = middle + 2.0 * (z[random.choice(len(z), points // 2, replace=False)] - middle)
     made = kept.simulated(np.concatenate([values, likelihood.values(np.clip(wide, -3.0, 3.0))]), rows * ROW)
     own = points * rows
     return [Patches(of.values[:own], of.logs[:own]) for of in made], [Patches(of.values[own:], of.logs[own:]) for of in made]
+
+
+def _of_a_batch(likelihood: Likelihood, z: Array, random: np.random.Generator) -> Array:
+    """Parameters of a batch at random at each of the points z, SI: (points, parameters)."""
+    values = likelihood.of_batches(z, random)
+    result: Array = values[np.arange(len(z)), random.integers(values.shape[1], size=len(z))]
+    return result
+
+
+def _of_each_batch(likelihood: Likelihood, z: Array, random: np.random.Generator) -> Array:
+    """Covariance of the natural parameters of a batch, the mean over batches."""
+    values = likelihood.of_batches(z, random)
+    each = [np.cov(likelihood.priors.natural(values[:, batch]).T).reshape(values.shape[2], -1) for batch in range(values.shape[1])]
+    result: Array = np.mean(each, axis=0)
+    return result
 
 
 def _floored(patches: Patches, floors: Array) -> Patches:
@@ -291,17 +331,19 @@ def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:
                 )
 
 
-def _result(chains: Chains, likelihood: Likelihood, error: tuple[Misfit, float], kept: Kept, random: np.random.Generator) -> Inference:
+def _result(found: Posterior, wanted: float, kept: Kept) -> Inference:
+    chains, likelihood, error = found.chains, found.likelihood, found.error
     measured, priors = likelihood.measured, likelihood.priors
-    (found, wanted), (count, draws, dimensions) = error, chains.z.shape
+    random = np.random.default_rng(kept.count)
+    count, draws, dimensions = chains.z.shape
     flat = chains.z.reshape(-1, dimensions)
     values = likelihood.values(flat)
     drawn = random.standard_normal((_PRIOR, dimensions))
     of_batches = likelihood.of_batches(flat, random)
-    pointwise = likelihood.log_densities(flat).reshape(count, draws, -1)
     pieces = np.array_split(of_batches, max(len(flat) // 200, 1))
+    pointwise = np.concatenate([likelihood.log_densities(piece) for piece in pieces]).reshape(count, draws, -1)
     replicated = np.concatenate([likelihood.predicted(piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
-    doubts, outliers = likelihood.doubts(flat[random.choice(len(flat), min(_DOUBTED, len(flat)), replace=False)])
+    doubts, outliers = likelihood.doubts(of_batches[random.choice(len(flat), min(_CHECKED, len(flat)), replace=False)])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = arviz.from_dict(
@@ -325,9 +367,9 @@ def _result(chains: Chains, likelihood: Likelihood, error: tuple[Misfit, float],
         data.observed_data[f"{name}_kind"].attrs["flag_meanings"] = "0 number, 1 below it, 2 above it, 3 not measured"
     data.posterior.attrs.update(
         format=FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
-        patches=measured.size, gaps=measured.gaps, check_p_value=check_p_values(likelihood, of_batches, random), acceptance=chains.acceptance,
-        emulator_share=found.share, emulator_noise=found.noise, emulator_distance=found.distance, emulator_wanted=wanted,
-        simulated_patches=kept.count, is_grid=int(dimensions <= MOST), outliers=outliers, outliers_expected=outliers_of(priors), doubted="\n".join(_doubted(measured, doubts)), batches=", ".join(measured.batches),
+        patches=measured.size, gaps=measured.gaps, check_p_value=found.checks, acceptance=chains.acceptance,
+        emulator_share=error.share, emulator_noise=error.noise, emulator_distance=error.distance, emulator_wanted=wanted,
+        simulated_patches=kept.count, is_grid=int(likelihood.is_gridded), outliers=outliers, outliers_expected=outliers_of(priors), doubted="\n".join(_doubted(measured, doubts)), batches=", ".join(measured.batches),
     )  # fmt: skip
     inference = Inference(data)
     data.attrs = {"format": FORMAT, "format_version": np.array(_VERSION), "title": data.posterior.attrs["title"],
@@ -363,7 +405,7 @@ def _batches(values: Array, likelihood: Likelihood) -> xarray.Dataset:
     return xarray.Dataset({prior.name: own}, coords={"batch": list(likelihood.measured.batches)})
 
 
-def _attributes(data: arviz.InferenceData, chains: Chains, likelihood: Likelihood, flat: Array, drawn: Array) -> None:
+def _attributes(data: Any, chains: Chains, likelihood: Likelihood, flat: Array, drawn: Array) -> None:
     """Gives each parameter its unit and the figures of its draws."""
     priors = likelihood.priors
     after, before = priors.natural(likelihood.values(flat)), priors.natural(likelihood.values(drawn))

@@ -12,8 +12,9 @@ use std::sync::LazyLock;
 pub static LAYOUTS: [&Layout; 3] = [&RUN, &SWEEP, &ASPERITIES];
 
 /// Files of the commands in Python, which say in words what they hold: the root attribute `summary`.
-pub static FINDINGS: [Layout; 4] = [
+pub static FINDINGS: [Layout; 5] = [
     findings("stiction-inference", "stiction infer"),
+    findings("stiction-calibration", "stiction infer --calibrate"),
     findings("stiction-sensitivity", "stiction sensitivity"),
     findings("stiction-design", "stiction design"),
     findings("stiction-map", "stiction map"),

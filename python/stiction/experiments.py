@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from .errors import SceneError
 from .opened import Place, Run, Sweep
 from .scenes import Scene, Source
 
-__all__ = ["check", "check_settings", "compare", "integral", "run", "sweep"]
+__all__ = ["check", "check_settings", "compare", "integral", "patches", "run", "sweep"]
 
 #: Keys of ensembles that are parts of another answer, which the range over plastic contacts would only slow down.
 ONE_MODEL: dict[str, Any] = {"ensemble.model_range": False}
@@ -112,22 +112,45 @@ def sweep(
     >>> points.pull_off["mean_over_patches"].sizes["surface_lubricant_thickness"]
     2
     """
-    if not isinstance(axes, Mapping) or not axes:
-        raise SceneError(
-            "axes: a dict of values by dotted keys is needed, such as {'material.hardness': ['1 GPa', '2 GPa']}"
-        )
-    if isinstance(scene, Mapping):
-        swept = scene.get("sweep", {})
-        if not isinstance(swept, Mapping):
-            raise SceneError(f"sweep is a {type(swept).__name__}: a table is needed, a dict")
-        scene = {**scene, "sweep": {**swept, **axes, "mode": mode}}
-        added: dict[str, Any] = {}
-    else:
-        added = {f'sweep."{key}"': values for key, values in axes.items()} | {"sweep.mode": mode}
+    scene, added = _swept(scene, axes, mode)
     _named(output, resume=resume)
     options = program.options(replicas=replicas, seed=seed, threads=threads, resume=resume)
     result: Sweep = _computed("run", scene, output, {**overrides, **added}, [*options], force, progress)
     return result
+
+
+def patches(
+    scene: Scene,
+    axes: Mapping[str, Any],
+    *,
+    replicas: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> xarray.Dataset:
+    """Numbers and curves of each patch of a zipped `sweep`, for studies of hundreds of sweeps: the other groups of the file are not opened.
+
+    Arguments and errors are those of `sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The group `replicas` of the result, over `point` and `replica`, in memory and in SI units.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> films = {"surface.lubricant_thickness": ["0 nm", "0.5 nm"]}
+    >>> dict(stiction.experiments.patches("configs/quick.toml", films, replicas=20)["pull_off_force"].sizes)
+    {'point': 2, 'replica': 20}
+    """
+    scene, added = _swept(scene, axes, "zip")
+    options = program.options(replicas=replicas, seed=seed, threads=threads)
+    found: xarray.Dataset = _computed(
+        "run", scene, None, {**overrides, **added}, [*options], False, progress, opened=Place.patches
+    )  # fmt: skip
+    return found
 
 
 def compare(
@@ -229,6 +252,20 @@ def check_settings(*, seed: int | None, threads: int | None) -> None:
             raise SceneError(f"{name} = {value}: a whole number from {low} to {high} is needed")
 
 
+def _swept(scene: Scene, axes: Mapping[str, Any], mode: str) -> tuple[Scene, dict[str, Any]]:
+    """A scene and its overrides with the axes of a sweep: a part of the tables, or of the overrides of a file."""
+    if not isinstance(axes, Mapping) or not axes:
+        raise SceneError(
+            "axes: a dict of values by dotted keys is needed, such as {'material.hardness': ['1 GPa', '2 GPa']}"
+        )
+    if not isinstance(scene, Mapping):
+        return scene, {f'sweep."{key}"': values for key, values in axes.items()} | {"sweep.mode": mode}
+    swept = scene.get("sweep", {})
+    if not isinstance(swept, Mapping):
+        raise SceneError(f"sweep is a {type(swept).__name__}: a table is needed, a dict")
+    return {**scene, "sweep": {**swept, **axes, "mode": mode}}, {}
+
+
 def _named(output: str | Path | None, *, resume: bool) -> None:
     if resume and output is None:
         raise SceneError("resume=True: name the output of the run that was interrupted")
@@ -242,6 +279,8 @@ def _computed(
     options: list[str],
     force: bool,
     progress: bool | None,
+    *,
+    opened: Callable[[Place], Any] = Place.result,
 ) -> Any:
     """Calls a command that leaves a result, and opens that."""
     with Place(output) as place, Source(scene, overrides, place.path) as source:
@@ -256,4 +295,4 @@ def _computed(
             kept = str(interruption).splitlines()
             goes_on = ["resume=True goes on"] if any("kept" in line for line in kept) else []
             raise KeyboardInterrupt("; ".join([*kept, *goes_on])) from None
-        return place.result()
+        return opened(place)

@@ -136,5 +136,10 @@ class Folder:
 
 
 def _deleted(folder: str, process: int) -> None:
-    if os.getpid() == process:
+    if os.getpid() != process:
+        return
+    try:
         shutil.rmtree(folder, ignore_errors=True)
+    except KeyboardInterrupt:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
-from . import files, results
+from . import files, results, stored
 from .force_curves.lever import of_run
 
 if TYPE_CHECKING:
@@ -133,3 +133,13 @@ class Place:
                 result.tree.load()
             result.folder = self._folder
         return result
+
+    def patches(self) -> xarray.Dataset:
+        """The group `replicas` of the result that is there now, in memory. A folder that is deleted is so at once."""
+        with stored.reading(self.path), xarray.open_dataset(
+            self.path, group="replicas", engine="h5netcdf", decode_times=False
+        ) as group:  # fmt: skip
+            found = group.load()
+        if self._folder is not None:
+            self._folder.delete()
+        return found

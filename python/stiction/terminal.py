@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import codecs
+import contextlib
 import io
 import os
 import re
+import signal
 import sys
-from collections.abc import Callable, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
 
 from . import progress
 from .errors import StictionError
@@ -75,8 +78,9 @@ def ended(name: str, work: Callable[[], None], *, is_long: bool = False) -> int:
     try:
         if sys.stdout is None:
             raise OSError("standard output is closed")
-        work()
-        sys.stdout.flush()
+        with _interrupted_by_signals():
+            work()
+            sys.stdout.flush()
         return 0
     except BrokenPipeError:
         # Nobody reads it any more.
@@ -97,6 +101,21 @@ def ended(name: str, work: Callable[[], None], *, is_long: bool = False) -> int:
     if sys.stderr is not None:
         print(f"{name}: {''.join(one if one.isprintable() else '�' for one in line)}", file=sys.stderr)
     return code
+
+
+@contextlib.contextmanager
+def _interrupted_by_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP interrupt as Ctrl-C does, unless they are ignored: temporary folders are then deleted."""
+    named = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+    is_main = threading.current_thread() is threading.main_thread()
+    taken = [one for one in named if is_main and signal.getsignal(one) == signal.SIG_DFL]
+    for one in taken:
+        signal.signal(one, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for one in taken:
+            signal.signal(one, signal.SIG_DFL)
 
 
 def _silence() -> None:

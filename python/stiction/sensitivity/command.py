@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import files
 from ..scenes import named_files
-from ..terminal import ended, given_words, whole
+from ..terminal import ended, given_words, real, whole
 from .figure import draw
 from .study import sensitivity
 
@@ -26,8 +26,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors for up to 6 numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
-    parser.add_argument("--samples", type=whole, default=512, metavar="N",
-                        help="rows of the design, a power of 2 from 64 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
+    parser.add_argument("--interval", type=real, default=0.25, metavar="X",
+                        help="largest width of the 95 %% intervals of all indices: samples are doubled, from 64 on, until it is reached; by default 0.25")  # fmt: skip
+    parser.add_argument("--samples", type=whole, metavar="N",
+                        help="samples at most, a power of 2 from 64 on, of k + 2 points each (2k + 2 of correlated priors); by default the most of a sweep")  # fmt: skip
     parser.add_argument("--replicas", type=whole, metavar="N", help="patches at each point, instead of the scene's")
     parser.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the scene's")
     parser.add_argument("--threads", type=whole, metavar="N", help="threads; by default one per core")
@@ -51,8 +53,8 @@ def _study(given: argparse.Namespace, output: Path, picture: Path) -> None:
     for path in (output, picture):
         files.check(path, force=given.force, inputs=inputs)
     found = sensitivity(
-        given.scene, output, samples=given.samples, replicas=given.replicas, seed=given.seed, threads=given.threads,
-        force=given.force,
+        given.scene, output, interval=given.interval, samples=given.samples, replicas=given.replicas, seed=given.seed,
+        threads=given.threads, force=given.force,
     )  # fmt: skip
     with files.writing(picture, force=given.force, inputs=inputs) as part:
         draw(found).savefig(part, dpi=200)

@@ -1,6 +1,6 @@
 r"""Sobol indices of a model whose outcome scatters, from blocks of points that share their random numbers.
 
-Outcome Y(θ, ω) of parameters θ, which are independent, and of a patch ω; m(θ) = E[Y | θ]. By the law of total variance
+Outcome Y(θ, ω) of parameters θ and of a patch ω; m(θ) = E[Y | θ]. By the law of total variance
 
 .. math:: \operatorname{Var} Y = \operatorname{Var}_\theta m(\theta) + \operatorname{E}_\theta \operatorname{Var}[Y \mid \theta],
 
@@ -9,6 +9,12 @@ by Sobol's indices of m,
 
 .. math:: S_k = \operatorname{Var} \operatorname{E}[m \mid \theta_k] / \operatorname{Var} m, \qquad
           T_k = \operatorname{E} \operatorname{Var}[m \mid \theta_{\sim k}] / \operatorname{Var} m.
+
+**Correlated parameters** have the same two indices (Kucherenko et al. 2012): S_k is the fraction that goes if θ_k were known, with what its correlation
+says of the others; T_k is the fraction that remains if all others were known. Then S_k may be above T_k. Parameters have a Gaussian copula: their normal scores
+are z = Lξ with LLᵀ the correlation and ξ independent. Two points A and B give a third, ξ_A + d d·(ξ_B − ξ_A) with a unit vector d, which has the law of both.
+With d the row k of L it has z_k of B, and of the others of A the part that is independent of z_k: for S_k. With d along the column k of L⁻¹ all but z_k is of A: for T_k.
+Of independent parameters both are A with θ_k from B.
 
 **Scatter as a noise term.** Only means over r patches are known, and every numerator is a mean of products of two of them, such as
 m(B) (m(A_k) − m(A)) of Saltelli et al. (2010) and (m(A) − m(A_k))²/2 of Jansen (1999). With ȳ in the place of m such a product q is off by
@@ -31,7 +37,7 @@ distributed. Intervals are by bootstrap over the blocks, so they hold both what 
 no notice of how points within a block belong together.
 
 References: A. Saltelli et al., *Comput. Phys. Commun.* **181** (2010) 259, table 2 b and f; M. J. W. Jansen, *Comput. Phys. Commun.*
-**117** (1999) 35; A. B. Owen, *J. Complexity* **14** (1998) 466 (scrambling); B. Efron, *J. Am. Stat. Assoc.* **82** (1987) 171 (BCa).
+**117** (1999) 35; S. Kucherenko, S. Tarantola, P. Annoni, *Comput. Phys. Commun.* **183** (2012) 937; A. B. Owen, *J. Complexity* **14** (1998) 466 (scrambling); B. Efron, *J. Am. Stat. Assoc.* **82** (1987) 171 (BCa).
 """
 
 from __future__ import annotations
@@ -41,7 +47,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from SALib.sample import sobol
-from scipy import stats
+from scipy import special, stats
 
 __all__ = ["Estimated", "estimated", "points"]
 
@@ -49,6 +55,8 @@ Array = NDArray[np.float64]
 
 # Rows of a block at least that has a mean of its own.
 _STRATIFIED = 4
+# The nearest to 0 and 1 that a point may be: its normal scores are finite.
+_EDGE = 2.0**-53
 
 
 @dataclass(frozen=True)
@@ -79,8 +87,8 @@ class Estimated:
     total_interval: Array
 
 
-def points(keys: int, rows: int, blocks: int, seed: int) -> Array:
-    """Saltelli's points of each block.
+def points(keys: int, rows: int, blocks: int, seed: int, correlation: ArrayLike | None = None) -> Array:
+    """Points of each block. Fewer rows of a seed are the first ones of more.
 
     Parameters
     ----------
@@ -88,30 +96,45 @@ def points(keys: int, rows: int, blocks: int, seed: int) -> Array:
         Number k of parameters, of rows n of a block (a power of 2), and of blocks.
     seed : int
         Of the scramblings.
+    correlation : array (k, k), optional
+        Of the normal scores of the parameters.
 
     Returns
     -------
-    array (blocks, n (k + 2), k)
-        In the unit cube: of each row A, A with each parameter in turn from B, B.
+    array (blocks, n, k + 2, k)
+        In the unit cube: of each row A, A with each parameter in turn from B, B; these are Saltelli's points. With a correlation
+        (blocks, n, 2k + 2, k), as `stiction.priors.Priors.draw` takes them: A, the k points for first-order indices, the k ones for total indices, B.
 
     Examples
     --------
-    >>> points(3, 4, 2, seed=1).shape
-    (2, 20, 3)
+    >>> points(3, 4, 2, seed=1).shape, points(3, 4, 2, seed=1, correlation=np.eye(3)).shape
+    ((2, 4, 5, 3), (2, 4, 8, 3))
     """
     problem = {"num_vars": keys, "names": [str(key) for key in range(keys)], "bounds": [[0.0, 1.0]] * keys}
     seeds = [int(one.generate_state(1)[0]) for one in np.random.SeedSequence(seed).spawn(blocks)]
     drawn = [sobol.sample(problem, rows, calc_second_order=False, scramble=True, seed=one) for one in seeds]
-    return np.stack(drawn)
+    of = np.stack(drawn).reshape(blocks, rows, keys + 2, keys)
+    if correlation is None:
+        return of
+    factor = np.linalg.cholesky(np.asarray(correlation, dtype=float))
+    alone = np.linalg.inv(factor).T
+    directions = np.concatenate([factor, alone / np.linalg.norm(alone, axis=1, keepdims=True)])
+    a, b = special.ndtri(np.clip(of[:, :, [0, -1]], _EDGE, 1.0 - _EDGE)).transpose(2, 0, 1, 3)
+    moved = a[:, :, None] + ((b - a) @ directions.T)[..., None] * directions
+    return np.concatenate([of[:, :, :1], special.ndtr(moved), of[:, :, -1:]], axis=2)
 
 
-def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 1) -> Estimated:
+def estimated(
+    outcomes: ArrayLike, *, keys: int | None = None, level: float = 0.95, resamples: int = 2000, seed: int = 1
+) -> Estimated:
     """Indices from outcomes at the points of `points`.
 
     Parameters
     ----------
-    outcomes : array (blocks, rows, k + 2, r)
-        Of A, of A with each parameter from B, and of B; of r ≥ 2 patches, equal for all points of a block or not.
+    outcomes : array (blocks, rows, k + 2, r) or (blocks, rows, 2k + 2, r)
+        At the points of each row; of r ≥ 2 patches, equal for all points of a block or not. A row with a value that is not finite is left out.
+    keys : int, optional
+        Number k of parameters; by default they are independent, and it is that of the k + 2 points.
     level : float
         Probability that an interval is to have.
     resamples, seed : int
@@ -120,36 +143,58 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
     Raises
     ------
     ValueError
-        There is one patch or one block, or outcomes are not finite.
+        There is one patch, or fewer than two blocks have a row that is whole.
 
     Examples
     --------
     A sum of two parameters, of which the second varies twice as much, and equal patches:
 
-    >>> of = points(2, 256, 8, seed=1).reshape(8, 256, 4, 2) @ [1.0, 2.0]
+    >>> of = points(2, 256, 8, seed=1) @ [1.0, 2.0]
     >>> found = estimated(np.stack([of, of], axis=-1))
     >>> found.first_order.round(2).tolist(), found.scatter
     ([0.2, 0.8], 0.0)
     """
     y = np.asarray(outcomes, dtype=float)
     if y.ndim != 4 or y.shape[0] < 2 or y.shape[3] < 2:
-        raise ValueError(f"outcomes of the shape {y.shape}: (blocks, rows, k + 2, patches) with at least 2 blocks and patches is needed")
-    if not np.isfinite(y).all():
-        raise ValueError("outcomes: all of them have to be finite")
-    centre = float(y.mean())
+        raise ValueError(f"outcomes of the shape {y.shape}: (blocks, rows, points, patches) with at least 2 blocks and patches is needed")
+    blocks = [of for block in y if len(of := block[np.isfinite(block).all(axis=(1, 2))])]
+    if len(blocks) < 2:
+        raise ValueError(f"outcomes: {len(blocks)} blocks have a row of finite values, at least 2 are needed")
+    k = y.shape[2] - 2 if keys is None else keys
     # Sums over blocks of what is large would lose digits that differences need.
-    y = y - centre
-    a, mixed, b = y[:, :, 0], y[:, :, 1:-1], y[:, :, -1]
-    change = mixed - a[:, :, None]
-    middle = b.mean(axis=1, keepdims=True) if b.shape[1] >= _STRATIFIED else 0.0
-    first = _pairs((b - middle)[:, :, None], change).mean(axis=1)
-    total = 0.5 * _pairs(change, change).mean(axis=1)
-    of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean(axis=1) - _pairs(a.mean(axis=1), b.mean(axis=1))
-    ends = np.stack([a, b], axis=2)
-    scatter = ends.var(axis=-1, ddof=1).mean(axis=(1, 2))
+    centre = float(np.mean([block.mean() for block in blocks]))
     # One row for each block; indices are of their means.
-    parts = np.concatenate([first, total, np.stack([of_mean, scatter], axis=1)], axis=1)
+    parts = np.stack([_parts(block - centre, k) for block in blocks])
+    mean = centre + float(np.mean([block[:, [0, -1]].mean() - centre for block in blocks]))
 
+    found = _indices(parts.mean(axis=0))
+    intervals = _intervals(parts, level, resamples, seed)
+    return Estimated(
+        mean=mean,
+        variance=float(found[-1]),
+        scatter=float(found[-2]),
+        scatter_interval=intervals[-2],
+        first_order=found[:k],
+        first_order_interval=intervals[:k],
+        total=found[k : 2 * k],
+        total_interval=intervals[k : 2 * k],
+    )
+
+
+def _parts(y: Array, k: int) -> Array:
+    """What the indices of a block are made of: k numerators each of S and T, the variance of the mean, that between patches."""
+    a, mixed, b = y[:, 0], y[:, 1:-1], y[:, -1]
+    change = mixed - a[:, None]
+    middle = b.mean(axis=0) if len(b) >= _STRATIFIED else 0.0
+    first = _pairs((b - middle)[:, None], change[:, :k]).mean(axis=0)
+    total = 0.5 * _pairs(change[:, -k:], change[:, -k:]).mean(axis=0)
+    of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean() - _pairs(a.mean(axis=0), b.mean(axis=0))
+    scatter = y[:, [0, -1]].var(axis=-1, ddof=1).mean()
+    return np.concatenate([first, total, [of_mean, scatter]])
+
+
+def _intervals(parts: Array, level: float, resamples: int, seed: int) -> Array:
+    """Bootstrap intervals over the blocks, the first axis, of what `_indices` finds, (…, 2)."""
     found = _indices(parts.mean(axis=0))
     generator = np.random.default_rng(seed)
     intervals = np.empty((found.size, 2))
@@ -170,17 +215,7 @@ def estimated(outcomes: ArrayLike, *, level: float = 0.95, resamples: int = 2000
             method="BCa", rng=generator,
         ).confidence_interval  # fmt: skip
         intervals[place] = interval.low, interval.high
-    k = first.shape[1]
-    return Estimated(
-        mean=centre + float(ends.mean()),
-        variance=float(found[-1]),
-        scatter=float(found[-2]),
-        scatter_interval=intervals[-2],
-        first_order=found[:k],
-        first_order_interval=intervals[:k],
-        total=found[k : 2 * k],
-        total_interval=intervals[k : 2 * k],
-    )
+    return intervals
 
 
 def _pairs(first: Array, second: Array) -> Array:

@@ -1,4 +1,4 @@
-"""A scene with priors at Saltelli's points: sweeps of the program, a block each, and their results."""
+"""Studies of a scene with priors: as many samples as the indices need, and the result."""
 
 from __future__ import annotations
 
@@ -11,20 +11,15 @@ from numpy.typing import NDArray
 
 from .. import experiments, files, priors
 from ..errors import SceneError, StictionError, written_at_end
-from ..progress import steps
-from ..results import Result
 from ..scenes import Scene, named_files, toml
 from . import indices
-from .words import QUANTITIES, words
+from .sampled import BLOCKS, LEAST, Design, points_of_row
+from .words import QUANTITIES, needed, words
 
 __all__ = ["BLOCKS", "sensitivity"]
 
 Array = NDArray[np.float64]
 
-#: Independent blocks of points.
-BLOCKS = 32
-# Samples at least: with one row a block, intervals of 95 % hold the truth in 80 to 90 % of designs only.
-_LEAST = 64
 #: Points of a sweep at most.
 _MOST_POINTS = 10_000
 _VERSION = (1, 0)
@@ -34,7 +29,8 @@ def sensitivity(
     scene: Scene,
     output: str | Path | None = None,
     *,
-    samples: int = 512,
+    interval: float = 0.25,
+    samples: int | None = None,
     replicas: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
@@ -47,11 +43,14 @@ def sensitivity(
     Parameters
     ----------
     scene : path or dict
-        A scene with up to 6 numbers that have priors (`stiction.priors`), which are independent.
+        A scene with up to 6 numbers that have priors (`stiction.priors`).
     output : path, optional
         HDF5 file for the result.
-    samples : int
-        Rows n of Saltelli's design, a power of 2 of at least 64: n (k + 2) points of k keys are computed, in 32 independent blocks.
+    interval : float
+        Largest width of the intervals of all indices of all outcomes: samples are doubled, from 64 on, until it is reached.
+    samples : int, optional
+        Samples n at most, a power of 2 of at least 64; by default the largest number that a sweep can have. Each is a row of Saltelli's design: n (k + 2)
+        points of k independent keys are computed, n (2k + 2) of correlated ones, in 32 independent blocks.
     replicas : int, optional
         Patches at each point, instead of the scene's; all points of a block share them.
     seed, threads : int, optional
@@ -67,7 +66,7 @@ def sensitivity(
     -------
     xarray.Dataset
         Over `quantity` (pull_off_force, N; peak_secant_stiffness, N/m; energy, J) and `key`: `first_order` and `total` indices of the mean
-        over patches, `scatter`, the fraction of the variance of one patch that is between patches, their `…_interval` over `range_end`,
+        over patches (of correlated keys as in `indices`), `scatter`, the fraction of the variance of one patch that is between patches, their `…_interval` over `range_end`,
         `mean` and `standard_deviation` of one patch in SI units. Energy is what a cycle dissipates with
         ``history = "loop"``, else the work to detach the surfaces from where they adhere without a force to the
         largest separation.
@@ -75,11 +74,13 @@ def sensitivity(
     Raises
     ------
     SceneError
-        The scene, a prior or an argument is wrong; priors are correlated; sampling is not independent. A point that the program refuses is
-        named with its numbers.
+        The scene, a prior or an argument is wrong; sampling is not independent. Or more than 5 % of the samples have a point that the program refuses, or
+        where a patch lacks an outcome: the first is named with its numbers. Up to that they are left out, and counted by the attribute `left_out`.
     """
-    if samples < _LEAST or samples & (samples - 1):
-        raise SceneError(f"samples = {samples}: a power of 2 of at least {_LEAST} is needed")
+    if isinstance(interval, bool) or not isinstance(interval, int | float) or not 0.0 < interval <= 1.0:
+        raise SceneError(f"interval = {interval}: a number above 0, and at most 1, is needed")
+    if samples is not None and (samples < LEAST or samples & (samples - 1)):
+        raise SceneError(f"samples = {samples}: a power of 2 of at least {LEAST} is needed")
     if not 0.5 <= level < 1.0:
         raise SceneError(f"level = {level}: a number from 0.5 to below 1 is needed")
     experiments.check_settings(seed=seed, threads=threads)
@@ -88,41 +89,46 @@ def sensitivity(
     if output is not None:
         files.check(output, force=force, inputs=inputs)
     tables, patches = _checked(found, replicas)
-    k, rows = len(found.priors), samples // BLOCKS
-    if rows * (k + 2) > _MOST_POINTS:
-        raise SceneError(f"samples = {samples}: at most {_MOST_POINTS // (k + 2) * BLOCKS} can be had of {k} keys")
+    most = _most(found, samples)
     first = int(tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
-    cube = indices.points(k, rows, BLOCKS, first)
-    seeds = np.random.SeedSequence([first, 1]).generate_state(BLOCKS)
-    outcomes = {name: np.empty((BLOCKS, rows, k + 2, patches)) for name in QUANTITIES}
+    design = Design(found, tables, patches, first, threads)
     with written_at_end():
-        for block in steps(range(BLOCKS), "", "blocks of points", progress):
-            axes = found.axes(found.draw(cube[block]))
-            with experiments.sweep(
-                tables, axes, mode="zip", replicas=patches, seed=int(seeds[block]), threads=threads, progress=False,
-                **experiments.ONE_MODEL,
-            ) as sweep:  # fmt: skip
-                for name, values in _outcomes(sweep).items():
-                    outcomes[name][block] = values.reshape(rows, k + 2, patches)
-    estimated = {}
-    for name, values in outcomes.items():
-        if not np.isfinite(values).all():
-            at = np.argwhere(~np.isfinite(values))[0]
-            number = found.draw(cube[at[0]])[at[1] * (k + 2) + at[2]]
-            numbers = ", ".join(f"{prior.key} = {prior.text(value)}" for prior, value in zip(found.priors, number, strict=True))
-            raise StictionError(f"no {QUANTITIES[name][0]} of a patch at {numbers}: other ranges or separations are needed")
-        try:
-            estimated[name] = indices.estimated(values, level=level)
-        except ValueError as error:
-            raise StictionError(f"{QUANTITIES[name][0]}: {error}") from None
-    result = _dataset(found, estimated, level)
-    # As the run had it: with what the arguments say.
-    result.attrs |= {"title": str(tables.get("title", "")), "samples": samples, "blocks": BLOCKS, "replicas": patches,
-                     "seed": first, "scene": _text(scene), "summary": words(result)}  # fmt: skip
+        forecast = 0
+        while True:
+            design.double(forecast, progress)
+            result = _result(design, level, interval)
+            forecast = min(needed(result), most)
+            if forecast <= design.samples:
+                break
+    result.attrs |= {"title": str(tables.get("title", "")), "seed": first, "scene": _text(scene)}
+    result.attrs["summary"] = words(result)
     if output is not None:
         with files.writing_hdf5(output, force=force, inputs=inputs) as part:
             result.to_netcdf(part, engine="h5netcdf")
     return result
+
+
+def _result(design: Design, level: float, interval: float) -> xarray.Dataset:
+    """The indices of all outcomes."""
+    estimated = {}
+    for name, values in zip(QUANTITIES, design.outcomes, strict=True):
+        try:
+            estimated[name] = indices.estimated(values, keys=len(design.found.priors), level=level)
+        except ValueError as error:
+            raise StictionError(f"{QUANTITIES[name][0]}: {error}") from None
+    result = _dataset(design.found, estimated, level)
+    result.attrs |= {"samples": design.samples, "blocks": BLOCKS, "replicas": design.patches, "interval": interval,
+                     "correlated": int(not design.found.are_independent), "left_out": len(design.left_out),
+                     "left_out_first": next(iter(design.left_out), "")}  # fmt: skip
+    return result
+
+
+def _most(found: priors.Priors, samples: int | None) -> int:
+    """The largest number of samples: the given one, or the power of 2 that sweeps can have."""
+    largest: int = BLOCKS * 2 ** int(np.log2(_MOST_POINTS // points_of_row(found)))
+    if samples is not None and samples > largest:
+        raise SceneError(f"samples = {samples}: at most {largest} can be had of {len(found.priors)} keys")
+    return samples or largest
 
 
 def _text(scene: Scene) -> str:
@@ -131,8 +137,6 @@ def _text(scene: Scene) -> str:
 
 def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any], int]:
     """The tables of the sweeps, and the number of patches of a point."""
-    if not found.are_independent:
-        raise SceneError("priors: Sobol indices are of independent numbers; leave the table out")
     tables = dict(found.tables)
     ensemble = dict(tables.get("ensemble", {}))
     if "sweep" in tables:
@@ -151,38 +155,6 @@ def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any]
         # The energy is calculated from the curves.
         tables["output"] = {**tables.get("output", {}), "curves": True}
     return tables, patches
-
-
-def _outcomes(sweep: Result) -> dict[str, Array]:
-    """Outcomes of each patch, arrays (points, patches), SI."""
-    group = sweep["replicas"].to_dataset()
-    found = {name: group[name].transpose("point", "replica").values for name in QUANTITIES if name in group}
-    if "dissipated_energy" in group:
-        found["energy"] = group["dissipated_energy"].transpose("point", "replica").values
-    else:
-        force = group["external_force"].transpose("point", "replica", "separation_index").values
-        h = group["separation"].transpose("point", "separation_index").values
-        found["energy"] = _work(force, h[:, None, :])
-    return found
-
-
-def _work(force: Array, h: Array) -> Array:
-    """The largest work to part surfaces from a separation to the last one, by the trapezoidal rule (N m).
-
-    Parameters
-    ----------
-    force, h : array (…, separations)
-        External force, compressive positive (N), at rising separations (m).
-
-    Examples
-    --------
-    >>> _work(np.array([2.0, 0.0, -1.0, -1.0]), np.array([0.0, 1.0, 2.0, 3.0])).item()
-    1.5
-    """
-    steps = -0.5 * (force[..., 1:] + force[..., :-1]) * np.diff(h, axis=-1)
-    from_here = np.cumsum(steps[..., ::-1], axis=-1)
-    best: Array = np.maximum(from_here.max(axis=-1), 0.0)
-    return best
 
 
 def _dataset(found: priors.Priors, of: dict[str, indices.Estimated], level: float) -> xarray.Dataset:

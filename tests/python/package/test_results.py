@@ -232,6 +232,7 @@ def test_answers_that_take_many_runs_compute_one_contact(monkeypatch):
 
     monkeypatch.setattr(experiments, "run", asked)
     monkeypatch.setattr(experiments, "sweep", asked)
+    monkeypatch.setattr(experiments, "patches", asked)
     scene = tomllib.loads((CONFIGS / "first.toml").read_text(encoding="utf-8"))
     hardness = {"prior": "uniform", "from": "5 GPa", "to": "6 GPa"}
     with_prior = scene | {"material": scene["material"] | {"hardness": hardness}}

@@ -19,7 +19,7 @@ from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
 from ..progress import work
-from ..results import OF_WHOLE_LOOP, Sweep
+from ..results import OF_WHOLE_LOOP
 from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
 from .density import Density, features, fit, log_sum_exp
 
@@ -40,8 +40,8 @@ _LEAST_LOG = -700.0
 SHAPES = ((6, 2), (10, 2), (10, 3), (16, 3))
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
-# Standard deviations of the posterior: of the patches' weight in a fit, and up to where a fit holds.
-_NEAR, _EDGE = 3.0, 7.0
+# How much further than the root of the number of parameters a fit holds, in standard deviations of what it is about.
+_EDGE = 1.5
 # ln of the likelihood beyond.
 _BEYOND = -1e9
 # Numbers of a table over points, patches and parts at most.
@@ -130,7 +130,7 @@ def simulate(
     """
     tables = _tables(priors, conditions or {}, replicas)
     scale = _force_scale(tables, priors, values)
-    known = _known(_swept(tables, priors, values, seed=seed, threads=threads))
+    known = _known(tables, priors, values, seed=seed, threads=threads)
     if "force_scale" in _calibration(tables) and not any(_has_newton(known[name]) for name in outcomes if name in known):
         raise SceneError(f"{FORCE_SCALE}: none of {', '.join(outcomes)} is a force, a stiffness or an energy; leave it out")
     columns = []
@@ -181,7 +181,7 @@ def outcomes_of(priors: Priors, conditions: Mapping[str, Any]) -> dict[str, str]
     tables, values = _tables(priors, conditions, 2), _middle(priors)
     _force_scale(tables, priors, values)
     with work(progress=False):
-        known = _known(_swept(tables, priors, values, seed=1))
+        known = _known(tables, priors, values, seed=1)
     return {name: str(of.attrs["units"]) for name, of in known.items()}
 
 
@@ -281,26 +281,25 @@ def _has_newton(of: xarray.DataArray) -> bool:
     return str(of.attrs["units"]).startswith(_OF_FORCES)
 
 
-def _swept(tables: Mapping[str, Any], priors: Priors, values: Array, **options: Any) -> Sweep:
-    """The sweep of a scene over parameters, with options of `stiction.sweep`."""
+def _known(tables: Mapping[str, Any], priors: Priors, values: Array, **options: Any) -> dict[str, xarray.DataArray]:
+    """The datasets with one number for each patch, over points and replicas; after a preload none of the whole loop's pull-off.
+
+    Options are those of `stiction.sweep`.
+    """
     axes = {key: of for key, of in priors.axes(values).items() if key != FORCE_SCALE}
     if not axes:
         raise SceneError(f"{FORCE_SCALE}: it alone has a prior; another number of the scene needs one, too")
     own = {name: table for name, table in tables.items() if name != "calibration"}
     try:
-        return experiments.sweep(own, axes, mode="zip", **options, **experiments.ONE_MODEL)
+        patches = experiments.patches(own, axes, **options, **experiments.ONE_MODEL)
     except SceneError as error:
         raise SceneError(f"at a point of the priors: {error}") from None
-
-
-def _known(result: Sweep) -> dict[str, xarray.DataArray]:
-    """The datasets with one number for each patch, over points and replicas; after a preload none of the whole loop's pull-off."""
     known = {}
-    for name, of in result.group("replicas").data_vars.items():
+    for name, of in patches.data_vars.items():
         squeezed = of.squeeze([d for d in of.dims if d not in ("point", "replica") and of.sizes[d] == 1])
         if set(squeezed.dims) == {"point", "replica"}:
             known[str(name)] = squeezed
-    if result.has_preload:
+    if "preload" in tables.get("instability", {}):
         known = {name: of for name, of in known.items() if name not in OF_WHOLE_LOOP}
     return known
 
@@ -315,7 +314,7 @@ class Emulator:
     patches : list of Patches
         For each set of conditions.
     around : array (draws, parameters), optional
-        Draws of `Priors.natural` of a posterior, about which the densities are fitted and hold; without it over all of the priors.
+        Draws of `Priors.natural` about which the densities are fitted and hold, wider than a posterior; without it over all of the priors.
     shape : (int, int)
         Parts and degree of the densities, as in `SHAPES`.
     """
@@ -331,7 +330,8 @@ class Emulator:
             self._middle, self._axes = 0.5 * (low + high), np.diag(0.5 * (high - low))
         else:
             covariance = np.cov(around.T).reshape(around.shape[1], -1)
-            self._middle, self._axes = around.mean(axis=0), _NEAR * np.linalg.cholesky(covariance)
+            self._middle, self._axes = around.mean(axis=0), np.linalg.cholesky(covariance)
+        self._edge = len(self._middle) ** 0.5 + _EDGE
         self.densities = [self._fitted(of, *shape) for of in patches]
 
     def _fitted(self, patches: Patches, parts: int, degree: int) -> Density:
@@ -341,7 +341,7 @@ class Emulator:
         away = np.linalg.norm(x, axis=1)
         # As many as the coefficients need, where few are near.
         least = np.sort(away)[min(4 * features(x[:1], degree).shape[1], len(x) - 1)]
-        near = away <= max(_EDGE / _NEAR, float(least))
+        near = away <= max(self._edge, float(least))
         weights = np.maximum(np.exp(-0.5 * away[near] ** 2), 1e-3)
         return fit(x[near], patches.logs[near], weights, parts=parts, degree=degree)
 
@@ -352,7 +352,7 @@ class Emulator:
 
     def reach(self, place: int) -> tuple[float, float]:
         """The least and the largest value of a parameter, SI, where the densities hold."""
-        half = float(np.linalg.norm(self._axes[place])) * (_EDGE / _NEAR if self._is_local else 1.0)
+        half = float(np.linalg.norm(self._axes[place])) * (self._edge if self._is_local else 1.0)
         ends = np.repeat(self._middle[None], 2, axis=0)
         ends[:, place] += [-half, half]
         low, high = self.priors.values(ends)[:, place]
@@ -361,7 +361,7 @@ class Emulator:
     def holds(self, values: Array) -> NDArray[np.bool_]:
         """Whether parameters are where the densities were fitted, (points,)."""
         x = self._placed(values)
-        inside: NDArray[np.bool_] = np.linalg.norm(x, axis=1) <= _EDGE / _NEAR if self._is_local else np.ones(len(x), dtype=bool)
+        inside: NDArray[np.bool_] = np.linalg.norm(x, axis=1) <= self._edge if self._is_local else np.ones(len(x), dtype=bool)
         return inside
 
     def scaled(self, values: Array) -> Array:
@@ -370,7 +370,7 @@ class Emulator:
         if not self._is_local:
             return np.clip(x, -1.0, 1.0)
         away = np.linalg.norm(x, axis=1, keepdims=True)
-        result: Array = x * np.minimum(1.0, _EDGE / _NEAR / np.maximum(away, 1e-300))
+        result: Array = x * np.minimum(1.0, self._edge / np.maximum(away, 1e-300))
         return result
 
     def of_group(self, place: int) -> Emulator:

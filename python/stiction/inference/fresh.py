@@ -25,7 +25,8 @@ class Misfit:
     Attributes
     ----------
     share : float
-        Shift of the posterior's mean by the density's error, over the posterior's standard deviation: the largest of all parameters.
+        Shift of the posterior's mean by the density's error over the posterior's standard deviation, or relative error of that: the largest of all
+        parameters.
     noise : float
         Standard error of it, from the number of fresh patches.
     distance : float
@@ -40,8 +41,9 @@ class Misfit:
 def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, random: np.random.Generator) -> Misfit:
     """Compares a density with patches that it was not fitted to, at parameters of the posterior.
 
-    At the true parameters the mean of ∂ ln p(y | θ)/∂θ over patches is zero if p is right. If it is g, n patches shift the mean of the posterior by
-    C n g, with its covariance C: the influence function of a misspecified likelihood (H. White, *Econometrica* 50 (1982) 1).
+    At the true parameters the mean of ∂ ln p(y | θ)/∂θ over patches is zero if p is right. If it is g + G (θ − θ̄) over the posterior with the mean θ̄, n patches
+    shift that mean by C n g, with its covariance C, and change C by C n G C: the influence of a misspecified likelihood
+    (H. White, *Econometrica* 50 (1982) 1). g and G are the regression of the scores of fresh patches at draws of the posterior.
 
     Parameters
     ----------
@@ -54,20 +56,38 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
     random : numpy.random.Generator
         It draws errors of the measurement.
     """
-    std = np.sqrt(np.diag(covariance))
-    slope, scatter, distance = np.zeros(len(std)), np.zeros_like(covariance), 0.0
+    std, root = np.sqrt(np.diag(covariance)), np.linalg.cholesky(covariance)
+    shifts, squares, distance = np.zeros((len(std), 1 + len(std))), np.zeros((len(std), 1 + len(std))), 0.0
     for place, (group, patches) in enumerate(zip(likelihood.measured.groups, fresh, strict=True)):
-        each = np.concatenate([
+        each = np.stack([
             scores(likelihood, place, as_measured(group, logs, random), values, _STEP * std)
             for values, logs in zip(patches.values, patches.logs, strict=True)
         ])  # fmt: skip
+        natural = likelihood.priors.natural(patches.values)
+        places = np.linalg.solve(root, (natural - natural.mean(axis=0)).T).T
+        table = np.concatenate([np.ones((len(places), 1)), places], axis=1)
         count = len(group.values) * likelihood.largest_batch
-        slope += count * each.mean(axis=0)
-        scatter += count**2 / len(each) * np.cov(each.T).reshape(scatter.shape)
+        found, errors = _regression(table, each @ root)
+        shifts += count * found
+        squares += (count * errors) ** 2
         distance = max(distance, _distance(likelihood.emulator.of_group(place), patches))
-    shift, noise = covariance @ slope / std, np.sqrt(np.diag(covariance @ scatter @ covariance)) / std
-    worst = int(np.abs(shift).argmax())
-    return Misfit(float(abs(shift[worst])), float(noise[worst]), distance)
+    # Of the standardised posterior to each parameter's own.
+    own = root / std[:, None]
+    shift, shift_noise = own @ shifts[:, 0], np.sqrt(own**2 @ squares[:, 0])
+    widths = shifts[:, 1:] + shifts[:, 1:].T
+    width, width_noise = 0.25 * np.einsum("ki,ij,kj->k", own, widths, own), 0.5 * np.sqrt(np.einsum("ki,ij,kj->k", own**2, squares[:, 1:], own**2))
+    errors, noises = np.abs(np.concatenate([shift, width])), np.concatenate([shift_noise, width_noise])
+    worst = int(errors.argmax())
+    return Misfit(float(errors[worst]), float(noises[worst]), distance)
+
+
+def _regression(table: Array, each: Array) -> tuple[Array, Array]:
+    """Coefficients of scores (points, patches, parameters) over a table (points, terms), and their standard errors: (parameters, terms)."""
+    patches = each.shape[1]
+    inverse = np.linalg.inv(table.T @ table) @ table.T
+    found = inverse @ each.mean(axis=1)
+    errors = np.sqrt(inverse**2 @ each.var(axis=1, ddof=1) / patches)
+    return found.T, errors.T
 
 
 def scores(likelihood: Likelihood, place: int, group: Group, values: Array, steps: Array) -> Array:

@@ -134,6 +134,13 @@ class Likelihood:
             values[..., of_batch.place] = np.exp(drawn)
         return values
 
+    def of_any_batch(self, z: Array, random: np.random.Generator) -> Array:
+        """Parameters of a batch that was not measured, SI, at each of the points z: (points, parameters)."""
+        values = self.values(z)
+        if (of_batch := self.priors.of_batch) is not None:
+            values[:, of_batch.place] *= np.exp(self.spread_of_batches(z) * random.standard_normal(len(z)))
+        return values
+
     def cumulative(self, values: Array) -> Array:
         """P(measured outcome ≤ the data's) at parameters of each batch: (points, patches, outcomes), as `Emulator.cumulative`."""
         return self._by_batch([self.emulator.cumulative(self._groups, values[:, batch]) for batch in range(values.shape[1])])

@@ -53,6 +53,8 @@ _POINTS = 16
 _MOST_BATCHES = 8
 # Patches of a point of the first batch, and fresh patches at the posterior over the measured ones: of the second batch, and of each that follows.
 _FIRST, _ROUGH, _FRESH = 100, 25, 100
+# Power of the likelihood on whose draws densities are fitted: three standard deviations of what data alone show, and all that a prior leaves open.
+_FLANKS = 1.0 / 9.0
 # Draws of a rough posterior, and of one on a grid.
 _ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
 # Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
@@ -243,10 +245,12 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
         with work(f"batch {batch} of at most {_MOST_BATCHES}"):
             likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
             with Bar("rough posterior"):
-                z = _rough(likelihood, random)
-            around = priors.natural(_of_a_batch(likelihood, z, random))
+                z, wide = _rough(likelihood, random), _rough(likelihood, random, _FLANKS)
+            flanks = likelihood.of_any_batch(wide, random)
+            around = priors.natural(flanks)
             covariance = _of_each_batch(likelihood, z, random)
-            fresh, more = _batch(kept, likelihood, z, random, _ROUGH if batch == 1 else _FRESH)
+            near = _of_a_batch(likelihood, z, random)
+            fresh, more = _batch(kept, (near, flanks), random, _ROUGH if batch == 1 else _FRESH)
             with Bar("error of the density"):
                 found = misfit(likelihood, [_floored(of, floors) for of in fresh], covariance, random)
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
@@ -275,26 +279,27 @@ def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], 
     return Likelihood(emulator, measured, priors, outliers_of(priors), outlier_range(measured, [of.logs for of in patches]))
 
 
-def _rough(likelihood: Likelihood, random: np.random.Generator) -> Array:
-    """Normal scores of draws of the posterior, (draws, parameters)."""
+def _rough(likelihood: Likelihood, random: np.random.Generator, power: float = 1.0) -> Array:
+    """Normal scores of draws of the posterior, of a power of the likelihood: (draws, parameters)."""
+
+    def tempered(z: Array) -> Array:
+        return power * likelihood(z)
+
     if likelihood.is_gridded:
-        return on_grid(likelihood, likelihood.dimensions, _ROUGH_DRAWS, random, is_rough=True)[0]
-    z, weights = weighted(likelihood, likelihood.dimensions, random)
+        return on_grid(tempered, likelihood.dimensions, _ROUGH_DRAWS, random, is_rough=True)[0]
+    z, weights = weighted(tempered, likelihood.dimensions, random)
     return np.asarray(z[random.choice(len(z), _ROUGH_DRAWS, p=weights)])
 
 
 def _batch(
-    kept: Kept, likelihood: Likelihood, z: Array, random: np.random.Generator, over_measured: int
+    kept: Kept, where: tuple[Array, Array], random: np.random.Generator, over_measured: int
 ) -> tuple[list[Patches], list[Patches]]:
-    """Fresh patches at draws of the posterior, and half of their number at points twice as far from its middle, by which its flanks are known."""
-    priors = likelihood.priors
-    points = _POINTS * len({*priors.keys} - {FORCE_SCALE})
-    largest = max(len(group.values) for group in likelihood.measured.groups)
+    """Fresh patches at draws of the posterior, and half of their number on its flanks: parameters of both, (draws, parameters), SI."""
+    points = _POINTS * len({*kept.priors.keys} - {FORCE_SCALE})
+    largest = max(len(group.values) for group in kept.measured.groups)
     rows = math.ceil(over_measured * largest / points / ROW)
-    values = _of_a_batch(likelihood, z[random.choice(len(z), points, replace=False)], random)
-    middle = z.mean(axis=0)
-    wide = middle + 2.0 * (z[random.choice(len(z), points // 2, replace=False)] - middle)
-    made = kept.simulated(np.concatenate([values, likelihood.values(np.clip(wide, -3.0, 3.0))]), rows * ROW)
+    near, flanks = (of[random.choice(len(of), count, replace=False)] for of, count in zip(where, (points, points // 2), strict=True))
+    made = kept.simulated(np.concatenate([near, flanks]), rows * ROW)
     own = points * rows
     return [Patches(of.values[:own], of.logs[:own]) for of in made], [Patches(of.values[own:], of.logs[own:]) for of in made]
 

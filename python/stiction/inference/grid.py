@@ -12,16 +12,21 @@ from ..errors import StictionError
 __all__ = ["on_grid"]
 
 Array = NDArray[np.float64]
-# Points along each of one to three parameters, coarse and fine; normal scores where the prior ends.
-_COARSE, _FINE, _END = {1: 161, 2: 33, 3: 21}, {1: 401, 2: 71, 3: 41}, 6.0
-# ln of the posterior over its largest, where it ends; most looks at a smaller range.
-_LOWEST, _LOOKS = -14.0, 6
+# Points along each of one to three axes, coarse and fine, and standard deviations to both sides.
+_COARSE, _FINE, _END = {1: 161, 2: 41, 3: 21}, {1: 401, 2: 71, 3: 41}, 6.0
+# Cells along an axis that a density fills at least where it is resolved, as a Gaussian of one step.
+_CELLS = 3.5
+# Most looks at a smaller range, and by how much a look may narrow or widen axes that are good.
+_LOOKS, _ALIKE = 30, 1.5
 
 
 def on_grid(
     log_likelihood: Callable[[Array], Array], dimensions: int, draws: int, random: np.random.Generator, *, is_rough: bool = False
 ) -> tuple[Array, Array]:
-    """Draws of a posterior from a grid of normal scores, which is narrowed to where the posterior is.
+    """Draws of a posterior from a grid of normal scores along its own axes.
+
+    The grid is narrowed step by step: of the largest power of the likelihood that it resolves, the mean and the covariance are the next one's middle
+    and axes, so that a posterior that is thin and lies askew is found, too.
 
     Parameters
     ----------
@@ -43,42 +48,52 @@ def on_grid(
     Raises
     ------
     StictionError
-        The likelihood is nowhere a number.
+        The likelihood is nowhere a number, or the posterior is too thin.
     """
-    ends = np.tile([-_END, _END], (dimensions, 1))
-    for look in range(_LOOKS):
-        axes, logs = _table(log_likelihood, ends, _COARSE[dimensions])
-        narrower = _within(axes, logs, ends)
-        is_small = ((narrower[:, 1] - narrower[:, 0]) < 0.6 * (ends[:, 1] - ends[:, 0])).any()
-        ends = narrower
-        if look and not is_small:
+    middle, axes = np.zeros(dimensions), np.eye(dimensions)
+    for _ in range(_LOOKS):
+        places, z, logs = _table(log_likelihood, (middle, axes), _COARSE[dimensions])
+        power, probability = _resolved(logs, z)
+        centre = probability @ z
+        away = z - centre
+        found = np.linalg.cholesky((probability[:, None] * away).T @ away + 1e-18 * np.eye(dimensions))
+        spread = np.linalg.svd(np.linalg.solve(axes, found), compute_uv=False)
+        if power == 1.0 and spread.max() < _ALIKE and spread.min() > 1.0 / _ALIKE:
             break
+        middle, axes = centre, found
+    else:
+        raise StictionError("the posterior is too thin for a grid: narrower priors help")
     if not is_rough:
-        axes, logs = _table(log_likelihood, ends, _FINE[dimensions])
-    probability = np.exp(logs - logs.max()).ravel()
-    steps = np.cumsum(probability)
+        places, z, logs = _table(log_likelihood, (middle, axes), _FINE[dimensions])
+    whole = logs - 0.5 * (z**2).sum(axis=1)
+    steps = np.cumsum(np.exp(whole - whole.max()))
     cells = np.searchsorted(steps, (np.arange(draws) + random.random(draws)) / draws * steps[-1])
     random.shuffle(cells)
-    at = np.unravel_index(np.minimum(cells, probability.size - 1), logs.shape)
-    z = np.stack([axis[place] for axis, place in zip(axes, at, strict=True)], axis=1)
-    cell = [axis[1] - axis[0] for axis in axes]
-    return z + cell * (random.random(z.shape) - 0.5), logs[at]
+    cells = np.minimum(cells, len(steps) - 1)
+    step = places[1] - places[0]
+    return z[cells] + (step * (random.random((draws, dimensions)) - 0.5)) @ axes.T, whole[cells]
 
 
-def _table(log_likelihood: Callable[[Array], Array], ends: Array, count: int) -> tuple[list[Array], Array]:
-    """Axes, and ln of the posterior over them."""
-    axes = [np.linspace(low, high, count) for low, high in ends]
-    z = np.stack([of.ravel() for of in np.meshgrid(*axes, indexing="ij")], axis=1)
-    logs = log_likelihood(z) - 0.5 * (z**2).sum(axis=1)
+def _table(log_likelihood: Callable[[Array], Array], frame: tuple[Array, Array], count: int) -> tuple[Array, Array, Array]:
+    """Places along each axis, normal scores (points, parameters), and ln of the likelihood there."""
+    middle, axes = frame
+    places = np.linspace(-_END, _END, count)
+    u = np.stack([of.ravel() for of in np.meshgrid(*[places] * len(middle), indexing="ij")], axis=1)
+    z = middle + u @ axes.T
+    logs = log_likelihood(z)
     if not np.isfinite(logs.max()):
         raise StictionError("the density of the simulated patches is no number at the data: check the units of the data, and the priors")
-    return axes, logs.reshape([count] * len(axes))
+    return places, z, logs
 
 
-def _within(axes: list[Array], logs: Array, ends: Array) -> Array:
-    """The range of each axis in which the posterior is, a step further on both sides."""
-    here = np.argwhere(logs > logs.max() + _LOWEST)
-    steps = [axis[1] - axis[0] for axis in axes]
-    low = [axis[place] - 1.5 * step for axis, place, step in zip(axes, here.min(axis=0), steps, strict=True)]
-    high = [axis[place] + 1.5 * step for axis, place, step in zip(axes, here.max(axis=0), steps, strict=True)]
-    return np.stack([np.maximum(low, ends[:, 0]), np.minimum(high, ends[:, 1])], axis=1)
+def _resolved(logs: Array, z: Array) -> tuple[float, Array]:
+    """The largest power of the likelihood that the points resolve, and its posterior probabilities, (points,)."""
+    before = -0.5 * (z**2).sum(axis=1)
+    power, probability = 1.0, np.empty(0)
+    for power in 0.7 ** np.arange(60):
+        whole = power * logs + before
+        probability = np.exp(whole - whole.max())
+        probability /= probability.sum()
+        if 1.0 / (probability**2).sum() > _CELLS ** z.shape[1]:
+            break
+    return float(power), probability

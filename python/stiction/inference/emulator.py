@@ -37,11 +37,11 @@ _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
 #: Parts and degree of a density, from the simplest to the most flexible.
-SHAPES = ((6, 2), (10, 2), (10, 3), (16, 3))
+SHAPES = ((6, 2), (6, 3), (10, 3), (16, 3))
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
 # How much further than the root of the number of parameters a fit holds, in standard deviations of what it is about.
-_EDGE = 1.5
+_EDGE = 2.5
 # ln of the likelihood beyond.
 _BEYOND = -1e9
 # Numbers of a table over points, patches and parts at most.

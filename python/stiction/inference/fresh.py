@@ -26,7 +26,7 @@ class Misfit:
     ----------
     share : float
         Shift of the posterior's mean by the density's error over the posterior's standard deviation, or relative error of that: the largest of all
-        parameters.
+        parameters, without what the finite number of fresh patches adds.
     noise : float
         Standard error of it, from the number of fresh patches.
     distance : float
@@ -76,8 +76,10 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
     shift, shift_noise = own @ shifts[:, 0], np.sqrt(own**2 @ squares[:, 0])
     widths = shifts[:, 1:] + shifts[:, 1:].T
     width, width_noise = 0.25 * np.einsum("ki,ij,kj->k", own, widths, own), 0.5 * np.sqrt(np.einsum("ki,ij,kj->k", own**2, squares[:, 1:], own**2))
-    errors, noises = np.abs(np.concatenate([shift, width])), np.concatenate([shift_noise, width_noise])
-    worst = int(errors.argmax())
+    noises = np.concatenate([shift_noise, width_noise])
+    # Without what the finite number of fresh patches adds.
+    errors = np.sqrt(np.maximum(np.concatenate([shift, width]) ** 2 - noises**2, 0.0))
+    worst = int(errors.argmax()) if errors.any() else int(noises.argmax())
     return Misfit(float(errors[worst]), float(noises[worst]), distance)
 
 

@@ -12,7 +12,7 @@ from scipy import stats
 from ..priors import Priors
 from .data import ABOVE, BELOW, EXACT, Group, Measurements
 from .density import log_sum_exp
-from .emulator import Emulator
+from .emulator import Emulator, log_density
 
 __all__ = ["Likelihood", "outlier_range"]
 
@@ -100,7 +100,8 @@ class Likelihood:
 
     def mixed(self, place: int, group: Group, values: Array) -> Array:
         """ln p of patches of a set of conditions at parameters, SI, with the mean fraction of outliers: (points, patches), up to a constant of each patch."""
-        logs = self.emulator.of_group(place).log_densities((group,), values) - _uniform(group.values, group.kinds, self._spread)
+        emulator = self.emulator.of_group(place)
+        logs = log_density(emulator.densities[0], group, emulator.scaled(values)) - _uniform(group.values, group.kinds, self._spread)
         return _mixed(np.minimum(logs, _MOST_RATIO), self._mean)
 
     def log_densities(self, values: Array) -> Array:

@@ -55,6 +55,8 @@ _MOST_BATCHES = 8
 _FIRST, _ROUGH, _FRESH = 100, 25, 100
 # Power of the likelihood on whose draws densities are fitted: three standard deviations of what data alone show, and all that a prior leaves open.
 _FLANKS = 1.0 / 9.0
+# Parameters whose densities are of the second shape at once.
+_FEW = 2
 # Draws of a rough posterior, and of one on a grid.
 _ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
 # Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
@@ -238,7 +240,8 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     _check_scatter(measured, patches)
     priors, floors = kept.priors, np.log(measured.floors)
     around: Array | None = None
-    level, batch = 0, 0
+    # Of few parameters a cubic costs little.
+    level, batch = int(len(priors.priors) <= _FEW), 0
     while True:
         batch += 1
         random = np.random.default_rng([goals.seed, batch])

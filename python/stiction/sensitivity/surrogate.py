@@ -50,9 +50,9 @@ class Polynomial:
         return np.concatenate([squares @ alone, squares @ has, [squares[1:].sum(), 0.0]])
 
     def at(self, points: Array) -> Array:
-        """Values without the mean at points (…, k) of the unit cube."""
+        """Values at points (…, k) of the unit cube."""
         flat = points.reshape(-1, points.shape[-1])
-        values: Array = _terms(flat, self.powers)[:, 1:] @ self.coefficients[1:]
+        values: Array = _terms(flat, self.powers) @ self.coefficients
         return values.reshape(points.shape[:-1])
 
 
@@ -95,7 +95,7 @@ def of_others(points: list[Array], means: list[Array]) -> list[Polynomial]:
             with threadpool_limits(1):
                 fits.append(Polynomial(powers, np.linalg.lstsq(_terms(x, powers), y, rcond=None)[0]))
         found = [fits[group] for group in groups]
-        error = sum(float(np.sum((y - one.at(x) - one.coefficients[0]) ** 2)) for x, y, one in zip(points, means, found, strict=True))
+        error = sum(float(np.sum((y - one.at(x)) ** 2)) for x, y, one in zip(points, means, found, strict=True))
         if error >= before:
             break
         before = error

@@ -26,8 +26,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors for up to 6 numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
-    parser.add_argument("--interval", type=real, default=0.25, metavar="X",
-                        help="largest width of the 95 %% intervals of all indices: samples are doubled, from 64 on, until it is reached; by default 0.25")  # fmt: skip
+    parser.add_argument("--interval", type=real, default=0.1, metavar="X",
+                        help="largest width of the 95 %% intervals of all indices: samples are doubled, from 64 on, until it is reached; by default 0.1")  # fmt: skip
     parser.add_argument("--samples", type=whole, metavar="N",
                         help="samples at most, a power of 2 from 64 on, of k + 2 points each (2k + 2 of correlated priors); by default the most of a sweep")  # fmt: skip
     parser.add_argument("--replicas", type=whole, metavar="N", help="patches at each point, instead of the scene's")

@@ -29,7 +29,7 @@ q̂ is that of the interaction between patch and parameter alone.
 **Only differences between points count.** What patch i has everywhere more than others is in no difference, so it should be in no
 numerator. T has differences alone. Of S the factor m(B) is taken from its mean over the block; as the Sobol points of a block are stratified
 in each coordinate, that changes the mean of the product by O(n⁻²) of n rows or less. The variance is that of pairs, (m(A_j) − m(B_l))²/2 over all
-j and l: coordinates are scrambled independently, so all A are independent of all B. Blocks of fewer than 4 rows are not stratified enough for that:
+j and l: coordinates are scrambled independently, so all A are independent of all B. Blocks of fewer than 8 rows are not stratified enough for that:
 there m(B) is taken from the mean of all blocks.
 
 **Blocks.** A block is a scrambled Sobol sequence of its own, with patches of its own; blocks are independent, and identically
@@ -49,12 +49,14 @@ from numpy.typing import ArrayLike, NDArray
 from SALib.sample import sobol
 from scipy import special, stats
 
+from . import surrogate
+
 __all__ = ["Estimated", "estimated", "points"]
 
 Array = NDArray[np.float64]
 
 # Rows of a block at least that has a mean of its own.
-_STRATIFIED = 4
+_STRATIFIED = 8
 # The nearest to 0 and 1 that a point may be: its normal scores are finite.
 _EDGE = 2.0**-53
 
@@ -125,7 +127,7 @@ def points(keys: int, rows: int, blocks: int, seed: int, correlation: ArrayLike 
 
 
 def estimated(
-    outcomes: ArrayLike, *, keys: int | None = None, level: float = 0.95, resamples: int = 2000, seed: int = 1
+    outcomes: ArrayLike, *, keys: int | None = None, at: ArrayLike | None = None, level: float = 0.95, resamples: int = 2000, seed: int = 1
 ) -> Estimated:
     """Indices from outcomes at the points of `points`.
 
@@ -135,6 +137,8 @@ def estimated(
         At the points of each row; of r ≥ 2 patches, equal for all points of a block or not. A row with a value that is not finite is left out.
     keys : int, optional
         Number k of parameters; by default they are independent, and it is that of the k + 2 points.
+    at : array (blocks, rows, k + 2, k), optional
+        The `points` of independent parameters. With them a polynomial near the outcomes is a control variate (`stiction.sensitivity.surrogate`).
     level : float
         Probability that an interval is to have.
     resamples, seed : int
@@ -157,7 +161,8 @@ def estimated(
     y = np.asarray(outcomes, dtype=float)
     if y.ndim != 4 or y.shape[0] < 2 or y.shape[3] < 2:
         raise ValueError(f"outcomes of the shape {y.shape}: (blocks, rows, points, patches) with at least 2 blocks and patches is needed")
-    blocks = [of for block in y if len(of := block[np.isfinite(block).all(axis=(1, 2))])]
+    whole = np.isfinite(y).all(axis=(2, 3))
+    blocks = [block[rows] for block, rows in zip(y, whole, strict=True) if rows.any()]
     if len(blocks) < 2:
         raise ValueError(f"outcomes: {len(blocks)} blocks have a row of finite values, at least 2 are needed")
     k = y.shape[2] - 2 if keys is None else keys
@@ -165,6 +170,9 @@ def estimated(
     centre = float(np.mean([block.mean() for block in blocks]))
     # One row for each block; indices are of their means.
     parts = np.stack([_parts(block - centre, k) for block in blocks])
+    if at is not None:
+        places = [block[rows] for block, rows in zip(np.asarray(at, dtype=float), whole, strict=True) if rows.any()]
+        parts += _control([block.mean(axis=-1) - centre for block in blocks], places)
     mean = centre + float(np.mean([block[:, [0, -1]].mean() - centre for block in blocks]))
 
     found = _indices(parts.mean(axis=0))
@@ -191,6 +199,14 @@ def _parts(y: Array, k: int) -> Array:
     of_mean = 0.5 * (_pairs(a, a) + _pairs(b, b)).mean() - _pairs(a.mean(axis=0), b.mean(axis=0))
     scatter = y[:, [0, -1]].var(axis=-1, ddof=1).mean()
     return np.concatenate([first, total, [of_mean, scatter]])
+
+
+def _control(means: list[Array], places: list[Array]) -> Array:
+    """What polynomials near the means have for exact parts, less what they have at the points of each block."""
+    k = places[0].shape[-1]
+    near = surrogate.of_others([of.reshape(-1, k) for of in places], [of.ravel() for of in means])
+    at = [np.repeat(one.at(place)[..., None], 2, axis=-1) for one, place in zip(near, places, strict=True)]
+    return np.stack([one.parts - _parts(of, k) for one, of in zip(near, at, strict=True)])
 
 
 def _intervals(parts: Array, level: float, resamples: int, seed: int) -> Array:

@@ -36,6 +36,8 @@ class Design:
     ----------
     outcomes : array (outcomes, blocks, rows, points of a row, patches)
         SI; NaN in all of a row that is left out.
+    cube : array (blocks, rows, points of a row, k)
+        The points, of the unit cube.
     left_out : list of str
         Why, for each such row.
     """
@@ -46,6 +48,7 @@ class Design:
     seed: int
     threads: int | None
     outcomes: Array = field(init=False)
+    cube: Array = field(init=False)
     left_out: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -61,13 +64,13 @@ class Design:
         before = self.outcomes.shape[2]
         rows = max(2 * before, LEAST // BLOCKS)
         correlation = None if self.found.are_independent else self.found.correlation
-        cube = indices.points(len(self.found.priors), rows, BLOCKS, self.seed, correlation)[:, before:]
+        self.cube = indices.points(len(self.found.priors), rows, BLOCKS, self.seed, correlation)
         seeds = np.random.SeedSequence([self.seed, 1]).generate_state(BLOCKS)
         most = _MOST_LEFT_OUT * BLOCKS * rows
         new = []
         with Bar("", max(forecast, BLOCKS * rows), "samples", done=self.samples, progress=progress) as bar:
             for block in range(BLOCKS):
-                new.append(self._block(cube[block], int(seeds[block]), most))
+                new.append(self._block(self.cube[block, before:], int(seeds[block]), most))
                 bar.to(self.samples + (block + 1) * (rows - before))
         self.outcomes = np.concatenate([self.outcomes, np.stack(new, axis=1)], axis=2)
 

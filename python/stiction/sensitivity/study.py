@@ -29,7 +29,7 @@ def sensitivity(
     scene: Scene,
     output: str | Path | None = None,
     *,
-    interval: float = 0.25,
+    interval: float = 0.1,
     samples: int | None = None,
     replicas: int | None = None,
     seed: int | None = None,
@@ -111,9 +111,10 @@ def sensitivity(
 def _result(design: Design, level: float, interval: float) -> xarray.Dataset:
     """The indices of all outcomes."""
     estimated = {}
+    at = design.cube if design.found.are_independent else None
     for name, values in zip(QUANTITIES, design.outcomes, strict=True):
         try:
-            estimated[name] = indices.estimated(values, keys=len(design.found.priors), level=level)
+            estimated[name] = indices.estimated(values, keys=len(design.found.priors), at=at, level=level)
         except ValueError as error:
             raise StictionError(f"{QUANTITIES[name][0]}: {error}") from None
     result = _dataset(design.found, estimated, level)

@@ -20,7 +20,7 @@ from scipy.stats import qmc
 
 from ..inference.density import Density, fit, log_sum_exp
 from ..inference.emulator import Patches, outcomes_of, simulate
-from ..priors import Priors
+from ..priors import Prior, Priors
 from ..progress import Bar, work
 
 __all__ = ["Curve", "Error", "Experiments", "Local", "Measured", "Shown", "simulated_experiments"]
@@ -28,13 +28,11 @@ __all__ = ["Curve", "Error", "Experiments", "Local", "Measured", "Shown", "simul
 Array = NDArray[np.float64]
 
 # Patches about the medians, and at them.
-_ABOUT, _AT = 8000, 3000
-# Half of the width of what is simulated, over the standard deviation of the prior, and of logarithms at most.
-_SPREAD, _WIDEST = 1.5, 0.5
-# Fits, and the parts of each.
-_FITS, _PARTS = 4, 4
-# Parts and degree of the density of synthetic experiments, which is of all patches; draws of their posteriors.
-_PARTS_OF_ALL, _DEGREE_OF_ALL, _DRAWS = 6, 2, 2048
+_ABOUT, _AT = 16_000, 4000
+# Half of the width of what is simulated, over the standard deviation of the prior, and of logarithms at least and at most.
+_SPREAD, _NARROWEST, _WIDEST = 1.5, 0.2, 0.5
+# Fits, and the parts of each, as `stiction infer` has them; draws of the posterior of a synthetic experiment.
+_FITS, _PARTS, _DRAWS = 4, 6, 2048
 # Step of a score, over the half width of what is simulated.
 _STEP = 0.05
 # Quantiles of Student's law for errors from that number of fits: of 95 % intervals, and of what is surely above 0.
@@ -78,8 +76,7 @@ class Local:
         self.middle: Array = priors.natural(self.medians)[0]
         drawn = priors.natural(priors.draw(qmc.Sobol(count, seed=1).random(2**13)))
         self.covariance: Array = np.cov(drawn.T).reshape(count, count)
-        widest = [_WIDEST if of.logarithmic else _WIDEST * abs(of.median) or np.inf for of in priors.priors]
-        self.half: Array = np.minimum(_SPREAD * np.sqrt(np.diag(self.covariance)), widest)
+        self.half: Array = np.array([_half(of, deviation) for of, deviation in zip(priors.priors, np.sqrt(np.diag(self.covariance)), strict=True)])
         # As many points as a polynomial of second degree has numbers, or more.
         pairs = max(2 ** math.ceil(math.log2((count + 1) * (count + 2) / 4)), 4)
         half = 2.0 * qmc.Sobol(count, seed=2).random(pairs) - 1.0
@@ -93,18 +90,25 @@ class Local:
     def logs(self, values: Array, settings: Mapping[str, Any], patches: int, seed: int, threads: int | None) -> Array:
         """Logarithms of the forces of patches at parameters, as they are measured: (points, patches, 1)."""
         floor = self.error.value if self.error and not self.error.relative else 0.0
-        # What is beyond the ends of a prior that ends is at them.
-        ends = [of.distribution.ppf([1e-3, 1.0 - 1e-3]) for of in self.priors.priors]
-        inside = np.clip(values, *np.transpose(ends))
         made: Patches = simulate(
-            self.priors, (self._outcome(settings),), inside, replicas=patches, seed=seed, threads=threads, floors=floor, conditions=settings,
+            self.priors, (self._outcome(settings),), values, replicas=patches, seed=seed, threads=threads, floors=floor, conditions=settings,
         )  # fmt: skip
-        return made.logs if self.error is None else self.error.on(made.logs, np.random.default_rng(seed))
+        return made.logs if self.error is None else self.error.on(made.logs, np.random.default_rng([seed, 1]))
 
     def _outcome(self, settings: Mapping[str, Any]) -> str:
         after = "pull_off_after_preload"
         has_preload = "preload" in self.priors.tables.get("instability", {})
         return after if has_preload and after in outcomes_of(self.priors, settings) else "pull_off_force"
+
+
+def _half(prior: Prior, deviation: float) -> float:
+    """Half of the width of what is simulated, of a natural parameter with that standard deviation: within the ends of its prior."""
+    scale = 1.0 if prior.logarithmic else abs(prior.median) or np.inf
+    ends = np.array(prior.distribution.support())
+    with np.errstate(divide="ignore"):
+        reach = float(np.abs(np.log(ends / prior.median) if prior.logarithmic else ends - prior.median).min())
+    wide = max(_SPREAD * deviation, _NARROWEST * scale if np.isfinite(scale) else 0.0)
+    return min(wide, _WIDEST * scale, 0.9 * reach)
 
 
 @dataclass(frozen=True)
@@ -157,14 +161,14 @@ class Measured:
 
     def _shown(self, at: Array) -> Shown:
         """Information from the scores of patches at the medians."""
-        fits = [_fitted(self._local.points, of, _PARTS, 1, self._random) for of in np.array_split(self._about, _FITS, axis=1)]
+        fits = [_fitted(self._local.points, of, 1, self._random) for of in np.array_split(self._about, _FITS, axis=1)]
         scores = np.stack([_scores(of, at, len(self._local.half)) / self._local.half[:, None] for of in fits])
         parts = np.array_split(scores, _FITS, axis=2)
         return Shown(np.stack([np.einsum("aip,bjp->abij", part, part) / part.shape[2] for part in parts], axis=2))
 
     def density(self) -> Density:
         """The density of all patches about the medians."""
-        return _fitted(self._local.points, self._about, _PARTS_OF_ALL, _DEGREE_OF_ALL, self._random)
+        return _fitted(self._local.points, self._about, 2, self._random)
 
 
 class Curve:
@@ -275,8 +279,8 @@ def simulated_experiments(local: Local, place: int, logs: Array, density: Densit
     return Experiments(np.array(halves), held)
 
 
-def _fitted(x: Array, logs: Array, parts: int, degree: int, random: np.random.Generator) -> Density:
-    return fit(x, logs, np.ones(len(x)), parts=parts, degree=degree, members=1, random=random)
+def _fitted(x: Array, logs: Array, degree: int, random: np.random.Generator) -> Density:
+    return fit(x, logs, np.ones(len(x)), parts=_PARTS, degree=degree, members=1, random=random)
 
 
 def _log_likelihood(density: Density, x: Array, logs: Array) -> Array:

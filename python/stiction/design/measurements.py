@@ -16,7 +16,7 @@ from ..progress import Bar, work
 from ..scenes import Scene
 
 if TYPE_CHECKING:
-    from .information import Error, Experiments, Local, Measured, Shown
+    from .information import Experiments, Local, Measured, Shown
 
 __all__ = ["Choice", "Limit", "Needed", "measurements"]
 
@@ -104,8 +104,8 @@ class Needed:
 
     @property
     def best(self) -> Choice:
-        """The choice with the fewest forces."""
-        return min(self.choices, key=lambda of: (math.inf if math.isnan(of.forces) else of.forces, of.least))
+        """The choice with the fewest forces, or the narrowest interval."""
+        return min((of for of in self.choices if not of.problem), key=lambda of: (of.forces, of.least))
 
     def __str__(self) -> str:
         own, percent = self.choices[0], f"{_percent(self.accuracy)} %"
@@ -116,14 +116,13 @@ class Needed:
             known = "never" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
             lines.append(f"  limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}")
         width = max(len(of.words) for of in self.choices) + 2
-        lines += [f"  {of.words:{width}}{_row(of)}{'   fewest' if of is self.best and len(self.choices) > 1 else ''}" for of in self.choices]
+        lines += [f"  {of.words:{width}}{_row(of)}{'   best' if of is self.best and len(self.choices) > 1 else ''}" for of in self.choices]
         return "\n".join([*lines, f"  {self._check()}"])
 
     def _check(self) -> str:
         own = self.choices[0].forces
         if not self.checked:
-            why = "no forces are needed" if own == 0.0 else f"{_EXPERIMENTS} experiments are more than {_SIMULATED} patches"
-            return f"not checked by simulation: {why}"
+            return f"not checked by simulation: {'no number of forces' if own in (0.0, math.inf) else f'{_EXPERIMENTS} experiments are too many patches'}"
         low, mean, high = (_percent(of) for of in (min(self.checked), float(np.mean(self.checked)), max(self.checked)))
         return (
             f"checked: {len(self.checked)} experiments of {quantities.counted(int(own), 'force')} gave {mean} % "
@@ -239,7 +238,7 @@ class _Study:
                 found.append((curve.forces(self._deviation)[0], curve.least, place, prior))
         if not found or forces == 0.0:
             return None
-        number, least, place, prior = min(found, key=lambda of: of[:2])
+        number, _, place, prior = min(found, key=lambda of: of[:2])
         if forces < math.inf and number > _MATTERS * forces:
             return None
         return Limit(prior.key, _half_width(float(self._local.covariance[place, place] ** 0.5), prior), number)
@@ -339,14 +338,15 @@ def _answer(of: Choice) -> str:
     if of.forces == 0.0:
         return "its prior is as narrow, no forces are needed"
     if of.forces == math.inf:
-        least = of.interval[0]
-        return "never" if least == math.inf else f"never, or with {_counted(least)} forces at least"
+        return "never" if of.interval[0] == math.inf else f"never, or with {_counted(of.interval[0])} forces at least"
     return f"{_counted(of.forces)} forces (95 % interval {_counted(of.interval[0])} to {_counted(of.interval[1])})"
 
 
 def _row(of: Choice) -> str:
     if of.problem:
         return f"not possible: {of.problem}"
+    if of.forces == 0.0:
+        return "     0"
     if of.forces == math.inf:
-        return f"never, {_percent(of.least)} % at best"
+        return f" never   ({_counted(of.interval[0])} to never), {_percent(of.least)} % at best"
     return f"{_counted(of.forces):>6}   ({_counted(of.interval[0])} to {_counted(of.interval[1])})"

@@ -7,7 +7,7 @@ forces with which a parameter is known as well as wanted. Needs
 """
 
 from .estimate import Probability
-from .measurements import Choice, Limit, Needed, measurements
+from .needed import Choice, Limit, Needed, measurements
 from .rare import Patches
 from .search import Best, Design, best, design, probability
 

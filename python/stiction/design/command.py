@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..scenes import named_files
 from ..terminal import ended, given_words, real, whole
 from .estimate import Probability
-from .measurements import Needed, measurements
+from .needed import Needed, measurements
 from .search import Best, Design, best, design, event, probability
 
 __all__ = ["main"]

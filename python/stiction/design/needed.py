@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from .. import experiments, priors, quantities
 from ..errors import SceneError, StictionError, written_at_end
@@ -170,7 +171,8 @@ def measurements(
     prior = found.priors[found.keys.index(parameter)]
     wanted, error = _accuracy(accuracy, prior), _force_error(force_error)
     first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
-    with written_at_end(), work(progress=progress):
+    # Matrices are so small that threads would only wait for each other.
+    with written_at_end(), work(progress=progress), threadpool_limits(1):
         with Bar("loading"):
             # ArviZ and emcee take a second, and no other design needs them.
             from . import information

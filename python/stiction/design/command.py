@@ -1,4 +1,4 @@
-"""`stiction design SCENE.toml`: the probability of failure, and the number that makes it as rare as wanted."""
+"""`stiction design SCENE.toml`: the probability of failure, the number that makes it as rare as wanted, the number of forces to measure."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..errors import SceneError
 from ..scenes import named_files
 from ..terminal import ended, given_words, real, whole
 from .estimate import Probability
+from .needed import Needed, measurements
 from .search import Best, Design, best, design, event, probability
 
 __all__ = ["main"]
@@ -26,14 +27,17 @@ def _parser() -> argparse.ArgumentParser:
         description="Find how probable it is that a patch pulls harder than a threshold, by tilted heights, or less, by importance splitting: "
         "probabilities of 1e-6 in seconds to minutes. With --maximise or --minimise: the largest or smallest value of a number of the scene with which "
         "that probability is at most the wanted one; or, of pull_off_force, the value with which the force that patches exceed with it is "
-        "least, or that they stay below largest.",
+        "least, or that they stay below largest. With --parameter and --accuracy: the number of pull-off forces to measure for "
+        "that interval of a number of the scene, or never, what limits it, and the size of patches or the preload with the fewest forces.",
         epilog="Examples: stiction design configs/case_i.toml --above '3 uN'; stiction design configs/case_i.toml --below "
         "'0.24 uN'; stiction design configs/inference/design.toml --maximise "
-        "surface.lubricant_thickness --above '0.15 mN' --probability 1e-3. "
+        "surface.lubricant_thickness --above '0.15 mN' --probability 1e-3; stiction design configs/inference/extremes.toml --parameter "
+        "material.work_of_adhesion --accuracy '10 %%' --force-error '5 nN'. "
         "Exit codes: 0 done; 1 failed while running; 2 the command or the scene is wrong.",
     )
     parser.add_argument("scene", type=Path, metavar="SCENE",
-                        help="a scene; with --maximise or --minimise the number has a prior uniform or log_uniform, its range")  # fmt: skip
+                        help="a scene; with --maximise or --minimise the number has a prior uniform or log_uniform, its range; "
+                        "with --parameter up to six numbers have priors")  # fmt: skip
     side = parser.add_mutually_exclusive_group()
     side.add_argument("--above", metavar="FORCE", help="patches that pull harder count, such as '5 uN'")
     side.add_argument("--below", metavar="FORCE", help="patches that pull less count")
@@ -41,10 +45,15 @@ def _parser() -> argparse.ArgumentParser:
     which.add_argument("--maximise", metavar="KEY", help="the number to make as large as possible, or pull_off_force")
     which.add_argument("--minimise", metavar="KEY", help="the number to make as small as possible, or pull_off_force")
     parser.add_argument("--probability", type=real, metavar="P", help="largest probability of the patches")
+    parser.add_argument("--parameter", metavar="KEY", help="the number with a prior that forces are measured for")
+    parser.add_argument("--accuracy", metavar="WIDTH",
+                        help="half of its 95 %% interval, over the value or with a unit, such as '5 %%' or '2 mJ/m^2'")  # fmt: skip
+    parser.add_argument("--force-error", metavar="ERROR",
+                        help="with --parameter: standard deviation of the measurement of one force, such as '5 nN' or '2 %%'; by default none")  # fmt: skip
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the result as a file, for `stiction info`, `report` and, of a search, `plot`; by default none")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
-    parser.add_argument("--error", type=real, default=0.1, metavar="E",
+    parser.add_argument("--error", type=real, metavar="E",
                         help="relative standard error of each probability; by default 0.1")  # fmt: skip
     parser.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the scene's")
     parser.add_argument("--threads", type=whole, metavar="N", help="threads; by default one per core")
@@ -56,11 +65,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     given = parser.parse_args(given_words(arguments))
     key = given.maximise or given.minimise
+    if given.parameter or given.accuracy or given.force_error:
+        _check_measurements(parser, given)
+        return ended("stiction design", lambda: _design(given, key), is_long=True)
+    given.error = 0.1 if given.error is None else given.error
     if (key is None) != (given.probability is None):
         parser.error("--probability: it is needed with --maximise or --minimise, and with them alone")
     if (given.above is None and given.below is None) != (key == _FORCE):
         parser.error(f"--above or --below: one of them is needed, but with --maximise or --minimise {_FORCE} none")
     return ended("stiction design", lambda: _design(given, key), is_long=True)
+
+
+def _check_measurements(parser: argparse.ArgumentParser, given: argparse.Namespace) -> None:
+    """Ends the command where options of the other questions are with those of the number of forces."""
+    if given.parameter is None or given.accuracy is None:
+        parser.error("--parameter and --accuracy: each needs the other, and --force-error both")
+    for name in ("above", "below", "maximise", "minimise", "probability", "error"):
+        if getattr(given, name) is not None:
+            parser.error(f"--{name}: not with --parameter, which asks for the number of forces")
 
 
 def _design(given: argparse.Namespace, key: str | None) -> None:
@@ -81,6 +103,11 @@ def _design(given: argparse.Namespace, key: str | None) -> None:
 
 def _found(given: argparse.Namespace, key: str | None) -> tuple[str, xarray.Dataset]:
     """What was found, in words and as a dataset."""
+    if given.parameter is not None:
+        needed = measurements(
+            given.scene, given.parameter, given.accuracy, force_error=given.force_error, seed=given.seed, threads=given.threads
+        )
+        return str(needed), _needed(needed)
     if key == _FORCE:
         most = given.maximise is not None
         force = best(given.scene, given.probability, largest=most, error=given.error, seed=given.seed, threads=given.threads)
@@ -103,6 +130,20 @@ def _found(given: argparse.Namespace, key: str | None) -> tuple[str, xarray.Data
         "probability_standard_error": ("value", [of.standard_error for _, of in searched.tried], {"units": "1", "long_name": "its standard error"}),
     }
     return _designed(searched, given, str(happens)), _searched(searched, values, given, str(happens))
+
+
+def _needed(found: Needed) -> xarray.Dataset:
+    """The number of forces of each choice."""
+    columns = {
+        "forces": ("choice", [of.forces for of in found.choices], {"units": "1", "long_name": "forces to measure, infinite for never"}),
+        "forces_interval": (("choice", "range_end"), [of.interval for of in found.choices], {"units": "1", "long_name": "95 % interval of the number"}),
+        "least": ("choice", [of.least for of in found.choices], {"units": "1", "long_name": "half of the interval after 100 000 forces"}),
+        "checked": ("experiment", np.array(found.checked), {"units": "1", "long_name": "half of the interval of a synthetic experiment"}),
+    }
+    attrs = {"key": found.key, "units": found.unit, "at": found.value, "accuracy": found.accuracy, "held": found.held}
+    if found.limit is not None:
+        attrs |= {"limit": found.limit.key, "limit_known": found.limit.known, "limit_forces": found.limit.forces}
+    return xarray.Dataset(columns, coords={"choice": [of.words for of in found.choices]}, attrs=attrs)
 
 
 def _searched(found: Design | Best, values: dict[str, Any], given: argparse.Namespace, event: str) -> xarray.Dataset:

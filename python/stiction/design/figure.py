@@ -25,10 +25,10 @@ def draw(result: xarray.Dataset, width: str | float = "90mm") -> Figure:
     Raises
     ------
     FileError
-        It is of one probability, which has no figure.
+        It is of one probability or one number of forces, which have no figure.
     """
     if "value" not in result.dims:
-        raise FileError("this is one probability, not a search: it has no figure; `stiction info` says it")
+        raise FileError("this is one answer, not a search: it has no figure; `stiction info` says it")
     key, unit = str(result.attrs["key"]), str(result["value"].attrs["units"])
     factor, written = scaled(unit, result["value"].values)
     wide = inches(width)

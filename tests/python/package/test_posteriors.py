@@ -1,0 +1,45 @@
+"""Inference against exact posteriors: `tests/data/posteriors.json` has forces, and posteriors by another program."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+from conftest import ROOT
+
+pytest.importorskip("arviz")
+
+import stiction
+from stiction.inference import infer
+
+AUDITS = json.loads((ROOT / "tests" / "data" / "posteriors.json").read_text(encoding="utf-8"))
+# Shift of the median over the exact standard deviation, and relative error of the width of the 95 % interval.
+SHIFT, WIDTH = 0.25, 0.15
+
+
+@pytest.mark.parametrize("name", AUDITS)
+def test_forces_of_equal_heights_are_equal(name, tmp_path):
+    """The other program's forces are this one's, so that posteriors differ by the inference alone."""
+    audit = AUDITS[name]
+    heights = np.array(audit["patches"]["heights"]) * float(audit["truth"]["surface.asperity_height_std"].split()[0])
+    with h5py.File(tmp_path / "patches.h5", "w") as file:
+        file["height"] = heights
+    drawn = {"replicas": len(heights), "heights": {"path": str(tmp_path / "patches.h5"), "dataset": "/height", "unit": "m"}}
+    result = stiction.run({**audit["scene"], "ensemble": drawn}, progress=False, **audit["truth"])
+    assert result.replicas.pull_off_force.values == pytest.approx(audit["patches"]["forces"], rel=1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", AUDITS)
+def test_the_posterior_is_the_exact_one(name, tmp_path):
+    """Median and 95 % interval of each parameter. The seed is fixed: with it the test passes or fails, whenever it runs."""
+    audit, path = AUDITS[name], tmp_path / "forces.csv"
+    columns = ["pull_off_force (N)"] + ["pull_off_force_error (N)"] * (audit["error"] > 0.0)
+    rows = [",".join(map(str, [force, audit["error"]][: len(columns)])) for force in audit["forces"]]
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    found = infer(path, audit["scene"], seed=1).summary()
+    exact = audit["posterior"]
+    shifts = {key: (found["median"][key.replace(".", "_")] - of["median"]) / of["std"] for key, of in exact.items()}
+    widths = {key: (found["high"] - found["low"])[key.replace(".", "_")] / (of["high"] - of["low"]) - 1.0 for key, of in exact.items()}
+    assert np.abs(list(shifts.values())).max() < SHIFT, shifts
+    assert np.abs(list(widths.values())).max() < WIDTH, widths

@@ -150,7 +150,7 @@ class Measured:
     """
 
     def __init__(self, local: Local, settings: Mapping[str, Any], *, seed: int, threads: int | None) -> None:
-        self._local, self._random = local, np.random.default_rng(seed)
+        self._local = local
         values = local.priors.values(local.middle + local.half * local.points)
         with work("patches about the medians"):
             self._about = local.logs(values, settings, _ABOUT // len(values), seed, threads)
@@ -161,14 +161,14 @@ class Measured:
 
     def _shown(self, at: Array) -> Shown:
         """Information from the scores of patches at the medians."""
-        fits = [_fitted(self._local.points, of, 1, self._random) for of in np.array_split(self._about, _FITS, axis=1)]
+        fits = [_fitted(self._local.points, of, 1) for of in np.array_split(self._about, _FITS, axis=1)]
         scores = np.stack([_scores(of, at, len(self._local.half)) / self._local.half[:, None] for of in fits])
         parts = np.array_split(scores, _FITS, axis=2)
         return Shown(np.stack([np.einsum("aip,bjp->abij", part, part) / part.shape[2] for part in parts], axis=2))
 
     def density(self) -> Density:
         """The density of all patches about the medians."""
-        return _fitted(self._local.points, self._about, 2, self._random)
+        return _fitted(self._local.points, self._about, 2)
 
 
 class Curve:
@@ -279,8 +279,8 @@ def simulated_experiments(local: Local, place: int, logs: Array, density: Densit
     return Experiments(np.array(halves), held)
 
 
-def _fitted(x: Array, logs: Array, degree: int, random: np.random.Generator) -> Density:
-    return fit(x, logs, np.ones(len(x)), parts=_PARTS, degree=degree, members=1, random=random)
+def _fitted(x: Array, logs: Array, degree: int) -> Density:
+    return fit(x, logs, np.ones(len(x)), parts=_PARTS, degree=degree)
 
 
 def _log_likelihood(density: Density, x: Array, logs: Array) -> Array:

@@ -37,11 +37,11 @@ _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
 #: Parts and degree of a density, from the simplest to the most flexible.
-SHAPES = ((6, 2), (6, 3), (10, 3), (16, 3))
+SHAPES = ((4, 2), (6, 2), (10, 2), (10, 3), (16, 3))
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
 # How much further than the root of the number of parameters a fit holds, in standard deviations of what it is about.
-_EDGE = 2.5
+_EDGE = 1.5
 # ln of the likelihood beyond.
 _BEYOND = -1e9
 # Numbers of a table over points, patches and parts at most.
@@ -332,9 +332,17 @@ class Emulator:
             covariance = np.cov(around.T).reshape(around.shape[1], -1)
             self._middle, self._axes = around.mean(axis=0), np.linalg.cholesky(covariance)
         self._edge = len(self._middle) ** 0.5 + _EDGE
-        self.densities = [self._fitted(of, *shape) for of in patches]
+        self._shape = shape
+        self.densities = [self._fitted(of) for of in patches]
 
-    def _fitted(self, patches: Patches, parts: int, degree: int) -> Density:
+    def refitted(self, patches: list[Patches]) -> Emulator:
+        """The same densities, fitted to other patches."""
+        other = copy.copy(self)
+        other.densities = [other._fitted(of) for of in patches]
+        return other
+
+    def _fitted(self, patches: Patches) -> Density:
+        parts, degree = self._shape
         x = self._placed(patches.values)
         if not self._is_local:
             return fit(x, patches.logs, np.ones(len(x)), parts=parts, degree=degree)

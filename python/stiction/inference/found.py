@@ -103,7 +103,7 @@ class Inference:
         """What the fitted density leaves."""
         share, noise, wanted = (100.0 * float(self.attrs[f"emulator_{name}"]) for name in ("share", "noise", "wanted"))
         text = (
-            f"{self.attrs['simulated_patches']} simulated patches; by fresh ones its error shifts the posterior by {share:.2g} ± {noise:.1g} % "
+            f"{self.attrs['simulated_patches']} simulated patches; by fresh ones its error moves or widens the posterior by {share:.0f} ± {noise:.0f} % "
             f"of its standard deviation, and their distribution is off by {100.0 * self.attrs['emulator_distance']:.2g} % at most"
         )
         return text if share <= wanted else f"{text}: more than the {wanted:.2g} % wanted, the interval is that much off"

@@ -11,7 +11,7 @@ from .data import Group
 from .emulator import Emulator, Patches, as_measured
 from .likelihood import Likelihood
 
-__all__ = ["Misfit", "misfit", "scores"]
+__all__ = ["Misfit", "misfit", "scatter", "scores"]
 
 Array = NDArray[np.float64]
 # Steps of differences, in standard deviations of the posterior.
@@ -90,6 +90,33 @@ def _regression(table: Array, each: Array) -> tuple[Array, Array]:
     found = inverse @ each.mean(axis=1)
     errors = np.sqrt(inverse**2 @ each.var(axis=1, ddof=1) / patches)
     return found.T, errors.T
+
+
+def scatter(likelihood: Likelihood, patches: list[Patches], z: Array) -> float:
+    """The scatter of the posterior's means or widths by the finite number of patches in the fit, over its standard deviation, the largest of all parameters.
+
+    It is half of the difference between fits to every second row of the patches.
+
+    Parameters
+    ----------
+    likelihood : Likelihood
+        Of the data, with densities fitted to all patches.
+    patches : list of Patches
+        These.
+    z : array (draws, parameters)
+        Draws of its posterior.
+    """
+    whole = likelihood(z)
+    natural = likelihood.priors.natural(likelihood.values(z))
+    moments = []
+    for first in (0, 1):
+        half = [Patches(of.values[first::2], of.logs[first::2]) for of in patches]
+        logs = likelihood.refitted(half)(z) - whole
+        weights = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        mean = weights @ natural
+        moments.append(np.stack([mean, np.sqrt(weights @ (natural - mean) ** 2)]))
+    return float((0.5 * np.abs(moments[0] - moments[1]) / natural.std(axis=0)).max())
 
 
 def scores(likelihood: Likelihood, place: int, group: Group, values: Array, steps: Array) -> Array:

@@ -50,7 +50,8 @@ def on_grid(
     StictionError
         The likelihood is nowhere a number, or the posterior is too thin.
     """
-    middle, axes = np.zeros(dimensions), np.eye(dimensions)
+    middle: Array = np.zeros(dimensions)
+    axes: Array = np.eye(dimensions, dtype=np.float64)
     for _ in range(_LOOKS):
         places, z, logs = _table(log_likelihood, (middle, axes), _COARSE[dimensions])
         power, probability = _resolved(logs, z)
@@ -60,7 +61,7 @@ def on_grid(
         spread = np.linalg.svd(np.linalg.solve(axes, found), compute_uv=False)
         if power == 1.0 and spread.max() < _ALIKE and spread.min() > 1.0 / _ALIKE:
             break
-        middle, axes = centre, found
+        middle, axes = centre, np.asarray(found, dtype=np.float64)
     else:
         raise StictionError("the posterior is too thin for a grid: narrower priors help")
     if not is_rough:

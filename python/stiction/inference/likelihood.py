@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from functools import cached_property
 
@@ -12,7 +13,7 @@ from scipy import stats
 from ..priors import Priors
 from .data import ABOVE, BELOW, EXACT, Group, Measurements
 from .density import log_sum_exp
-from .emulator import Emulator, log_density
+from .emulator import Emulator, Patches, log_density
 
 __all__ = ["Likelihood", "outlier_range"]
 
@@ -62,6 +63,12 @@ class Likelihood:
         self.fractions = middles if outliers > 0.0 else np.zeros(1)
         shares = np.diff(stats.beta(1.0, 1.0 / outliers - 1.0).cdf(_FRACTIONS)) if outliers > 0.0 else np.ones(1)
         self._log_shares = np.log(shares / shares.sum())
+
+    def refitted(self, patches: list[Patches]) -> Likelihood:
+        """The likelihood by densities that are fitted to other patches."""
+        other = copy.copy(self)
+        other.emulator = self.emulator.refitted(patches)
+        return other
 
     @property
     def dimensions(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import warnings
 from collections.abc import Iterator
@@ -39,7 +40,7 @@ from .emulator import (
     try_out,
 )
 from .found import FORMAT, Inference
-from .fresh import Misfit, misfit, scores
+from .fresh import Misfit, misfit, scatter, scores
 from .grid import on_grid
 from .kept import GROUP, Kept, partial
 from .likelihood import Likelihood, outlier_range
@@ -48,19 +49,19 @@ from .sampling import Chains, independent, sample, weighted
 __all__ = ["Goals", "Posterior", "checked", "infer", "over_priors", "posterior"]
 
 Array = NDArray[np.float64]
-# Points of each batch for each parameter that is swept; of the first a power of 2.
-_POINTS = 16
+# Points of each batch for each parameter that is swept, of the first a power of 2; at most, and patches of a point before there are more points.
+_POINTS, _MOST_POINTS, _OF_A_POINT = 16, 128, 100
 _MOST_BATCHES = 8
 # Patches of a point of the first batch, and fresh patches at the posterior over the measured ones: of the second batch, and of each that follows.
 _FIRST, _ROUGH, _FRESH = 100, 25, 100
 # Power of the likelihood on whose draws densities are fitted: three standard deviations of what data alone show, and all that a prior leaves open.
 _FLANKS = 1.0 / 9.0
-# Parameters whose densities are of the second shape at once.
-_FEW = 2
 # Draws of a rough posterior, and of one on a grid.
 _ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
 # Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
 _SCORED, _STEP = 4000, 0.5
+# Draws by which fits to halves of the patches are compared.
+_SCATTER = 1000
 # Draws of the prior, and draws of the posterior that checks look at.
 _PRIOR, _CHECKED = 20_000, 1000
 _VERSION = (1, 0)
@@ -240,8 +241,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     _check_scatter(measured, patches)
     priors, floors = kept.priors, np.log(measured.floors)
     around: Array | None = None
-    # Of few parameters a cubic costs little.
-    level, batch = int(len(priors.priors) <= _FEW), 0
+    level, batch = 0, 0
     while True:
         batch += 1
         random = np.random.default_rng([goals.seed, batch])
@@ -256,11 +256,14 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
             fresh, more = _batch(kept, (near, flanks), random, _ROUGH if batch == 1 else _FRESH)
             with Bar("error of the density"):
                 found = misfit(likelihood, [_floored(of, floors) for of in fresh], covariance, random)
+                noise = scatter(likelihood, [_floored(of, floors) for of in patches], z[:_SCATTER]) if batch > 1 else 1.0
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
+            # More flexible where more patches alone would not do.
+            is_stiff = found.share > max(goals.emulator_error, 2.0 * found.noise)
+            found = dataclasses.replace(found, share=max(found.share, noise))
             if (batch > 1 and found.share <= goals.emulator_error) or batch == _MOST_BATCHES:
                 break
-            # More flexible where more patches alone would not do.
-            level += batch > 1 and found.share > 2.0 * found.noise and level + 1 < len(SHAPES)
+            level += batch > 2 and is_stiff and level + 1 < len(SHAPES)
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):
         likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
@@ -298,9 +301,9 @@ def _batch(
     kept: Kept, where: tuple[Array, Array], random: np.random.Generator, over_measured: int
 ) -> tuple[list[Patches], list[Patches]]:
     """Fresh patches at draws of the posterior, and half of their number on its flanks: parameters of both, (draws, parameters), SI."""
-    points = _POINTS * len({*kept.priors.keys} - {FORCE_SCALE})
-    largest = max(len(group.values) for group in kept.measured.groups)
-    rows = math.ceil(over_measured * largest / points / ROW)
+    wanted = over_measured * max(len(group.values) for group in kept.measured.groups)
+    points = max(_POINTS * len({*kept.priors.keys} - {FORCE_SCALE}), min(wanted // _OF_A_POINT, _MOST_POINTS))
+    rows = math.ceil(wanted / points / ROW)
     near, flanks = (of[random.choice(len(of), count, replace=False)] for of, count in zip(where, (points, points // 2), strict=True))
     made = kept.simulated(np.concatenate([near, flanks]), rows * ROW)
     own = points * rows

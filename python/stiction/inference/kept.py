@@ -27,8 +27,8 @@ __all__ = ["GROUP", "Kept", "partial"]
 Array = NDArray[np.float64]
 #: The group of files that has the patches.
 GROUP = "simulated"
-# Patches of a sweep: a few seconds of most scenes; and parameter sets of one at most.
-_OF_A_SWEEP, _POINTS = 6000, 64
+# Patches of a sweep, a second of most scenes, which an interruption loses; and parameter sets of one at most.
+_OF_A_SWEEP, _POINTS = 1600, 16
 # Numbers below are none that a patch has.
 _TINY = float(np.finfo(float).tiny)
 

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 _COARSE, _FINE, _END = {1: 161, 2: 41, 3: 21}, {1: 401, 2: 71, 3: 41}, 6.0
 # Cells along an axis that a density fills at least where it is resolved, as a Gaussian of one step.
 _CELLS = 3.5
+# ln of a likelihood that is none.
+_NOWHERE = -1e7
 # Most looks at a smaller range, and by how much a look may narrow or widen axes that are good.
 _LOOKS, _ALIKE = 30, 1.5
 
@@ -89,7 +91,8 @@ def _table(log_likelihood: Callable[[Array], Array], frame: tuple[Array, Array],
 
 def _resolved(logs: Array, z: Array) -> tuple[float, Array]:
     """The largest power of the likelihood that the points resolve, and its posterior probabilities, (points,)."""
-    before = -0.5 * (z**2).sum(axis=1)
+    before = np.where(logs > _NOWHERE, -0.5 * (z**2).sum(axis=1), -np.inf)
+    logs = np.maximum(logs, _NOWHERE)
     power, probability = 1.0, np.empty(0)
     for power in 0.7 ** np.arange(60):
         whole = power * logs + before

@@ -33,7 +33,7 @@ def _parser() -> argparse.ArgumentParser:
                         help="another scene with priors to compare with, such as of another law, of other heights, or of coupled asperities; "
                         "may be given several times. Its result is the name of that scene with _infer.h5, next to OUT.h5")  # fmt: skip
     parser.add_argument("--seed", type=whole, default=1, metavar="N", help="seed of simulations and chains, by default 1")
-    parser.add_argument("--threads", type=whole, metavar="N", help="threads of the simulations, by default one per core")
+    parser.add_argument("--threads", type=whole, metavar="N", help="threads of the simulations, or experiments of --calibrate at once, by default one per core")
     parser.add_argument("--end-error", type=real, default=0.02, metavar="X",
                         help="error of the ends of 95 %% intervals over their width that the chains leave, by default 0.02")  # fmt: skip
     parser.add_argument("--emulator-error", type=real, default=0.2, metavar="X",

@@ -107,6 +107,7 @@ def scatter(likelihood: Likelihood, patches: list[Patches], z: Array) -> float:
         Draws of its posterior.
     """
     whole = likelihood(z)
+    z, whole = z[np.isfinite(whole)], whole[np.isfinite(whole)]
     natural = likelihood.priors.natural(likelihood.values(z))
     moments = []
     for first in (0, 1):

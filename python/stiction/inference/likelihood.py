@@ -95,9 +95,11 @@ class Likelihood:
         return self.priors.of_batch.spread(z[:, -1])
 
     def __call__(self, z: Array) -> Array:
-        """ln of the likelihood at normal scores (points, parameters): (points,)."""
+        """ln of the likelihood at normal scores (points, parameters): (points,); −∞ where the densities do not hold."""
         of = self._of_fractions(z) if self.priors.of_batch is None else self._integrated(z)[0]
         result: Array = log_sum_exp(of + self._log_shares, axis=1) + self._outlier.sum()
+        if self.priors.of_batch is None:
+            result[~self.emulator.holds(self.values(z))] = -np.inf
         return result
 
     @property

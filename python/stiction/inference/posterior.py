@@ -228,12 +228,13 @@ def over_priors(priors: Priors, kept: Kept, goals: Goals) -> list[Patches]:
 
 @dataclass(frozen=True)
 class Posterior:
-    """A posterior, the likelihood, the error of its density as the last batch has it, and p-values of the check, (outcomes,)."""
+    """A posterior, the likelihood, the error of its density as the last batch has it, p-values of the check, (outcomes,), and whether a grid has it."""
 
     chains: Chains
     likelihood: Likelihood
     error: Misfit
     checks: Array
+    is_grid: bool
 
 
 def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals: Goals) -> Posterior:
@@ -241,6 +242,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     _check_scatter(measured, patches)
     priors, floors = kept.priors, np.log(measured.floors)
     around: Array | None = None
+    wide: Array | None = None
     level, batch = 0, 0
     while True:
         batch += 1
@@ -248,7 +250,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
         with work(f"batch {batch} of at most {_MOST_BATCHES}"):
             likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
             with Bar("rough posterior"):
-                z, wide = _rough(likelihood, random), _rough(likelihood, random, _FLANKS)
+                z, wide = _rough(likelihood, wide, random), _rough(likelihood, wide, random, _FLANKS)
             flanks = likelihood.of_any_batch(wide, random)
             around = priors.natural(flanks)
             covariance = _of_each_batch(likelihood, z, random)
@@ -267,16 +269,16 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):
         likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
+        gridded = None
         if likelihood.is_gridded:
             with Bar("posterior"):
-                chains = independent(*on_grid(likelihood, likelihood.dimensions, _GRID_DRAWS, random))
-        else:
-            chains = sample(likelihood, _rough(likelihood, random), seed=goals.seed, end_error=goals.end_error)
+                gridded = on_grid(likelihood, likelihood.dimensions, _GRID_DRAWS, random, about=wide)
+        chains = independent(*gridded) if gridded else sample(likelihood, _rough(likelihood, wide, random), seed=goals.seed, end_error=goals.end_error)
         with Bar("checks"):
             flat = chains.z.reshape(-1, likelihood.dimensions)
             of_batches = likelihood.of_batches(flat[random.choice(len(flat), min(_CHECKED, len(flat)), replace=False)], random)
             checks = check_p_values(likelihood, of_batches, random)
-    return Posterior(chains, likelihood, found, checks)
+    return Posterior(chains, likelihood, found, checks, is_grid=gridded is not None)
 
 
 def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], around: Array | None, level: int) -> Likelihood:
@@ -285,15 +287,15 @@ def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], 
     return Likelihood(emulator, measured, priors, outliers_of(priors), outlier_range(measured, [of.logs for of in patches]))
 
 
-def _rough(likelihood: Likelihood, random: np.random.Generator, power: float = 1.0) -> Array:
-    """Normal scores of draws of the posterior, of a power of the likelihood: (draws, parameters)."""
+def _rough(likelihood: Likelihood, about: Array | None, random: np.random.Generator, power: float = 1.0) -> Array:
+    """Normal scores of draws of the posterior, of a power of the likelihood, (draws, parameters); `about` as in `on_grid`."""
 
     def tempered(z: Array) -> Array:
         return power * likelihood(z)
 
-    if likelihood.is_gridded:
-        return on_grid(tempered, likelihood.dimensions, _ROUGH_DRAWS, random, is_rough=True)[0]
-    z, weights = weighted(tempered, likelihood.dimensions, random)
+    if likelihood.is_gridded and (found := on_grid(tempered, likelihood.dimensions, _ROUGH_DRAWS, random, about=about, is_rough=True)):
+        return found[0]
+    z, weights = weighted(tempered, likelihood.dimensions, random, about=about)
     return np.asarray(z[random.choice(len(z), _ROUGH_DRAWS, p=weights)])
 
 
@@ -380,7 +382,7 @@ def _result(found: Posterior, wanted: float, kept: Kept) -> Inference:
         format=FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
         patches=measured.size, gaps=measured.gaps, check_p_value=found.checks, acceptance=chains.acceptance,
         emulator_share=error.share, emulator_noise=error.noise, emulator_distance=error.distance, emulator_wanted=wanted,
-        simulated_patches=kept.count, is_grid=int(likelihood.is_gridded), outliers=outliers, outliers_expected=outliers_of(priors), doubted="\n".join(_doubted(measured, doubts)), batches=", ".join(measured.batches),
+        simulated_patches=kept.count, is_grid=int(found.is_grid), outliers=outliers, outliers_expected=outliers_of(priors), doubted="\n".join(_doubted(measured, doubts)), batches=", ".join(measured.batches),
     )  # fmt: skip
     inference = Inference(data)
     data.attrs = {"format": FORMAT, "format_version": np.array(_VERSION), "title": data.posterior.attrs["title"],

@@ -156,7 +156,7 @@ def independent(z: Array, logs: Array) -> Chains:
 
 
 def weighted(
-    log_likelihood: Callable[[Array], Array], dimensions: int, random: np.random.Generator, draws: int = _DRAWS
+    log_likelihood: Callable[[Array], Array], dimensions: int, random: np.random.Generator, *, about: Array | None = None, draws: int = _DRAWS
 ) -> tuple[Array, Array]:
     """A rough posterior by adaptive importance sampling, where chains would take long.
 
@@ -170,6 +170,8 @@ def weighted(
     dimensions : int
         Number of parameters.
     random : numpy.random.Generator
+    about : array (points, parameters), optional
+        Normal scores where it begins, in the place of draws of the prior.
     draws : int
         Draws of the last proposal.
 
@@ -179,7 +181,7 @@ def weighted(
         Normal scores and their weights, which sum to 1.
     """
     prior = stats.multivariate_normal(np.zeros(dimensions))
-    z = random.standard_normal((_BANK, dimensions))
+    z = random.standard_normal((_BANK, dimensions)) if about is None else about
     logs = log_likelihood(z)
     for round_of in range(_ROUNDS):
         # Tempered until several draws count.

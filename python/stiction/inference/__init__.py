@@ -3,7 +3,8 @@
 `infer` takes a CSV file and a scene with priors, `calibrate` measures how often its intervals contain the truth; needs ``pip install stiction[inference]``.
 """
 
-from .calibration import Calibration, calibrate, open_calibration
+from .calibrated import Calibration, open_calibration
+from .calibration import calibrate
 from .found import Inference, models, open_inference
 from .posterior import infer
 

@@ -11,79 +11,25 @@ import numpy as np
 import xarray
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
-from scipy import stats
 from threadpoolctl import threadpool_limits
 
-from .. import experiments, files, quantities, stored
+from .. import experiments, files, stored
 from ..errors import FileError, SceneError, StictionError
 from ..priors import Priors
 from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
+from .calibrated import FORMAT, RANKS, Calibration
 from .data import EXACT, MISSING, Group, Measurements
 from .emulator import Patches, as_measured, simulate
 from .kept import GROUP, Kept, partial
 from .posterior import Goals, checked, over_priors, posterior
 
-__all__ = ["FORMAT", "Calibration", "calibrate", "open_calibration"]
+__all__ = ["calibrate"]
 
 Array = NDArray[np.float64]
-#: The attribute `format` of its files.
-FORMAT = "stiction-calibration"
 _VERSION = (1, 0)
-# The group of files that has the ranks.
-_RANKS = "calibration"
-_LEVELS = (0.5, 0.9, 0.95)
 # Streams of random numbers of an experiment: its parameters, its data, its inference.
 _TRUTH, _DATA, _INFERENCE = range(3)
-
-
-@dataclasses.dataclass(frozen=True)
-class Calibration:
-    """Ranks of the true parameters of synthetic experiments in their posteriors.
-
-    Attributes
-    ----------
-    data : xarray.Dataset
-        Over `experiment` and `parameter`: `rank`, fractions of the posterior's draws below the true parameter, uniform on 0 to 1 if the posteriors are right
-        (S. Talts and others, arXiv:1804.06788); over `experiment` `check`, p-values of the posterior-predictive check, and
-        `emulator_share`. Attributes: title, scene, number of patches, experiments that failed.
-    """
-
-    data: xarray.Dataset
-
-    @property
-    def names(self) -> list[str]:
-        """Parameters."""
-        return [str(name) for name in self.data.parameter.values]
-
-    @property
-    def ranks(self) -> Array:
-        """Ranks, (experiments, parameters)."""
-        return np.asarray(self.data["rank"].values)
-
-    def coverage(self, level: float) -> Array:
-        """Fraction of the experiments in which the central interval of that probability contains the true parameter, (parameters,)."""
-        result: Array = (np.abs(self.ranks - 0.5) <= 0.5 * level).mean(axis=0)
-        return result
-
-    def p_values(self) -> Array:
-        """p-values of uniform ranks by the test of Kolmogorov and Smirnov, (parameters,)."""
-        return np.array([stats.kstest(column, "uniform").pvalue for column in self.ranks.T])
-
-    def __str__(self) -> str:
-        failed = int(self.data.attrs["failed"])
-        count = f"{len(self.ranks)} of {quantities.counted(int(self.data.attrs['patches']), 'patch')}, parameters drawn from the priors"
-        width = max(len(name.partition("_")[2]) for name in [*self.names, "_experiments"])
-        heads = "".join(f"{f'{100 * level:.0f} %':<16}" for level in _LEVELS)
-        lines = [f"  {'experiments':<{width}}  {count}{f'; {failed} failed, left out' if failed else ''}", f"  {'intervals of':<{width}}  {heads}ranks uniform"]
-        for place, (name, p) in enumerate(zip(self.names, self.p_values(), strict=True)):
-            cells = []
-            for level in _LEVELS:
-                hits = round(float(self.coverage(level)[place]) * len(self.ranks))
-                low, high = stats.binomtest(hits, len(self.ranks)).proportion_ci(0.95, "wilson")
-                cells.append(f"{100 * hits / len(self.ranks):.0f} ({100 * low:.0f} to {100 * high:.0f})")
-            lines.append(f"  {name.partition('_')[2].replace('_', ' '):<{width}}  {''.join(f'{cell:<16}' for cell in cells)}p = {p:.2g}")
-        return "\n".join(lines)
 
 
 def calibrate(
@@ -198,7 +144,7 @@ class _Done:
     def _read(self, path: Path) -> None:
         try:
             stored.check(path)
-            with xarray.open_dataset(path, engine="h5netcdf", group=_RANKS) as opened:
+            with xarray.open_dataset(path, engine="h5netcdf", group=RANKS) as opened:
                 found = opened.load()
         except FileError:
             raise
@@ -244,7 +190,7 @@ class _Done:
         about = xarray.Dataset(attrs={name: of for name, of in found.attrs.items() if name != "which_failed"})
         with files.writing_hdf5(path, force=force) as part:
             about.to_netcdf(part, engine="h5netcdf")
-            found.to_netcdf(part, engine="h5netcdf", group=_RANKS, mode="a")
+            found.to_netcdf(part, engine="h5netcdf", group=RANKS, mode="a")
             kept.dataset().to_netcdf(part, engine="h5netcdf", group=GROUP, mode="a")
 
 
@@ -307,24 +253,3 @@ def _like(group: Group, logs: Array, random: np.random.Generator) -> Group:
     if not (found.kinds == EXACT).any():
         raise StictionError("all synthetic data are limits or gaps")
     return dataclasses.replace(group, values=values, kinds=found.kinds)
-
-
-def open_calibration(path: str | os.PathLike[str]) -> Calibration:
-    """Opens the file of a calibration.
-
-    Raises
-    ------
-    FileError
-        There is no such file, or it holds no calibration.
-    """
-    path = Path(path)
-    if not path.is_file():
-        raise FileError(f"{path}: no such file")
-    try:
-        stored.check(path)
-        with xarray.open_dataset(path, engine="h5netcdf", group=_RANKS) as opened:
-            return Calibration(opened.load())
-    except FileError:
-        raise
-    except Exception:
-        raise FileError(f"{path}: not a result of `stiction infer --calibrate`") from None

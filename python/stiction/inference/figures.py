@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, DASHED, GREY, VERMILION, dressed, inches, label, lettered, new_axes, scaled
-from .calibration import Calibration
+from .calibrated import Calibration
 from .data import ABOVE, BELOW, MISSING
 from .found import Inference
 

@@ -231,7 +231,7 @@ def _give_room(figure: Figure, grid: GridSpec, rows: list[list[Axes]], title: bo
 def _of_finding(result: Finding, width: str | float | None) -> Figure:
     """The figure of an inference, sensitivity, design or map; packages of all but the last need extras."""
     if result.format.kind == "calibration":
-        from ..inference.calibration import open_calibration
+        from ..inference.calibrated import open_calibration
         from ..inference.figures import ranks
 
         return ranks(open_calibration(result.path), width)

@@ -163,7 +163,7 @@ def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
         for k in range(parts)
     ]
     # A single patch has no standard deviation: a part is at least as wide as a fraction of the point's own.
-    least = 0.3 * y.std(axis=1) / parts + 1e-6
+    least = 0.03 * y.std(axis=1) / parts + 1e-6
     root = np.sqrt(weights)[:, None]
     result = np.zeros((table.shape[1], parts, 1 + 2 * outcomes))
     for k, piece in enumerate(pieces):

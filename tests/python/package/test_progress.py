@@ -149,7 +149,7 @@ def test_a_command_of_several_runs_names_its_stages(log, monkeypatch):
 
 
 def test_an_inference_names_batch_and_stage(log, monkeypatch, tmp_path):
-    """Up to the end of the first batch of simulations, which the test ends."""
+    """Up to the end of the simulations over the priors, where the test ends it."""
     posterior = pytest.importorskip("stiction.inference.posterior")
 
     class Enough(Exception):
@@ -162,7 +162,7 @@ def test_an_inference_names_batch_and_stage(log, monkeypatch, tmp_path):
     monkeypatch.setattr(posterior, "_POINTS", 4)
     folder = Path(__file__).resolve().parents[3] / "configs" / "inference"
     with pytest.raises(Enough):
-        posterior.infer(folder / "first.csv", folder / "first.toml", replicas=20, progress=True)
+        posterior.infer(folder / "first.csv", folder / "first.toml", progress=True)
     shown = [line.removeprefix("stiction: ") for line in log()]
     assert shown[0].startswith("trial patches: ")
-    assert any(re.match(r"batch 1 of at most 8: simulation: \d+ of 16 points, ", line) for line in shown)
+    assert any(re.match(r"over the priors: simulation: \d+ of 16 parameter sets, ", line) for line in shown)

@@ -131,7 +131,7 @@ def patches(
 ) -> xarray.Dataset:
     """Numbers and curves of each patch of a zipped `sweep`, for studies of hundreds of sweeps: the other groups of the file are not opened.
 
-    Arguments and errors are those of `sweep`.
+    It takes the arguments of `sweep`, and has its errors.
 
     Returns
     -------

@@ -10,7 +10,7 @@ import pytest
 from filelock import FileLock
 
 # What makes tests longer is for those who want to wait.
-LONGER = ("STICTION_RARE", "STICTION_DAMAGES")
+LONGER = ("STICTION_RARE", "STICTION_DAMAGES", "STICTION_POSTERIORS")
 FORBIDDEN = bool(os.environ.get("STICTION_FORBID_SKIPS"))
 
 

@@ -37,7 +37,7 @@ _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
 #: Parts and degree of a density, from the simplest to the most flexible.
-SHAPES = ((4, 2), (6, 2), (10, 2), (10, 3), (16, 3))
+SHAPES = ((4, 2), (6, 2), (10, 2))
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
 # How much further than the root of the number of parameters a fit holds, in standard deviations of what it is about.
@@ -284,7 +284,7 @@ def _has_newton(of: xarray.DataArray) -> bool:
 def _known(tables: Mapping[str, Any], priors: Priors, values: Array, **options: Any) -> dict[str, xarray.DataArray]:
     """The datasets with one number for each patch, over points and replicas; after a preload none of the whole loop's pull-off.
 
-    Options are those of `stiction.sweep`.
+    It takes the options of `stiction.sweep`.
     """
     axes = {key: of for key, of in priors.axes(values).items() if key != FORCE_SCALE}
     if not axes:

@@ -138,7 +138,7 @@ class Kept:
         return xarray.Dataset(variables, attrs=attrs)
 
     def take(self, path: str | os.PathLike[str]) -> None:
-        """Takes the patches of a file: to go on where it ended if it is of these data and this seed, else as those of other data.
+        """Takes the patches of a file: to go on where it ended if it is of these data and this seed, else as patches of other data.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Inference: priors and data are read or refused by name, densities and likelihoods are those of closed forms, intervals hold what they say."""
+"""Inference: priors and data are read or refused by name, densities and likelihoods agree with closed forms, intervals hold what they say."""
 
 import contextlib
 import copy

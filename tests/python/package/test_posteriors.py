@@ -1,6 +1,9 @@
-"""Inference against exact posteriors: `tests/data/posteriors.json` has forces, and posteriors by another program."""
+"""Inference against exact posteriors: `tests/data/posteriors.json` has forces, and posteriors by another program.
+
+`STICTION_POSTERIORS=full python -m pytest tests/python/package/test_posteriors.py` has 2000 forces, too."""
 
 import json
+import os
 
 import h5py
 import numpy as np
@@ -13,8 +16,9 @@ import stiction
 from stiction.inference import infer
 
 AUDITS = json.loads((ROOT / "tests" / "data" / "posteriors.json").read_text(encoding="utf-8"))
-# Shift of the median over the exact standard deviation, and relative error of the width of the 95 % interval.
-SHIFT, WIDTH = 0.25, 0.15
+# Shift of the median over the exact standard deviation: the error of 0.2 that is wanted, what fresh patches leave open of it, 0.1, and the error of the exact
+# posteriors, 0.03; and relative error of the width of the 95 % interval.
+SHIFT, WIDTH = 0.33, 0.15
 
 
 @pytest.mark.parametrize("name", AUDITS)
@@ -29,8 +33,12 @@ def test_forces_of_equal_heights_are_equal(name, tmp_path):
     assert result.replicas.pull_off_force.values == pytest.approx(audit["patches"]["forces"], rel=1e-10)
 
 
+# 2000 forces take half an hour of processor time.
+FULL = os.environ.get("STICTION_POSTERIORS") == "full"
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", AUDITS)
+@pytest.mark.parametrize("name", [name for name, audit in AUDITS.items() if FULL or len(audit["forces"]) < 1000])
 def test_the_posterior_is_the_exact_one(name, tmp_path):
     """Median and 95 % interval of each parameter. The seed is fixed: with it the test passes or fails, whenever it runs."""
     audit, path = AUDITS[name], tmp_path / "forces.csv"

@@ -150,6 +150,12 @@ class Priors:
         return [prior.key for prior in self.priors]
 
     @property
+    def names(self) -> list[str]:
+        """The names of parameters as variables of files: of the keys, and of the scatter between batches, where there is one."""
+        names = [prior.name for prior in self.priors]
+        return names if self.of_batch is None else [*names, f"{names[self.of_batch.place]}_{_BATCH}"]
+
+    @property
     def are_independent(self) -> bool:
         """Whether no two of the numbers are correlated."""
         return bool((self.correlation == np.eye(len(self.priors))).all())

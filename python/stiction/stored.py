@@ -9,11 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
+import xarray
 
 from . import program
 from .errors import FileError, StictionError
 
-__all__ = ["check", "check_dataset", "reading", "require_end", "try_first"]
+__all__ = ["check", "check_dataset", "group", "reading", "require_end", "try_first"]
 
 # Groups and datasets together; results have up to two hundred.
 _MOST_OBJECTS = 1000
@@ -48,6 +49,30 @@ def reading(path: Path) -> Iterator[None]:
             f"something is missing: {said}" if isinstance(error, KeyError) else said or type(error).__name__
         )
         raise FileError(f"{path}: is damaged or not whole: {said}") from error
+
+
+def group(path: Path, name: str, lacks: str) -> xarray.Dataset:
+    """A group of a file, in memory.
+
+    Parameters
+    ----------
+    path : path
+    name : str
+        Of the group.
+    lacks : str
+        What the message says of a file without it, such as ``not a result of `stiction infer```.
+
+    Raises
+    ------
+    FileError
+        There is no such file, it is none that can be trusted, or it has no such group.
+    """
+    check(path)
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf", group=name) as opened:
+            return opened.load()
+    except Exception:
+        raise FileError(f"{path}: {lacks}") from None
 
 
 def require_end(path: Path) -> None:

@@ -77,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _check_measurements(parser: argparse.ArgumentParser, given: argparse.Namespace) -> None:
-    """Ends the command where options of the other questions are with those of the number of forces."""
+    """Ends the command where the number of forces is asked for with an option that has no part in it."""
     if given.parameter is None or given.accuracy is None:
         parser.error("--parameter and --accuracy: each needs the other, and --force-error both")
     for name in ("above", "below", "maximise", "minimise", "probability", "error"):

@@ -84,11 +84,4 @@ def open_calibration(path: str | os.PathLike[str]) -> Calibration:
     path = Path(path)
     if not path.is_file():
         raise FileError(f"{path}: no such file")
-    try:
-        stored.check(path)
-        with xarray.open_dataset(path, engine="h5netcdf", group=RANKS) as opened:
-            return Calibration(opened.load())
-    except FileError:
-        raise
-    except Exception:
-        raise FileError(f"{path}: not a result of `stiction infer --calibrate`") from None
+    return Calibration(stored.group(path, RANKS, "not a result of `stiction infer --calibrate`"))

@@ -13,15 +13,15 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from .. import experiments, files, stored
+from .. import experiments, files
 from ..errors import FileError, SceneError, StictionError
 from ..priors import Priors
 from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
-from .calibrated import FORMAT, RANKS, Calibration
+from .calibrated import FORMAT, RANKS, Calibration, open_calibration
 from .data import EXACT, MISSING, Group, Measurements
 from .emulator import Patches, as_measured, simulate
-from .kept import GROUP, Kept, partial
+from .kept import GROUP, Kept, partial, source
 from .posterior import Goals, checked, over_priors, posterior
 
 __all__ = ["calibrate"]
@@ -77,13 +77,14 @@ def calibrate(
         raise SceneError(f"count = {count}: at least 2 experiments are needed; 100 show coverage of 90 % to ± 6 %")
     experiments.check_settings(seed=seed, threads=threads)
     output = None if output is None else Path(output)
+    begun = None if output is None else source(output, resume, force)
     if output is not None:
         files.check(output, force=force or resume, inputs=named_files(scene))
     with work(progress=progress), threadpool_limits(1):
         measured, priors = checked(data, scene, missing)
         kept = Kept(priors, measured, seed, threads)
         goals = Goals(seed, end_error, emulator_error)
-        done = _Done(priors, measured, goals, output, resume)
+        done = _Done(priors, measured, goals, output, begun)
         if done.source is not None:
             kept.take(done.source)
         patches = over_priors(priors, kept, goals)
@@ -124,17 +125,13 @@ class _Ranked:
 class _Done:
     """The experiments that are done, and the file that keeps them."""
 
-    def __init__(self, priors: Priors, measured: Measurements, goals: Goals, output: Path | None, resume: bool) -> None:
+    def __init__(self, priors: Priors, measured: Measurements, goals: Goals, output: Path | None, begun: Path | None) -> None:
         self._priors, self._measured, self._goals, self._output = priors, measured, goals, output
         self.ranks: dict[int, _Ranked] = {}
         self.failed: dict[int, str] = {}
-        self.source: Path | None = None
-        if resume and output is not None:
-            found = [path for path in (partial(output), output) if path.exists()]
-            if not found:
-                raise FileError(f"{output}: neither it nor {partial(output).name} is there to go on with; leave resume=True out")
-            self.source = found[0]
-            self._read(self.source)
+        self.source = begun
+        if begun is not None:
+            self._read(begun)
 
     @property
     def count(self) -> int:
@@ -142,14 +139,7 @@ class _Done:
         return len(self.ranks) + len(self.failed)
 
     def _read(self, path: Path) -> None:
-        try:
-            stored.check(path)
-            with xarray.open_dataset(path, engine="h5netcdf", group=RANKS) as opened:
-                found = opened.load()
-        except FileError:
-            raise
-        except Exception:
-            raise FileError(f"{path}: not a result of `stiction infer --calibrate`") from None
+        found = open_calibration(path).data
         if found.attrs["goals"] != repr(self._goals):
             raise FileError(f"{path}: its experiments have another seed or other errors to reach, {found.attrs['goals']}; leave resume=True out")
         for place, number in enumerate(found.experiment.values):
@@ -161,9 +151,7 @@ class _Done:
         """The experiments in their order."""
         order = sorted(self.ranks)
         rows = [self.ranks[number] for number in order]
-        names = [prior.name for prior in self._priors.priors]
-        if (of_batch := self._priors.of_batch) is not None:
-            names.append(f"{names[of_batch.place]}_batch_log_std")
+        names = self._priors.names
         variables = {
             "rank": (("experiment", "parameter"), np.array([row.ranks for row in rows]).reshape(-1, len(names)), {"units": "1", "long_name": "fraction of the posterior below the true parameter"}),
             "check": (("experiment", "outcome"), np.array([row.checks for row in rows]).reshape(-1, len(self._measured.outcomes)), {"units": "1", "long_name": "p-value of the posterior-predictive check"}),

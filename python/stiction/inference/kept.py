@@ -22,7 +22,7 @@ from ..version import __version__
 from .data import Measurements
 from .emulator import ROW, Patches, simulate
 
-__all__ = ["GROUP", "Kept", "partial"]
+__all__ = ["GROUP", "Kept", "partial", "source"]
 
 Array = NDArray[np.float64]
 #: The group of files that has the patches.
@@ -36,6 +36,26 @@ _TINY = float(np.finfo(float).tiny)
 def partial(output: Path) -> Path:
     """Where the patches of an unfinished inference are kept."""
     return output.with_name(f"{output.name}.partial")
+
+
+def source(output: Path, resume: bool, force: bool) -> Path | None:
+    """The file whose patches are gone on with, if that is wanted.
+
+    Raises
+    ------
+    FileError
+        There is none, or there is one that nothing says what to do with.
+    """
+    if resume:
+        found = [path for path in (partial(output), output) if path.exists()]
+        if not found:
+            raise FileError(f"{output}: neither it nor {partial(output).name} is there to go on with; leave resume=True out")
+        return found[0]
+    if not force and partial(output).exists():
+        raise FileError(
+            f"{partial(output)}: has the patches of an interrupted inference; resume=True goes on with them, force=True begins anew"
+        )
+    return None
 
 
 @dataclass(frozen=True)
@@ -145,14 +165,7 @@ class Kept:
         FileError
             There is no such file, it has no patches, or they are of another scene or another version of the program.
         """
-        try:
-            stored.check(Path(path))
-            with xarray.open_dataset(path, engine="h5netcdf", group=GROUP) as opened:
-                found = opened.load()
-        except FileError:
-            raise
-        except Exception:
-            raise FileError(f"{path}: has no simulated patches of `stiction infer`") from None
+        found = stored.group(Path(path), GROUP, "has no simulated patches of `stiction infer`")
         if found.attrs.get("of_scene") != self._of_scene():
             raise FileError(
                 f"{path}: its patches are of another scene, of other outcomes or of another version of the program; leave it out"

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from .. import experiments, files, quantities
 from .. import priors as scenes
-from ..errors import FileError, SceneError, StictionError, written_at_end
+from ..errors import SceneError, StictionError, written_at_end
 from ..priors import Priors
 from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
@@ -42,7 +42,7 @@ from .emulator import (
 from .found import FORMAT, Inference
 from .fresh import Misfit, misfit, scatter, scores
 from .grid import on_grid
-from .kept import GROUP, Kept, partial
+from .kept import GROUP, Kept, partial, source
 from .likelihood import Likelihood, outlier_range
 from .sampling import Chains, independent, sample, weighted
 
@@ -137,8 +137,10 @@ def infer(
         if not low <= value <= high:
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
     experiments.check_settings(seed=seed, threads=threads)
+    if resume and reuse is not None:
+        raise SceneError("reuse: resume=True goes on with the patches of the output, which has reused ones, too; leave one of them out")
     output = None if output is None else Path(output)
-    source = None if output is None else _source(output, resume, force)
+    begun = None if output is None else source(output, resume, force)
     if output is not None:
         inputs = named_files(scene) if isinstance(data, Measurements) else [data, *named_files(scene)]
         files.check(output, force=force or resume, inputs=inputs)
@@ -146,29 +148,14 @@ def infer(
     with work(progress=progress), threadpool_limits(1):
         measured, priors = checked(data, scene, missing)
         kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
-        for path in (source, reuse):
-            if path is not None:
-                kept.take(path)
+        if (taken := begun or reuse) is not None:
+            kept.take(taken)
         with _interrupted(kept, output):
             found = _inferred(measured, priors, kept, Goals(seed, end_error, emulator_error))
     if output is not None:
         found.save(output, force=force or resume)
         partial(output).unlink(missing_ok=True)
     return found
-
-
-def _source(output: Path, resume: bool, force: bool) -> Path | None:
-    """The file whose patches are gone on with, if that is wanted."""
-    if resume:
-        found = [path for path in (partial(output), output) if path.exists()]
-        if not found:
-            raise FileError(f"{output}: neither it nor {partial(output).name} is there to go on with; leave resume=True out")
-        return found[0]
-    if not force and partial(output).exists():
-        raise FileError(
-            f"{partial(output)}: has the patches of an interrupted inference; resume=True goes on with them, force=True begins anew"
-        )
-    return None
 
 
 @contextmanager
@@ -241,6 +228,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     """The posterior from patches over the priors and from batches where it is."""
     _check_scatter(measured, patches)
     priors, floors = kept.priors, np.log(measured.floors)
+    patches = _floored(patches, floors)
     around: Array | None = None
     wide: Array | None = None
     level, batch = 0, 0
@@ -248,17 +236,19 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
         batch += 1
         random = np.random.default_rng([goals.seed, batch])
         with work(f"batch {batch} of at most {_MOST_BATCHES}"):
-            likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
+            likelihood = _likelihood(measured, priors, patches, around, level)
             with Bar("rough posterior"):
                 z, wide = _rough(likelihood, wide, random), _rough(likelihood, wide, random, _FLANKS)
             flanks = likelihood.of_any_batch(wide, random)
             around = priors.natural(flanks)
-            covariance = _of_each_batch(likelihood, z, random)
-            near = _of_a_batch(likelihood, z, random)
-            fresh, more = _batch(kept, (near, flanks), random, _ROUGH if batch == 1 else _FRESH)
+            of_batches = likelihood.of_batches(z, random)
+            covariance = _of_each_batch(priors, of_batches)
+            near = of_batches[np.arange(len(z)), random.integers(of_batches.shape[1], size=len(z))]
+            made = _batch(kept, (near, flanks), random, _ROUGH if batch == 1 else _FRESH)
+            fresh, more = (_floored(of, floors) for of in made)
             with Bar("error of the density"):
-                found = misfit(likelihood, [_floored(of, floors) for of in fresh], covariance, random)
-                noise = scatter(likelihood, [_floored(of, floors) for of in patches], z[:_SCATTER]) if batch > 1 else 1.0
+                found = misfit(likelihood, fresh, covariance, random)
+                noise = scatter(likelihood, patches, z[:_SCATTER]) if batch > 1 else 1.0
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
             # More flexible where more patches alone would not do.
             is_stiff = found.share > max(goals.emulator_error, 2.0 * found.noise)
@@ -268,7 +258,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
             level += batch > 2 and is_stiff and level + 1 < len(SHAPES)
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):
-        likelihood = _likelihood(measured, priors, [_floored(of, floors) for of in patches], around, level)
+        likelihood = _likelihood(measured, priors, patches, around, level)
         gridded = None
         if likelihood.is_gridded:
             with Bar("posterior"):
@@ -312,24 +302,16 @@ def _batch(
     return [Patches(of.values[:own], of.logs[:own]) for of in made], [Patches(of.values[own:], of.logs[own:]) for of in made]
 
 
-def _of_a_batch(likelihood: Likelihood, z: Array, random: np.random.Generator) -> Array:
-    """Parameters of a batch at random at each of the points z, SI: (points, parameters)."""
-    values = likelihood.of_batches(z, random)
-    result: Array = values[np.arange(len(z)), random.integers(values.shape[1], size=len(z))]
-    return result
-
-
-def _of_each_batch(likelihood: Likelihood, z: Array, random: np.random.Generator) -> Array:
-    """Covariance of the natural parameters of a batch, the mean over batches."""
-    values = likelihood.of_batches(z, random)
-    each = [np.cov(likelihood.priors.natural(values[:, batch]).T).reshape(values.shape[2], -1) for batch in range(values.shape[1])]
+def _of_each_batch(priors: Priors, values: Array) -> Array:
+    """Covariance of the natural parameters of a batch, the mean over batches, from draws (points, batches, parameters), SI."""
+    each = [np.cov(priors.natural(values[:, batch]).T).reshape(values.shape[2], -1) for batch in range(values.shape[1])]
     result: Array = np.mean(each, axis=0)
     return result
 
 
-def _floored(patches: Patches, floors: Array) -> Patches:
+def _floored(patches: list[Patches], floors: Array) -> list[Patches]:
     """Patches without what the data do not resolve."""
-    return Patches(patches.values, np.maximum(patches.logs, floors))
+    return [Patches(of.values, np.maximum(of.logs, floors)) for of in patches]
 
 
 def _check_scatter(measured: Measurements, patches: list[Patches]) -> None:
@@ -357,6 +339,7 @@ def _result(found: Posterior, wanted: float, kept: Kept) -> Inference:
     pointwise = np.concatenate([likelihood.log_densities(piece) for piece in pieces]).reshape(count, draws, -1)
     replicated = np.concatenate([likelihood.predicted(piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
     doubts, outliers = likelihood.doubts(of_batches[random.choice(len(flat), min(_CHECKED, len(flat)), replace=False)])
+    observed = _observed(measured, doubts)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = arviz.from_dict(
@@ -364,9 +347,9 @@ def _result(found: Posterior, wanted: float, kept: Kept) -> Inference:
             sample_stats={"lp": chains.log_probability},
             log_likelihood={"patch": pointwise},
             posterior_predictive={name: replicated[..., j] for j, name in enumerate(measured.outcomes)},
-            observed_data=_observed(measured, doubts),
+            observed_data=observed,
             prior=_parameters(likelihood, drawn, (1, _PRIOR)),
-            dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in [*_observed(measured, doubts)]}},
+            dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in observed}},
             coords={"patch_number": np.arange(measured.size)},
         )
         data.add_groups(identifiability=_identifiability(values, likelihood.values(drawn), likelihood, random), **{GROUP: kept.dataset()})
@@ -392,11 +375,10 @@ def _result(found: Posterior, wanted: float, kept: Kept) -> Inference:
 
 def _parameters(likelihood: Likelihood, z: Array, shape: tuple[int, int]) -> dict[str, Array]:
     """Draws of the parameters by name, from normal scores (draws, parameters)."""
-    names = [prior.name for prior in likelihood.priors.priors]
-    found = {name: column.reshape(shape) for name, column in zip(names, likelihood.values(z).T, strict=True)}
-    if (of_batch := likelihood.priors.of_batch) is not None:
-        found[f"{names[of_batch.place]}_batch_log_std"] = likelihood.spread_of_batches(z).reshape(shape)
-    return found
+    columns = [*likelihood.values(z).T]
+    if likelihood.priors.of_batch is not None:
+        columns.append(likelihood.spread_of_batches(z))
+    return {name: column.reshape(shape) for name, column in zip(likelihood.priors.names, columns, strict=True)}
 
 
 def _observed(measured: Measurements, doubts: Array) -> dict[str, Array]:

@@ -695,6 +695,7 @@ def test_what_is_simulated_is_kept_gone_on_with_and_reused(simulated, tmp_path, 
     infer(measured, wider, reuse=output, progress=False)
     other = {**SIMPLE, "surface": {"asperity_radius": "3 um"}}
     assert "its patches are of another scene" in reported(infer, measured, other, reuse=output)
+    assert "reuse: resume=True goes on with the patches of the output" in reported(infer, measured, SIMPLE, output, reuse=output, resume=True)
     assert "neither it nor none.h5.partial is there" in reported(infer, measured, SIMPLE, tmp_path / "none.h5", resume=True)
 
 

@@ -175,6 +175,7 @@ def ranks(result: Calibration, width: str | float | None = None) -> Figure:
         ax.axhspan(low, high, color=GREY, alpha=0.3, lw=0, label="95 % of uniform ranks")
         ax.hist(result.ranks[:, place], np.linspace(0.0, 1.0, bins + 1), color=BLUE, alpha=0.6)
         ax.set(title=name.partition("_")[2].replace("_", " "), xlim=(0.0, 1.0))
+        ax.locator_params(axis="y", integer=True)
         lettered(ax, place)
     for ax in grid.flat[count:]:
         ax.remove()

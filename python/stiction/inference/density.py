@@ -6,8 +6,10 @@ outcomes at the parameters **x** is taken as
 
     p(y | x) = Σ_k w_k(x) Π_j φ((y_j − μ_kj(x)) / σ_kj(x)) / σ_kj(x),
 
-where ln w_k (up to normalisation), μ_kj and ln σ_kj are polynomials of x: a mixture density network (C. M. Bishop, *Mixture density
-networks*, Aston University NCRG/94/004, 1994) whose networks are polynomials, fitted by maximum likelihood to all simulated patches.
+where ln w_k (up to normalisation), μ_kj and ln σ_kj are linear in x, and all means μ_kj of an outcome have a quadratic form of x in common: a mixture density
+network (C. M. Bishop, *Mixture density networks*, Aston University NCRG/94/004, 1994) whose networks are polynomials, fitted by maximum likelihood to all
+simulated patches. Quadratic forms of each part would triple the coefficients of five parameters, and the scatter of posteriors with them, and describe patches
+that were not fitted worse.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import log_ndtr
 
-__all__ = ["Density", "features", "fit", "log_sum_exp"]
+__all__ = ["Density", "fit", "log_sum_exp"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -46,31 +48,11 @@ def log_sum_exp(logs: Array, axis: int) -> Array:
     return result
 
 
-def features(x: Array, degree: int) -> Array:
-    """Monomials of parameters.
-
-    Parameters
-    ----------
-    x : array (points, parameters)
-        Parameters, scaled to about −1 to 1.
-    degree : int
-        The largest total degree.
-
-    Returns
-    -------
-    array (points, monomials)
-        The constant first.
-
-    Examples
-    --------
-    >>> features(np.array([[2.0, 3.0]]), 2)
-    array([[1., 2., 3., 4., 6., 9.]])
-    """
-    columns = [np.ones(len(x))]
-    for order in range(1, degree + 1):
-        for which in combinations_with_replacement(range(x.shape[1]), order):
-            columns.append(np.prod(x[:, which], axis=1))
-    return np.stack(columns, axis=1)
+def _monomials(x: Array, degree: int) -> tuple[Array, Array]:
+    """1 and the parameters, (points, 1 + parameters), and products of two of them, (points, monomials), of which there are none below the degree 2."""
+    pairs = combinations_with_replacement(range(x.shape[1]), 2) if degree > 1 else ()
+    columns = [x[:, one] * x[:, other] for one, other in pairs]
+    return np.column_stack([np.ones(len(x)), x]), np.stack(columns, axis=1) if columns else np.empty((len(x), 0))
 
 
 @dataclass(frozen=True)
@@ -79,26 +61,23 @@ class Density:
 
     Attributes
     ----------
-    coefficients : array (monomials, parts, 1 + 2 outcomes)
-        Of each part: the logit of its weight, the means, the logarithms of the widths.
-    degree : int
-        Degree of the polynomials.
+    slopes : array (1 + parameters, parts, 1 + 2 outcomes)
+        Coefficients of 1 and the parameters, of each part: of the logit of its weight, the means, the logarithms of the widths.
+    curvature : array (monomials, outcomes)
+        Coefficients of products of two parameters, in the means of all parts; without any the means are linear.
     shift, scale : arrays (outcomes,)
         y = (ln outcome − shift) / scale is what the mixture is of.
     """
 
-    coefficients: Array
-    degree: int
+    slopes: Array
+    curvature: Array
     shift: Array
     scale: Array
 
     def parts(self, x: Array) -> tuple[Array, Array, Array]:
         """Log weights (points, parts), means and widths (points, parts, outcomes) of ln outcome at x."""
-        raw = np.tensordot(features(x, self.degree), self.coefficients, axes=1)
-        outcomes = len(self.shift)
-        logits, means, widths = raw[..., 0], raw[..., 1 : 1 + outcomes], raw[..., 1 + outcomes :]
-        log_weights = logits - log_sum_exp(logits, axis=-1)[..., None]
-        return log_weights, self.shift + self.scale * means, self.scale * _width(np.clip(widths, -30, 30))
+        log_weights, means, log_widths = _parts(_monomials(x, 2 if len(self.curvature) else 1), self.slopes, self.curvature)
+        return log_weights, self.shift + self.scale * means, self.scale * _width(log_widths)
 
     def cumulative(self, x: Array, logs: Array) -> Array:
         """P(outcome j ≤ e^logs) at each of the points x; (points, outcomes) of logs of that shape."""
@@ -117,18 +96,22 @@ class Density:
         return result
 
 
+def _parts(table: tuple[Array, Array], slopes: Array, curvature: Array) -> tuple[Array, Array, Array]:
+    """Log weights (points, parts), means and logarithms of widths (points, parts, outcomes) of scaled outcomes."""
+    linear, quadratic = table
+    outcomes = curvature.shape[1]
+    raw = np.tensordot(linear, slopes, axes=1)
+    means = raw[..., 1 : 1 + outcomes] + (quadratic @ curvature)[:, None]
+    log_weights = raw[..., 0] - log_sum_exp(raw[..., 0], axis=1)[:, None]
+    return log_weights, means, np.clip(raw[..., 1 + outcomes :], -30, 30)
+
+
 def _width(raw: Array) -> Array:
-    return np.exp(raw) + _SMALLEST_WIDTH
+    result: Array = np.exp(raw) + _SMALLEST_WIDTH
+    return result
 
 
-def fit(
-    x: Array,
-    logs: Array,
-    weights: Array,
-    *,
-    parts: int,
-    degree: int,
-) -> Density:
+def fit(x: Array, logs: Array, weights: Array, *, parts: int, degree: int = 2) -> Density:
     """Fits a density to simulated patches.
 
     Parameters
@@ -139,21 +122,22 @@ def fit(
         Logarithms of the outcomes of patches, independent between points and replicas.
     weights : array (points,)
         What a patch of each point counts: local fits have small ones far off.
-    parts, degree : int
-        Parts of the mixture and degree of its polynomials.
+    parts : int
+        Parts of the mixture.
+    degree : {1, 2}
+        Degree of the means.
     """
     _, replicas, outcomes = logs.shape
     flat = logs.reshape(-1, outcomes)
     shift, scale = flat.mean(axis=0), flat.std(axis=0)
     y = (logs - shift) / scale
-    table = features(x, degree)
-    start = _start(table, y, weights, parts)
+    table = _monomials(x, degree)
     every = np.repeat(weights[:, None], replicas, axis=1)
-    return Density(_maximised(start, table, y, every), degree, shift, scale)
+    return Density(*_maximised(_start(table, y, weights, parts), table, y, every), shift, scale)
 
 
-def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
-    """Coefficients of parts of equal fractions, from the first outcome's low tail to its high one."""
+def _start(table: tuple[Array, Array], y: Array, weights: Array, parts: int) -> tuple[Array, Array]:
+    """Slopes and curvature of parts of equal fractions, from the first outcome's low tail to its high one."""
     _, replicas, outcomes = y.shape
     order = np.argsort(y[:, :, 0], axis=1)
     y = np.take_along_axis(y, order[:, :, None], axis=1)
@@ -164,23 +148,32 @@ def _start(table: Array, y: Array, weights: Array, parts: int) -> Array:
     ]
     # A single patch has no standard deviation: a part is at least as wide as a fraction of the point's own.
     least = 0.03 * y.std(axis=1) / parts + 1e-6
-    root = np.sqrt(weights)[:, None]
-    result = np.zeros((table.shape[1], parts, 1 + 2 * outcomes))
-    for k, piece in enumerate(pieces):
-        wanted = np.concatenate([piece.mean(axis=1), np.log(np.maximum(piece.std(axis=1), least))], axis=1)
-        result[:, k, 1:] = np.linalg.lstsq(root * table, root * wanted, rcond=1e-8)[0]
-    return result
+    means = np.stack([piece.mean(axis=1) for piece in pieces], axis=1)
+    log_widths = np.log(np.maximum(np.stack([piece.std(axis=1) for piece in pieces], axis=1), least[:, None]))
+    root, (linear, quadratic) = np.sqrt(weights)[:, None], table
+    both = np.concatenate([linear, quadratic], axis=1)
+    curvature = _least_squares(root * both, root * means.mean(axis=1))[linear.shape[1] :]
+    wanted = np.concatenate([means - (quadratic @ curvature)[:, None], log_widths], axis=2)
+    slopes = np.zeros((linear.shape[1], parts, 1 + 2 * outcomes))
+    slopes[..., 1:] = _least_squares(root * linear, root * wanted.reshape(len(linear), -1)).reshape(-1, parts, 2 * outcomes)
+    return slopes, curvature
 
 
-def _maximised(begin: Array, table: Array, y: Array, weights: Array) -> Array:
-    shape, outcomes = begin.shape, y.shape[2]
-    total = weights.sum()
+def _least_squares(table: Array, wanted: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(table, wanted, rcond=1e-8)[0])
+
+
+def _maximised(begin: tuple[Array, Array], table: tuple[Array, Array], y: Array, weights: Array) -> tuple[Array, Array]:
+    """Slopes and curvature of the largest likelihood."""
+    (slopes, curvature), outcomes = begin, y.shape[2]
+    total, start = weights.sum(), np.concatenate([of.ravel() for of in begin])
+
+    def split(flat: Array) -> tuple[Array, Array]:
+        one, other = np.split(flat, [slopes.size])
+        return one.reshape(slopes.shape), other.reshape(curvature.shape)
 
     def objective(flat: Array) -> tuple[float, Array]:
-        coefficients = flat.reshape(shape)
-        raw = np.tensordot(table, coefficients, axes=1)  # (points, parts, 1 + 2 outcomes)
-        logits, means, log_widths = raw[..., 0], raw[..., 1 : 1 + outcomes], np.clip(raw[..., 1 + outcomes :], -30, 30)
-        log_weights = logits - log_sum_exp(logits, axis=1)[:, None]
+        log_weights, means, log_widths = _parts(table, *split(flat))
         widths = _width(log_widths)
         deviation = (y[:, None] - means[:, :, None]) / widths[:, :, None]  # (points, parts, replicas, outcomes)
         each = (log_weights - np.log(widths).sum(axis=2))[:, :, None] - 0.5 * (deviation**2).sum(axis=3)
@@ -190,19 +183,16 @@ def _maximised(begin: Array, table: Array, y: Array, weights: Array) -> Array:
         value = float((weights * (np.log(sums) + top)[:, 0]).sum())
         share = each / sums * weights[:, None]  # (points, parts, replicas)
         of_part = share.sum(axis=2)
-        slope = np.empty_like(raw)
+        slope = np.empty((*of_part.shape, 1 + 2 * outcomes))
         slope[..., 0] = of_part - np.exp(log_weights) * weights.sum(axis=1)[:, None]
         slope[..., 1 : 1 + outcomes] = np.einsum("pkr,pkrj->pkj", share, deviation) / widths
         slope[..., 1 + outcomes :] = (
             np.einsum("pkr,pkrj->pkj", share, deviation**2) - of_part[..., None]
         ) * (np.exp(log_widths) / widths)
-        pull = coefficients - begin
-        value -= 0.5 * _RIDGE * float((pull**2).sum())
-        gradient = np.tensordot(table.T, slope, axes=1) - _RIDGE * pull
-        return -value / total, -gradient.ravel() / total
+        gradient = np.tensordot(table[0].T, slope, axes=1), table[1].T @ slope[..., 1 : 1 + outcomes].sum(axis=1)
+        pull = flat - start
+        value -= 0.5 * _RIDGE * float(pull @ pull)
+        return -value / total, (_RIDGE * pull - np.concatenate([of.ravel() for of in gradient])) / total
 
-    found: Any = minimize(
-        objective, begin.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": _STEPS, "maxcor": 20, "ftol": 1e-9}
-    )
-    result: Array = found.x.reshape(shape)
-    return result
+    found: Any = minimize(objective, start, jac=True, method="L-BFGS-B", options={"maxiter": _STEPS, "maxcor": 20, "ftol": 1e-9})
+    return split(found.x)

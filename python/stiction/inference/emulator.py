@@ -21,9 +21,9 @@ from ..priors import Priors
 from ..progress import work
 from ..results import OF_WHOLE_LOOP
 from .data import ABOVE, BELOW, EXACT, MISSING, Group, Measurements
-from .density import Density, features, fit, log_sum_exp
+from .density import Density, fit, log_sum_exp
 
-__all__ = ["FORCE_SCALE", "ROW", "SHAPES", "Emulator", "Patches", "as_measured", "design", "log_density", "outcomes_of", "outliers_of", "simulate", "try_out"]
+__all__ = ["FORCE_SCALE", "PARTS", "ROW", "Emulator", "Patches", "as_measured", "design", "log_density", "outcomes_of", "outliers_of", "simulate", "try_out"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -36,8 +36,8 @@ _LIMIT_WEIGHTS = _LIMIT_WEIGHTS / _LIMIT_WEIGHTS.sum()
 _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
 _LEAST_LOG = -700.0
-#: Parts and degree of a density, from the simplest to the most flexible.
-SHAPES = ((4, 2), (6, 2), (10, 2))
+#: Parts of a density, from the simplest to the most flexible.
+PARTS = (4, 6, 10)
 # Simulated parameters lie between these quantiles of each prior.
 _TAIL = 1e-3
 # How much further than the root of the number of parameters a fit holds, in standard deviations of what it is about.
@@ -315,12 +315,12 @@ class Emulator:
         For each set of conditions.
     around : array (draws, parameters), optional
         Draws of `Priors.natural` about which the densities are fitted and hold, wider than a posterior; without it over all of the priors.
-    shape : (int, int)
-        Parts and degree of the densities, as in `SHAPES`.
+    parts : int
+        Of the densities, as in `PARTS`.
     """
 
     def __init__(
-        self, priors: Priors, patches: list[Patches], *, around: Array | None = None, shape: tuple[int, int] = SHAPES[0]
+        self, priors: Priors, patches: list[Patches], *, around: Array | None = None, parts: int = PARTS[0]
     ) -> None:
         self.priors = priors
         self._is_local = around is not None
@@ -332,26 +332,27 @@ class Emulator:
             covariance = np.cov(around.T).reshape(around.shape[1], -1)
             self._middle, self._axes = around.mean(axis=0), np.linalg.cholesky(covariance)
         self._edge = len(self._middle) ** 0.5 + _EDGE
-        self._shape = shape
+        self._parts = parts
         self.densities = [self._fitted(of) for of in patches]
 
-    def refitted(self, patches: list[Patches]) -> Emulator:
-        """The same densities, fitted to other patches."""
+    def refitted(self, patches: list[Patches], parts: int | None = None) -> Emulator:
+        """The same densities, fitted to other patches or of another number of parts."""
         other = copy.copy(self)
+        other._parts = parts or self._parts
         other.densities = [other._fitted(of) for of in patches]
         return other
 
     def _fitted(self, patches: Patches) -> Density:
-        parts, degree = self._shape
         x = self._placed(patches.values)
         if not self._is_local:
-            return fit(x, patches.logs, np.ones(len(x)), parts=parts, degree=degree)
-        away = np.linalg.norm(x, axis=1)
+            return fit(x, patches.logs, np.ones(len(x)), parts=self._parts)
+        away, parameters = np.linalg.norm(x, axis=1), x.shape[1]
         # As many as the coefficients need, where few are near.
-        least = np.sort(away)[min(4 * features(x[:1], degree).shape[1], len(x) - 1)]
+        least = np.sort(away)[min(2 * (parameters + 1) * (parameters + 2), len(x) - 1)]
         near = away <= max(self._edge, float(least))
-        weights = np.maximum(np.exp(-0.5 * away[near] ** 2), 1e-3)
-        return fit(x[near], patches.logs[near], weights, parts=parts, degree=degree)
+        # Most of many parameters are far off in some direction.
+        weights = np.maximum(np.exp(-(away[near] ** 2) / (2 * parameters)), 1e-3)
+        return fit(x[near], patches.logs[near], weights, parts=self._parts)
 
     def _placed(self, values: Array) -> Array:
         away = self.priors.natural(values) - self._middle
@@ -389,7 +390,7 @@ class Emulator:
 
     def log_densities(self, groups: tuple[Group, ...], values: Array) -> Array:
         """ln p of each patch of the data at each point, (points, patches); as good as none where the densities do not hold."""
-        size = sum(len(group.values) for group in groups) * self.densities[0].coefficients.shape[1]
+        size = sum(len(group.values) for group in groups) * self.densities[0].slopes.shape[1]
         pieces = np.array_split(values, max(len(values) * size // _MOST_NUMBERS, 1))
         result = np.concatenate([self._log_densities(groups, self.scaled(piece)) for piece in pieces])
         result[~self.holds(values)] = _BEYOND

@@ -11,10 +11,10 @@ from .data import Group
 from .emulator import Emulator, Patches, as_measured
 from .likelihood import Likelihood
 
-__all__ = ["Misfit", "misfit", "scatter", "scores"]
+__all__ = ["Misfit", "described", "misfit", "scatter", "scores"]
 
 Array = NDArray[np.float64]
-# Steps of differences, in standard deviations of the posterior.
+# Steps of differences along the posterior's axes, in its standard deviations.
 _STEP = 0.2
 
 
@@ -54,20 +54,21 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
     covariance : array (parameters, parameters)
         Of the posterior of natural parameters; where batches differ of one of them.
     random : numpy.random.Generator
-        It draws errors of the measurement.
+        It draws errors of the measurement, and outliers.
     """
-    std, root = np.sqrt(np.diag(covariance)), np.linalg.cholesky(covariance)
+    std = np.sqrt(np.diag(covariance))
+    root = np.asarray(np.linalg.cholesky(covariance))
     shifts, squares, distance = np.zeros((len(std), 1 + len(std))), np.zeros((len(std), 1 + len(std))), 0.0
     for place, (group, patches) in enumerate(zip(likelihood.measured.groups, fresh, strict=True)):
         each = np.stack([
-            scores(likelihood, place, as_measured(group, logs, random), values, _STEP * std)
+            scores(likelihood, place, as_measured(group, likelihood.with_outliers(logs, random), random), values, root)
             for values, logs in zip(patches.values, patches.logs, strict=True)
         ])  # fmt: skip
         natural = likelihood.priors.natural(patches.values)
         places = np.linalg.solve(root, (natural - natural.mean(axis=0)).T).T
         table = np.concatenate([np.ones((len(places), 1)), places], axis=1)
         count = len(group.values) * likelihood.largest_batch
-        found, errors = _regression(table, each @ root)
+        found, errors = _regression(table, each)
         shifts += count * found
         squares += (count * errors) ** 2
         distance = max(distance, _distance(likelihood.emulator.of_group(place), patches))
@@ -83,6 +84,18 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
     return Misfit(float(errors[worst]), float(noises[worst]), distance)
 
 
+def described(likelihood: Likelihood, fresh: list[Patches], seed: int) -> float:
+    """The expectation of ln of the likelihood of data like the given ones at draws of the posterior, from patches that the density was not fitted to."""
+    random, result = np.random.default_rng(seed), 0.0
+    for place, (group, patches) in enumerate(zip(likelihood.measured.groups, fresh, strict=True)):
+        each = [
+            likelihood.mixed(place, as_measured(group, likelihood.with_outliers(logs, random), random), values[None])
+            for values, logs in zip(patches.values, patches.logs, strict=True)
+        ]
+        result += len(group.values) * float(np.mean(each))
+    return result
+
+
 def _regression(table: Array, each: Array) -> tuple[Array, Array]:
     """Coefficients of scores (points, patches, parameters) over a table (points, terms), and their standard errors: (parameters, terms)."""
     patches = each.shape[1]
@@ -95,7 +108,7 @@ def _regression(table: Array, each: Array) -> tuple[Array, Array]:
 def scatter(likelihood: Likelihood, patches: list[Patches], z: Array) -> float:
     """The scatter of the posterior's means or widths by the finite number of patches in the fit, over its standard deviation, the largest of all parameters.
 
-    It is half of the difference between fits to every second row of the patches.
+    Half of the difference between fits to two halves of the patches has it as its standard deviation; it is from three ways to halve their rows.
 
     Parameters
     ----------
@@ -109,19 +122,31 @@ def scatter(likelihood: Likelihood, patches: list[Patches], z: Array) -> float:
     whole = likelihood(z)
     z, whole = z[np.isfinite(whole)], whole[np.isfinite(whole)]
     natural = likelihood.priors.natural(likelihood.values(z))
-    moments = []
-    for first in (0, 1):
-        half = [Patches(of.values[first::2], of.logs[first::2]) for of in patches]
-        logs = likelihood.refitted(half)(z) - whole
-        weights = np.exp(logs - logs.max())
-        weights /= weights.sum()
-        mean = weights @ natural
-        moments.append(np.stack([mean, np.sqrt(weights @ (natural - mean) ** 2)]))
-    return float((0.5 * np.abs(moments[0] - moments[1]) / natural.std(axis=0)).max())
+    squares = 0.0
+    for way in (1, 2, 3):
+        one, other = (_moments(likelihood.refitted([_half(of, way, which) for of in patches])(z) - whole, natural) for which in (0, 1))
+        squares += (0.5 * (one - other) / natural.std(axis=0)) ** 2 / 3.0
+    return float(np.sqrt(squares).max())
 
 
-def scores(likelihood: Likelihood, place: int, group: Group, values: Array, steps: Array) -> Array:
-    """∂ ln p/∂θ of each patch at a point, over natural parameters, (patches, parameters).
+def _half(of: Patches, way: int, which: int) -> Patches:
+    """The rows of patches whose numbers have an even or an odd number of the bits of `way`."""
+    rows = np.bitwise_count(np.arange(len(of.values)) & way) % 2 == which
+    return Patches(of.values[rows], of.logs[rows])
+
+
+def _moments(logs: Array, values: Array) -> Array:
+    """Means and standard deviations of draws with weights whose logarithms are given: (2, parameters)."""
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    mean = weights @ values
+    return np.stack([mean, np.sqrt(weights @ (values - mean) ** 2)])
+
+
+def scores(likelihood: Likelihood, place: int, group: Group, values: Array, axes: Array) -> Array:
+    """∂ ln p/∂x of each patch at a point, with natural parameters θ + axes x, (patches, axes).
+
+    Parameters are often known far worse than a combination of them, over which the posterior's own axes are short: differences are along the axes.
 
     Parameters
     ----------
@@ -133,14 +158,14 @@ def scores(likelihood: Likelihood, place: int, group: Group, values: Array, step
         The patches.
     values : array (parameters,)
         The point, SI.
-    steps : array (parameters,)
-        Differences are over these steps of natural parameters.
+    axes : array (parameters, axes)
+        Of the posterior of natural parameters: its covariance is axes axesᵀ.
     """
     priors = likelihood.priors
     at = priors.natural(values[None])
-    points = priors.values(np.concatenate([at + sign * np.diag(steps) for sign in (0.5, -0.5)]))
+    points = priors.values(np.concatenate([at + sign * _STEP * axes.T for sign in (0.5, -0.5)]))
     up, down = np.split(likelihood.mixed(place, group, points), 2)
-    result: Array = ((up - down) / steps[:, None]).T
+    result: Array = ((up - down) / _STEP).T
     return result
 
 

@@ -64,10 +64,10 @@ class Likelihood:
         shares = np.diff(stats.beta(1.0, 1.0 / outliers - 1.0).cdf(_FRACTIONS)) if outliers > 0.0 else np.ones(1)
         self._log_shares = np.log(shares / shares.sum())
 
-    def refitted(self, patches: list[Patches]) -> Likelihood:
-        """The likelihood by densities that are fitted to other patches."""
+    def refitted(self, patches: list[Patches], parts: int | None = None) -> Likelihood:
+        """The likelihood by densities that are fitted to other patches, or have another number of parts."""
         other = copy.copy(self)
-        other.emulator = self.emulator.refitted(patches)
+        other.emulator = self.emulator.refitted(patches, parts)
         return other
 
     @property
@@ -112,6 +112,12 @@ class Likelihood:
         emulator = self.emulator.of_group(place)
         logs = log_density(emulator.densities[0], group, emulator.scaled(values)) - _uniform(group.values, group.kinds, self._spread)
         return _mixed(np.minimum(logs, _MOST_RATIO), self._mean)
+
+    def with_outliers(self, logs: Array, random: np.random.Generator) -> Array:
+        """Outcomes of patches, (patches, outcomes), of which the mean fraction are outliers in their place."""
+        low, high = self._spread
+        outlying = random.random((len(logs), 1)) < self._mean
+        return np.where(outlying, low + (high - low) * random.random(logs.shape), logs)
 
     def log_densities(self, values: Array) -> Array:
         """ln p of each patch at parameters of its batch, SI, (points, batches, parameters), with the mean fraction of outliers: (points, patches)."""

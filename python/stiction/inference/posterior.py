@@ -29,8 +29,8 @@ from .check import check_p_values
 from .data import Measurements
 from .emulator import (
     FORCE_SCALE,
+    PARTS,
     ROW,
-    SHAPES,
     Emulator,
     Patches,
     as_measured,
@@ -40,7 +40,7 @@ from .emulator import (
     try_out,
 )
 from .found import FORMAT, Inference
-from .fresh import Misfit, misfit, scatter, scores
+from .fresh import Misfit, described, misfit, scatter, scores
 from .grid import on_grid
 from .kept import GROUP, Kept, partial, source
 from .likelihood import Likelihood, outlier_range
@@ -58,8 +58,10 @@ _FIRST, _ROUGH, _FRESH = 100, 25, 100
 _FLANKS = 1.0 / 9.0
 # Draws of a rough posterior, and of one on a grid.
 _ROUGH_DRAWS, _GRID_DRAWS = 4000, 8000
-# Patches of the Fisher information, and steps of its differences in standard deviations of the posterior.
-_SCORED, _STEP = 4000, 0.5
+# Patches of the Fisher information.
+_SCORED = 4000
+# Gain of ln of the likelihood of data like the given ones for which a density has more parts.
+_BETTER = 0.1
 # Draws by which fits to halves of the patches are compared.
 _SCATTER = 1000
 # Draws of the prior, and draws of the posterior that checks look at.
@@ -248,14 +250,15 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
             fresh, more = (_floored(of, floors) for of in made)
             with Bar("error of the density"):
                 found = misfit(likelihood, fresh, covariance, random)
-                noise = scatter(likelihood, patches, z[:_SCATTER]) if batch > 1 else 1.0
+                # The density of the result has the patches of this batch, too.
+                rest = math.sqrt(len(patches[0].values) / (len(patches[0].values) + len(fresh[0].values) + len(more[0].values)))
+                found = dataclasses.replace(found, share=max(found.share, rest * scatter(likelihood, patches, z[:_SCATTER]) if batch > 1 else 1.0))
+                if level + 1 < len(PARTS):
+                    finer = likelihood.refitted(patches, PARTS[level + 1])
+                    level += described(finer, fresh, batch) > described(likelihood, fresh, batch) + _BETTER
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
-            # More flexible where more patches alone would not do.
-            is_stiff = found.share > max(goals.emulator_error, 2.0 * found.noise)
-            found = dataclasses.replace(found, share=max(found.share, noise))
-            if (batch > 1 and found.share <= goals.emulator_error) or batch == _MOST_BATCHES:
+            if (batch > 1 and max(found.share, found.noise) <= goals.emulator_error) or batch == _MOST_BATCHES:
                 break
-            level += batch > 2 and is_stiff and level + 1 < len(SHAPES)
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):
         likelihood = _likelihood(measured, priors, patches, around, level)
@@ -273,7 +276,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
 
 def _likelihood(measured: Measurements, priors: Priors, patches: list[Patches], around: Array | None, level: int) -> Likelihood:
     with Bar("density"):
-        emulator = Emulator(priors, patches, around=around, shape=SHAPES[level])
+        emulator = Emulator(priors, patches, around=around, parts=PARTS[level])
     return Likelihood(emulator, measured, priors, outliers_of(priors), outlier_range(measured, [of.logs for of in patches]))
 
 
@@ -455,7 +458,8 @@ def _identifiability(values: Array, drawn: Array, likelihood: Likelihood, random
     spreads = np.sqrt(np.einsum("ik,ij,jk->k", vectors, after, vectors))
     natural = priors.natural(values)
     middle = natural.mean(axis=0)
-    information = _fisher(middle, natural.std(axis=0), likelihood, random)
+    axes = np.asarray(np.linalg.cholesky(np.cov(natural.T).reshape(after.shape)))
+    information = _fisher(middle, axes, likelihood, random)
     # From natural parameters to these coordinates.
     slopes = np.where([one.logarithmic for one in priors.priors], 1.0, np.where(positive, middle, scale))
     names = [prior.name for prior in priors.priors]
@@ -473,13 +477,13 @@ def _identifiability(values: Array, drawn: Array, likelihood: Likelihood, random
     )
 
 
-def _fisher(at: Array, std: Array, likelihood: Likelihood, random: np.random.Generator) -> Array:
-    """Expected information of the data's patches, with their errors, gaps and limits: the mean of the outer products of scores."""
+def _fisher(at: Array, axes: Array, likelihood: Likelihood, random: np.random.Generator) -> Array:
+    """Expected information of the data's patches, with their errors, gaps and limits, on natural parameters: the mean of the outer products of scores along `axes`."""
     result = np.zeros((len(at), len(at)))
     point = likelihood.priors.values(at[None])
     for place, group in enumerate(likelihood.measured.groups):
         emulator = likelihood.emulator.of_group(place)
         logs = emulator.densities[0].draw(np.repeat(emulator.scaled(point), _SCORED, axis=0), random)
-        each = scores(likelihood, place, as_measured(group, logs, random), point[0], _STEP * std)
+        each = scores(likelihood, place, as_measured(group, logs, random), point[0], axes) @ np.linalg.inv(axes)
         result += len(group.values) / len(each) * each.T @ each
     return result

@@ -324,9 +324,9 @@ def test_the_likelihood_of_a_part_is_its_integral_over_the_error(kind, error):
     of = {data.EXACT: stats.norm.pdf, data.BELOW: stats.norm.cdf, data.ABOVE: stats.norm.sf}[kind]
     for width in (0.05, 0.3):
         for value in (0.9, 1.1):
-            coefficients = np.zeros((1, 1, 3))
-            coefficients[..., 2] = np.log(width - density._SMALLEST_WIDTH)
-            made = density.Density(coefficients, 0, np.zeros(1), np.ones(1))
+            slopes = np.zeros((2, 1, 3))
+            slopes[0, :, 2] = np.log(width - density._SMALLEST_WIDTH)
+            made = density.Density(slopes, np.empty((0, 1)), np.zeros(1), np.ones(1))
             group = data.Group({}, np.array([[value]]), np.array([[error * value]]), np.array([[kind]]))
             found = float(np.exp(emulator.log_density(made, group, np.zeros((1, 1))))[0, 0])
             if error == 0.0:

@@ -663,7 +663,9 @@ def test_an_inference_has_the_posterior_of_the_closed_form_and_patches_in_propor
     mean = (np.log(measured.groups[0].values).sum() / 0.09 + np.log(0.05) / 0.7**2) / precision
     assert abs(logs.mean() - mean) < 0.35 * precision**-0.5 and logs.std() * precision**0.5 == pytest.approx(1.02, abs=0.15)
     assert sum(simulated) >= 150 * count and float(found.attrs["emulator_share"]) <= 0.2
-    assert "by fresh ones its error moves or widens the posterior by" in str(found) and "grid" in str(found)
+    said = str(found)
+    assert "by fresh ones its error moves or widens the posterior by" in " ".join(said.split()) and "grid" in said
+    assert max(map(len, said.splitlines())) <= 80
 
 
 def test_what_is_simulated_is_kept_gone_on_with_and_reused(simulated, tmp_path, monkeypatch):
@@ -737,5 +739,7 @@ def test_intervals_of_inferences_are_calibrated(count, simulated, tmp_path):
         for level in (0.5, 0.9, 0.95):
             assert np.abs(found.coverage(level) - level).max() < 3.3 * np.sqrt(level * (1.0 - level) / count)
         assert (found.data.check.values < 0.05).mean() < 0.05 + 3.3 * np.sqrt(0.05 * 0.95 / count)
+    lines = str(found.__class__(found.data.assign_coords(parameter=["surface_radii_coefficient_of_variation"]))).splitlines()
+    assert len(lines) == len(str(found).splitlines()) + 1 and max(map(len, [*lines, *str(found).splitlines()])) <= 80
     assert "at least 2 experiments" in reported(calibrate, simple(20), SIMPLE, count=1)
     assert "another seed" in reported(calibrate, simple(20), SIMPLE, output, count=count, seed=2, resume=True)

@@ -159,6 +159,8 @@ def measurements(
     ------
     SceneError
         The scene or an argument is wrong; the message names it.
+    StictionError
+        A library of ``stiction[inference]`` is not installed, or a simulation failed.
 
     References
     ----------
@@ -173,9 +175,12 @@ def measurements(
     first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
     # Matrices are so small that threads would only wait for each other.
     with written_at_end(), work(progress=progress), threadpool_limits(1):
-        with Bar("loading"):
-            # ArviZ and emcee take a second, and no other design needs them.
-            from . import information
+        try:
+            with Bar("loading"):
+                # ArviZ and emcee take a second, and no other design needs them.
+                from . import information
+        except ModuleNotFoundError as error:
+            raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
         local = information.Local(found, None if error is None else information.Error(*error))
         return _Study(local, parameter, wanted, first, threads).needed()
 

@@ -1,6 +1,9 @@
 """Numbers of forces to measure against closed forms: patches whose forces are log-normal with known slopes in the parameters."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -124,6 +127,15 @@ def test_errors_of_measurement_add_to_the_scatter(forces):
     forces(lambda area: [1.0], lambda area: 0.4)
     found = measurements(scene(), KEY, "10 %", force_error="30 %", progress=False)
     assert found.choices[0].forces == pytest.approx(0.25 * (1.0 / wanted(0.1) ** 2 - 1.0 / WIDE**2), rel=0.25)
+
+
+@pytest.mark.parametrize("library", ["emcee", "joblib"])
+def test_a_library_that_is_not_installed_is_named_with_what_brings_it(library, tmp_path):
+    (tmp_path / f"{library}.py").write_text(f"raise ModuleNotFoundError('none', name='{library}')")
+    given = [CONFIGS / "inference" / "first.toml", "--parameter", KEY, "--accuracy", "5 %"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    run = subprocess.run([sys.executable, "-m", "stiction.design", *given], env=environment, capture_output=True, encoding="utf-8", check=False)
+    assert run.returncode == 2 and run.stderr.endswith(f"stiction design: {library} is not installed: pip install 'stiction[inference]' brings it\n")
 
 
 def test_an_absolute_width_is_one_of_the_value_and_a_narrow_prior_takes_no_forces(forces):

@@ -3,9 +3,12 @@
 import contextlib
 import copy
 import dataclasses
+import errno
 import functools
 import io
+import itertools
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -743,3 +746,36 @@ def test_intervals_of_inferences_are_calibrated(count, simulated, tmp_path):
     assert len(lines) == len(str(found).splitlines()) + 1 and max(map(len, [*lines, *str(found).splitlines()])) <= 80
     assert "at least 2 experiments" in reported(calibrate, simple(20), SIMPLE, count=1)
     assert "another seed" in reported(calibrate, simple(20), SIMPLE, output, count=count, seed=2, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("threads", "said"),
+    [(1, r"No space left on device: '.*ranks\.h5\.partial'; .*ranks\.h5\.partial has the experiments before, resume=True goes on"),
+     (2, r"a process of the experiments was ended, .*fewer threads need less; .*ranks\.h5\.partial has the experiments before")],
+)  # fmt: skip
+def test_a_calibration_that_a_full_disk_or_a_killed_process_ends_goes_on(threads, said, simulated, tmp_path, monkeypatch):
+    """Experiments that only have a number: the sixth finds no place on the disk, or its process is killed."""
+    output, copies, copy_file = tmp_path / "ranks.h5", itertools.count(), shutil.copyfile
+
+    def copied(source, part):
+        if next(copies) == 6:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(source), None, str(part))
+        return copy_file(source, part)
+
+    is_killed = threads == 2
+
+    def experiment(_, number):
+        if is_killed and number == 5 and not (output.parent / "again").exists():
+            os.kill(os.getpid(), signal.SIGKILL)
+        return number, calibration._Ranked(np.array([number / 10.0]), np.array([0.5]), 0.1)
+
+    monkeypatch.setattr(calibration, "_experiment", experiment)
+    with monkeypatch.context() as disk, pytest.raises(StictionError, match=said):
+        if not is_killed:
+            disk.setattr("shutil.copyfile", copied)
+        calibrate(simple(20), SIMPLE, output, count=8, threads=threads, progress=False)
+    kept = open_calibration(output.with_name("ranks.h5.partial")).ranks
+    assert [path.name for path in tmp_path.iterdir()] == ["ranks.h5.partial"] and (len(kept) == 5 if threads == 1 else len(kept) < 8)
+    (tmp_path / "again").touch()
+    found = calibrate(simple(20), SIMPLE, output, count=8, threads=threads, resume=True, progress=False)
+    assert found.ranks[:, 0].tolist() == [number / 10.0 for number in range(8)] and not output.with_name("ranks.h5.partial").exists()

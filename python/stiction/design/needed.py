@@ -172,15 +172,15 @@ def measurements(
         raise SceneError(f"parameter = {parameter!r}: no number with a prior; {', '.join(found.keys)} {'has' if len(found.keys) == 1 else 'have'} one")
     prior = found.priors[found.keys.index(parameter)]
     wanted, error = _accuracy(accuracy, prior), _force_error(force_error)
-    first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
+    first = experiments.seed_of(found.tables, seed)
     # Matrices are so small that threads would only wait for each other.
     with written_at_end(), work(progress=progress), threadpool_limits(1):
         try:
             with Bar("loading"):
                 # ArviZ and emcee take a second, and no other design needs them.
                 from . import information
-        except ModuleNotFoundError as error:
-            raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
+        except ModuleNotFoundError as missing:
+            raise StictionError(f"{missing.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
         local = information.Local(found, None if error is None else information.Error(*error))
         return _Study(local, parameter, wanted, first, threads).needed()
 
@@ -261,14 +261,20 @@ class _Study:
                 return simulated_experiments(self._local, self._place, logs.reshape(_EXPERIMENTS, -1, 1), own.density(), own.shown.information())
 
 
+def _number(name: str, given: Any) -> tuple[float, str]:
+    """A number that is given, and its SI unit; % of a percentage, whose number is a fraction."""
+    try:
+        value, unit = quantities.parsed(name, given)
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+    return value, "%" if unit == "1" and "%" in str(given) else unit
+
+
 def _accuracy(given: Any, prior: Prior) -> float:
     """Half of the wanted interval over the median."""
     such = f'half of the 95 % interval is needed, such as "5 %"{"" if prior.unit == "1" else f", or with the unit of {prior.key}"}'
-    try:
-        value, unit = quantities.parsed("accuracy", given)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    relative = unit == "1" and "%" in str(given)
+    value, unit = _number("accuracy", given)
+    relative = unit == "%"
     if not value > 0.0 or not (relative or (unit != "1" and quantities.of_one_dimension([unit, prior.unit]))):
         raise SceneError(f"accuracy = {given!r}: {such}")
     if relative and value > 1.0:
@@ -281,11 +287,8 @@ def _accuracy(given: Any, prior: Prior) -> float:
 def _force_error(given: Any) -> tuple[float, bool] | None:
     if given is None:
         return None
-    try:
-        value, unit = quantities.parsed("force_error", given)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    relative = unit == "1" and "%" in str(given)
+    value, unit = _number("force_error", given)
+    relative = unit == "%"
     if not value > 0.0 or not (relative or unit == "N") or (relative and value > 0.5):
         raise SceneError(f'force_error = {given!r}: the standard deviation of a force is needed, such as "5 nN", or up to "50 %" of it')
     return value, relative

@@ -25,7 +25,7 @@ __all__ = ["Choice", "Limit", "Needed", "measurements"]
 _VARIED = {"surface.nominal_area": (0.25, 4.0), "instability.preload": (1.0 / 3.0, 3.0)}
 # Synthetic experiments, and patches of all of them at most.
 _EXPERIMENTS, _SIMULATED = 20, 100_000
-# A limit matters where without it the number of forces is smaller by this factor.
+# A limit matters where without it the number of forces, or the interval at best, is smaller by this factor.
 _MATTERS = 0.8
 # Standard deviations of half of a 95 % interval.
 _HALF = 1.96
@@ -67,11 +67,14 @@ class Limit:
         Half of its prior's 95 % interval over its median.
     forces : float
         The number of forces if it was known exactly; infinite where 100 000 do not do.
+    least : float
+        Half of the interval of the wanted parameter over its value that 100 000 forces then leave.
     """
 
     key: str
     known: float
     forces: float
+    least: float
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,7 @@ class Needed:
         if own.forces == math.inf:
             lines.append(f"  {_MANY} forces leave {_percent(own.least)} %")
         if self.limit is not None:
-            known = "never" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
+            known = f"never, {_percent(self.limit.least)} % at best" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
             lines.append(f"  limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}")
         width = max(len(of.words) for of in self.choices) + 2
         lines += [f"  {of.words:{width}}{_row(of)}{'   best' if of is self.best and len(self.choices) > 1 else ''}" for of in self.choices]
@@ -212,7 +215,7 @@ class _Study:
             kept = [text for text in settings if text in of]
             pairs = [(one, two) for place, one in enumerate(kept) for two in kept[place + 1 :]]
             choices += [self._choice(_pair_words(key, one, two), of[one] + of[two]) for one, two in pairs]
-        limit = self._limit(own.shown, choices[0].forces)
+        limit = self._limit(own.shown, choices[0])
         checked = self._checked(own, choices[0].forces)
         halves = () if checked is None else tuple((checked.halves / abs(self._prior.median)).tolist())
         return Needed(
@@ -234,8 +237,8 @@ class _Study:
         number, *interval = curve.forces(self._deviation)
         return Choice(words, number, (interval[0], interval[1]), least)
 
-    def _limit(self, shown: Shown, forces: float) -> Limit | None:
-        """The other parameter without whose uncertainty the fewest forces do."""
+    def _limit(self, shown: Shown, own: Choice) -> Limit | None:
+        """The other parameter without whose uncertainty the fewest forces do, or the interval at best is narrowest."""
         from .information import Curve
 
         found = []
@@ -243,12 +246,13 @@ class _Study:
             if place != self._place:
                 curve = Curve(shown, self._local, self._place, place)
                 found.append((curve.forces(self._deviation)[0], curve.least, place, prior))
-        if not found or forces == 0.0:
+        if not found or own.forces == 0.0:
             return None
-        number, _, place, prior = min(found, key=lambda of: of[:2])
-        if forces < math.inf and number > _MATTERS * forces:
+        number, deviation, place, prior = min(found, key=lambda of: of[:2])
+        least = _half_width(deviation, self._prior)
+        if number > _MATTERS * own.forces or (number == math.inf and least > _MATTERS * own.least):
             return None
-        return Limit(prior.key, _half_width(float(self._local.covariance[place, place] ** 0.5), prior), number)
+        return Limit(prior.key, _half_width(float(self._local.covariance[place, place] ** 0.5), prior), number, least)
 
     def _checked(self, own: Measured, forces: float) -> Experiments | None:
         from .information import simulated_experiments

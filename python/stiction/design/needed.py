@@ -14,6 +14,7 @@ from .. import experiments, priors, quantities
 from ..errors import SceneError, StictionError, written_at_end
 from ..priors import Prior, Priors
 from ..progress import Bar, work
+from ..rows import row
 from ..scenes import Scene
 
 if TYPE_CHECKING:
@@ -113,15 +114,15 @@ class Needed:
 
     def __str__(self) -> str:
         own, percent = self.choices[0], f"{_percent(self.accuracy)} %"
-        lines = [f"{self.key} to {percent} (half of its 95 % interval) at {quantities.si(self.value, self.unit)}: {_answer(own)}"]
+        lines = [f"{self.key} to {percent} (half of its 95 % interval) at {quantities.si(self.value, self.unit)}:", f"  {_answer(own)}"]
         if own.forces == math.inf:
             lines.append(f"  {_MANY} forces leave {_percent(own.least)} %")
         if self.limit is not None:
             known = f"never, {_percent(self.limit.least)} % at best" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
-            lines.append(f"  limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}")
+            lines += row("", f"limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}", 2)
         width = max(len(of.words) for of in self.choices) + 2
         lines += [f"  {of.words:{width}}{_row(of)}{'   best' if of is self.best and len(self.choices) > 1 else ''}" for of in self.choices]
-        return "\n".join([*lines, f"  {self._check()}"])
+        return "\n".join([*lines, *row("", self._check(), 2)])
 
     def _check(self) -> str:
         own = self.choices[0].forces

@@ -98,7 +98,7 @@ def test_a_product_is_never_taken_apart_and_its_other_factor_is_named(forces):
         if found.choices[0].forces == math.inf:
             least = math.sinh(1.96 / math.sqrt(1.0 / WIDE**2 + 1.0 / 0.1**2))
             assert found.choices[0].least == pytest.approx(least, rel=0.1)
-            assert not found.checked and "never" in str(found) and "limited by surface.asperity_radius, known to 20 %" in str(found)
+            assert not found.checked and "never" in str(found) and "limited by surface.asperity_radius, known to 20 %" in " ".join(str(found).split())
     assert sum(number < math.inf for number in numbers) <= 3
 
 
@@ -113,7 +113,8 @@ def test_of_two_other_factors_the_less_known_one_is_named_with_what_it_leaves(fo
     least = math.sinh(1.96 / math.sqrt(1.0 / WIDE**2 + 1.0 / 0.1**2))
     assert found.choices[0].forces == found.limit.forces == math.inf and found.limit.key == "surface.asperity_height_std"
     assert found.limit.least == pytest.approx(least, rel=0.1)
-    assert re.search(r"known to 62 %: if it was known exactly, never, (19|20) % at best", str(found))
+    assert re.search(r"known to 62 %: if it was known exactly, never, (19|20) % at best", " ".join(str(found).split()))
+    assert max(map(len, str(found).splitlines())) <= 80
 
 
 @pytest.mark.slow
@@ -170,7 +171,7 @@ def test_the_command_says_the_number_and_its_file_opens(forces, tmp_path, capsys
     path.write_text(stiction.scenes.toml({"format": 1, **scene()}), encoding="utf-8")
     assert command.main([str(path), "--parameter", KEY, "--accuracy", "10 %", "-o", str(output)]) == 0
     printed = capsys.readouterr().out
-    assert f"{KEY} to 10 % (half of its 95 % interval) at 31.62 mJ/m²: " in printed
+    assert f"{KEY} to 10 % (half of its 95 % interval) at 31.62 mJ/m²:\n  " in printed
     assert "checked: 20 experiments of " in printed and "   best\n" in printed
     assert_opens(output, printed.splitlines()[0], tmp_path, has_figure=False)
 

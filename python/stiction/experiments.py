@@ -14,7 +14,7 @@ from .errors import SceneError
 from .opened import Place, Run, Sweep
 from .scenes import Scene, Source
 
-__all__ = ["check", "check_settings", "compare", "integral", "patches", "run", "sweep"]
+__all__ = ["check", "check_settings", "compare", "integral", "patches", "run", "seed_of", "sweep"]
 
 #: Keys of ensembles that are parts of another answer, which the range over plastic contacts would only slow down.
 ONE_MODEL: dict[str, Any] = {"ensemble.model_range": False}
@@ -250,6 +250,11 @@ def check_settings(*, seed: int | None, threads: int | None) -> None:
     for name, value, low, high in (("seed", seed, 0, 2**63 - 1), ("threads", threads, 1, 4096)):
         if value is not None and not (isinstance(value, int | np.integer) and low <= value <= high):
             raise SceneError(f"{name} = {value}: a whole number from {low} to {high} is needed")
+
+
+def seed_of(tables: Mapping[str, Any], seed: int | None) -> int:
+    """The seed that is given, or that of a scene."""
+    return int(tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
 
 
 def _swept(scene: Scene, axes: Mapping[str, Any], mode: str) -> tuple[Scene, dict[str, Any]]:

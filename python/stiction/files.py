@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import shutil
 import tempfile
@@ -84,7 +85,9 @@ def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> 
     except OSError as error:
         named = (str(error.filename), str(error.filename2))
         if error.errno is not None and (error.filename is None or str(part) in named):
-            error.filename, error.filename2 = str(path), None
+            error.filename = str(path)
+            # None would be printed as a second name.
+            del error.filename2
         raise
     finally:
         part.unlink(missing_ok=True)
@@ -94,7 +97,13 @@ def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> 
 def writing_hdf5(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> Iterator[Path]:
     """A new file as by `writing`, for libhdf5, which may crash on a full disk: it fills a file in a temporary folder."""
     with Folder() as folder:
-        yield folder / "whole.h5"
+        try:
+            yield folder / "whole.h5"
+        except RuntimeError as error:
+            # h5py says so of a file that it cannot write when that is closed.
+            if (number := re.search(r"write failed.* errno = (\d+)", str(error), re.DOTALL)) is None:
+                raise
+            raise OSError(int(number[1]), os.strerror(int(number[1])), str(folder / "whole.h5")) from None
         with writing(path, force=force, inputs=inputs) as part:
             shutil.copyfile(folder / "whole.h5", part)
 

@@ -95,16 +95,18 @@ class Bar:
         and without that on terminals, in notebooks, and as lines of commands.
     at_most : bool
         Whether fewer steps may do: then nothing is said of the time that is left.
+    expected : float, optional
+        Seconds that all steps are expected to take, for the time that is left until the first of them is done.
     """
 
     def __init__(
         self, words: str, total: int | None = None, unit: str = "", *, done: float = 0, progress: bool | None = None,
-        at_most: bool = False,
+        at_most: bool = False, expected: float = 0.0,
     ) -> None:  # fmt: skip
         shown, before = _around.get()
         shown = shown if progress is None else progress
         self._words = ": ".join(part for part in (before, words) if part)
-        self._total, self._unit, self._at_most = total, unit, at_most
+        self._total, self._unit, self._at_most, self._expected = total, unit, at_most, expected
         self.done = self._before = done
         self._begun = time.monotonic()
         self._bar: Any = None
@@ -158,11 +160,16 @@ class Bar:
         words = "{desc}: " if self._words else ""
         if self._total is None:
             return words + "{elapsed}"
-        left = "" if self._at_most else ", {remaining} left"
+        left = "" if self._at_most else f", {self._first_left() or '{remaining}'} left"
         return f"{words}{{bar}} {self._count()}, {{elapsed}}{left}"
 
     def _count(self) -> str:
         return f"{int(self.done)} of {'at most ' if self._at_most else ''}{self._total} {self._unit}"
+
+    def _first_left(self) -> str:
+        """The time that is left before any step is done, if it is known."""
+        left = self._begun + self._expected - time.monotonic()
+        return f"about {_lasting(left)}" if self.done == self._before and left > 0.0 else ""
 
     def _line(self) -> str:
         past, own = time.monotonic() - self._begun, self.done - self._before
@@ -170,12 +177,15 @@ class Bar:
         parts.append(f"{_lasting(past)} so far")
         if self._total is not None and not self._at_most and own > 0:
             parts.append(f"about {_lasting(past * (self._total - self.done) / own)} left")
+        elif first := self._first_left():
+            parts.append(f"{first} left")
         return ": ".join(part for part in (self._words, ", ".join(parts)) if part)
 
     def _tell(self) -> None:
         """Shows the time, in a thread: the work itself may be long silent."""
         while not self._end.wait(_SHOWN if self._bar is not None else _log.wait()):
             if self._bar is not None:
+                self._bar.bar_format = self._form()
                 self._bar.refresh()
             else:
                 _log.write(self._line())

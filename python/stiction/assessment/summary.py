@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from .. import quantities
+from ..rows import row
 from .answer import Answer
 from .criteria import LARGEST_FACTOR
 from .ways import Way
 
 __all__ = ["probability", "words"]
 
-_WIDTH = 60
+# Column in which texts begin.
+_START = 20
 # Logarithm of the ratio of areas from which on the area of the map is printed.
 _OWN = 0.1
 # Level of intervals of probabilities.
@@ -39,9 +40,8 @@ def words(answer: Answer) -> str:
     return "\n\n".join("\n".join(lines) for lines in parts)
 
 
-def _row(label: str, text: str) -> Iterator[str]:
-    for place, line in enumerate(textwrap.wrap(text, _WIDTH, break_on_hyphens=False) or [""]):
-        yield f"  {label if place == 0 else '':<18}{line}"
+def _row(label: str, text: str) -> list[str]:
+    return row(label, text, _START)
 
 
 def _inputs(answer: Answer) -> Iterator[str]:

@@ -142,7 +142,8 @@ def _needed(found: Needed) -> xarray.Dataset:
     }
     attrs = {"key": found.key, "units": found.unit, "at": found.value, "accuracy": found.accuracy, "held": found.held}
     if found.limit is not None:
-        attrs |= {"limit": found.limit.key, "limit_known": found.limit.known, "limit_forces": found.limit.forces}
+        attrs |= {"limit": found.limit.key, "limit_known": found.limit.known, "limit_forces": found.limit.forces,
+                  "limit_least": found.limit.least}  # fmt: skip
     return xarray.Dataset(columns, coords={"choice": [of.words for of in found.choices]}, attrs=attrs)
 
 

@@ -14,6 +14,7 @@ from .. import experiments, priors, quantities
 from ..errors import SceneError, StictionError, written_at_end
 from ..priors import Prior, Priors
 from ..progress import Bar, work
+from ..rows import row
 from ..scenes import Scene
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ __all__ = ["Choice", "Limit", "Needed", "measurements"]
 _VARIED = {"surface.nominal_area": (0.25, 4.0), "instability.preload": (1.0 / 3.0, 3.0)}
 # Synthetic experiments, and patches of all of them at most.
 _EXPERIMENTS, _SIMULATED = 20, 100_000
-# A limit matters where without it the number of forces is smaller by this factor.
+# A limit matters where without it the number of forces, or the interval at best, is smaller by this factor.
 _MATTERS = 0.8
 # Standard deviations of half of a 95 % interval.
 _HALF = 1.96
@@ -67,11 +68,14 @@ class Limit:
         Half of its prior's 95 % interval over its median.
     forces : float
         The number of forces if it was known exactly; infinite where 100 000 do not do.
+    least : float
+        Half of the interval of the wanted parameter over its value that 100 000 forces then leave.
     """
 
     key: str
     known: float
     forces: float
+    least: float
 
 
 @dataclass(frozen=True)
@@ -110,15 +114,15 @@ class Needed:
 
     def __str__(self) -> str:
         own, percent = self.choices[0], f"{_percent(self.accuracy)} %"
-        lines = [f"{self.key} to {percent} (half of its 95 % interval) at {quantities.si(self.value, self.unit)}: {_answer(own)}"]
+        lines = [f"{self.key} to {percent} (half of its 95 % interval) at {quantities.si(self.value, self.unit)}:", f"  {_answer(own)}"]
         if own.forces == math.inf:
             lines.append(f"  {_MANY} forces leave {_percent(own.least)} %")
         if self.limit is not None:
-            known = "never" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
-            lines.append(f"  limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}")
+            known = f"never, {_percent(self.limit.least)} % at best" if self.limit.forces == math.inf else f"{_counted(self.limit.forces)} forces"
+            lines += row("", f"limited by {self.limit.key}, known to {_percent(self.limit.known)} %: if it was known exactly, {known}", 2)
         width = max(len(of.words) for of in self.choices) + 2
         lines += [f"  {of.words:{width}}{_row(of)}{'   best' if of is self.best and len(self.choices) > 1 else ''}" for of in self.choices]
-        return "\n".join([*lines, f"  {self._check()}"])
+        return "\n".join([*lines, *row("", self._check(), 2)])
 
     def _check(self) -> str:
         own = self.choices[0].forces
@@ -159,6 +163,8 @@ def measurements(
     ------
     SceneError
         The scene or an argument is wrong; the message names it.
+    StictionError
+        A library of ``stiction[inference]`` is not installed, or a simulation failed.
 
     References
     ----------
@@ -170,12 +176,15 @@ def measurements(
         raise SceneError(f"parameter = {parameter!r}: no number with a prior; {', '.join(found.keys)} {'has' if len(found.keys) == 1 else 'have'} one")
     prior = found.priors[found.keys.index(parameter)]
     wanted, error = _accuracy(accuracy, prior), _force_error(force_error)
-    first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
+    first = experiments.seed_of(found.tables, seed)
     # Matrices are so small that threads would only wait for each other.
     with written_at_end(), work(progress=progress), threadpool_limits(1):
-        with Bar("loading"):
-            # ArviZ and emcee take a second, and no other design needs them.
-            from . import information
+        try:
+            with Bar("loading"):
+                # ArviZ and emcee take a second, and no other design needs them.
+                from . import information
+        except ModuleNotFoundError as missing:
+            raise StictionError(f"{missing.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
         local = information.Local(found, None if error is None else information.Error(*error))
         return _Study(local, parameter, wanted, first, threads).needed()
 
@@ -207,7 +216,7 @@ class _Study:
             kept = [text for text in settings if text in of]
             pairs = [(one, two) for place, one in enumerate(kept) for two in kept[place + 1 :]]
             choices += [self._choice(_pair_words(key, one, two), of[one] + of[two]) for one, two in pairs]
-        limit = self._limit(own.shown, choices[0].forces)
+        limit = self._limit(own.shown, choices[0])
         checked = self._checked(own, choices[0].forces)
         halves = () if checked is None else tuple((checked.halves / abs(self._prior.median)).tolist())
         return Needed(
@@ -229,8 +238,8 @@ class _Study:
         number, *interval = curve.forces(self._deviation)
         return Choice(words, number, (interval[0], interval[1]), least)
 
-    def _limit(self, shown: Shown, forces: float) -> Limit | None:
-        """The other parameter without whose uncertainty the fewest forces do."""
+    def _limit(self, shown: Shown, own: Choice) -> Limit | None:
+        """The other parameter without whose uncertainty the fewest forces do, or the interval at best is narrowest."""
         from .information import Curve
 
         found = []
@@ -238,12 +247,13 @@ class _Study:
             if place != self._place:
                 curve = Curve(shown, self._local, self._place, place)
                 found.append((curve.forces(self._deviation)[0], curve.least, place, prior))
-        if not found or forces == 0.0:
+        if not found or own.forces == 0.0:
             return None
-        number, _, place, prior = min(found, key=lambda of: of[:2])
-        if forces < math.inf and number > _MATTERS * forces:
+        number, deviation, place, prior = min(found, key=lambda of: of[:2])
+        least = _half_width(deviation, self._prior)
+        if number > _MATTERS * own.forces or (number == math.inf and least > _MATTERS * own.least):
             return None
-        return Limit(prior.key, _half_width(float(self._local.covariance[place, place] ** 0.5), prior), number)
+        return Limit(prior.key, _half_width(float(self._local.covariance[place, place] ** 0.5), prior), number, least)
 
     def _checked(self, own: Measured, forces: float) -> Experiments | None:
         from .information import simulated_experiments
@@ -256,14 +266,20 @@ class _Study:
                 return simulated_experiments(self._local, self._place, logs.reshape(_EXPERIMENTS, -1, 1), own.density(), own.shown.information())
 
 
+def _number(name: str, given: Any) -> tuple[float, str]:
+    """A number that is given, and its SI unit; % of a percentage, whose number is a fraction."""
+    try:
+        value, unit = quantities.parsed(name, given)
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+    return value, "%" if unit == "1" and "%" in str(given) else unit
+
+
 def _accuracy(given: Any, prior: Prior) -> float:
     """Half of the wanted interval over the median."""
     such = f'half of the 95 % interval is needed, such as "5 %"{"" if prior.unit == "1" else f", or with the unit of {prior.key}"}'
-    try:
-        value, unit = quantities.parsed("accuracy", given)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    relative = unit == "1" and "%" in str(given)
+    value, unit = _number("accuracy", given)
+    relative = unit == "%"
     if not value > 0.0 or not (relative or (unit != "1" and quantities.of_one_dimension([unit, prior.unit]))):
         raise SceneError(f"accuracy = {given!r}: {such}")
     if relative and value > 1.0:
@@ -276,11 +292,8 @@ def _accuracy(given: Any, prior: Prior) -> float:
 def _force_error(given: Any) -> tuple[float, bool] | None:
     if given is None:
         return None
-    try:
-        value, unit = quantities.parsed("force_error", given)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    relative = unit == "1" and "%" in str(given)
+    value, unit = _number("force_error", given)
+    relative = unit == "%"
     if not value > 0.0 or not (relative or unit == "N") or (relative and value > 0.5):
         raise SceneError(f'force_error = {given!r}: the standard deviation of a force is needed, such as "5 nN", or up to "50 %" of it')
     return value, relative

@@ -65,7 +65,7 @@ class Patches:
         self.tables = {key: value for key, value in tables.items() if key not in ("device", "instability", "output")}
         self.tables |= {"ensemble": seeded, **({"instability": instability} if instability else {})}
         self.threads = threads
-        self.reseed(int(seeded.get("seed", 1)) if seed is None else seed)
+        self.reseed(experiments.seed_of(tables, seed))
         self._first = int(self._seeds.integers(2**62))
         with self._sampled(_PILOT) as run:
             self._scene = dict(run.attrs)

@@ -203,7 +203,7 @@ def design(
     found, prior = _ranged(scene)
     tried: list[tuple[float, Probability]] = []
     # Errors of all values are independent.
-    first = int(found.tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
+    first = experiments.seed_of(found.tables, seed)
 
     def excess(share: float) -> tuple[float, float]:
         """ln of the probability over the wanted one, and its standard error, at a fraction of the range."""

@@ -13,6 +13,7 @@ from scipy import stats
 
 from .. import quantities, stored
 from ..errors import FileError
+from ..rows import row
 
 __all__ = ["FORMAT", "RANKS", "Calibration", "open_calibration"]
 
@@ -22,6 +23,8 @@ FORMAT = "stiction-calibration"
 #: The group of files that has the ranks.
 RANKS = "calibration"
 _LEVELS = (0.5, 0.9, 0.95)
+# Column of the table in which its cells begin.
+_START = 24
 
 
 @dataclass(frozen=True)
@@ -60,16 +63,20 @@ class Calibration:
     def __str__(self) -> str:
         failed = int(self.data.attrs["failed"])
         count = f"{len(self.ranks)} of {quantities.counted(int(self.data.attrs['patches']), 'patch')}, parameters drawn from the priors"
-        width = max(len(name.partition("_")[2]) for name in [*self.names, "_experiments"])
         heads = "".join(f"{f'{100 * level:.0f} %':<16}" for level in _LEVELS)
-        lines = [f"  {'experiments':<{width}}  {count}{f'; {failed} failed, left out' if failed else ''}", f"  {'intervals of':<{width}}  {heads}ranks uniform"]
+        lines = row("experiments", f"{count}{f'; {failed} failed, left out' if failed else ''}", _START)
+        lines.append(f"  {'intervals of':<{_START - 2}}{heads}ranks: p")
         for place, (name, p) in enumerate(zip(self.names, self.p_values(), strict=True)):
             cells = []
             for level in _LEVELS:
                 hits = round(float(self.coverage(level)[place]) * len(self.ranks))
                 low, high = stats.binomtest(hits, len(self.ranks)).proportion_ci(0.95, "wilson")
                 cells.append(f"{100 * hits / len(self.ranks):.0f} ({100 * low:.0f} to {100 * high:.0f})")
-            lines.append(f"  {name.partition('_')[2].replace('_', ' '):<{width}}  {''.join(f'{cell:<16}' for cell in cells)}p = {p:.2g}")
+            label = name.partition("_")[2].replace("_", " ")
+            if len(label) > _START - 4:
+                lines.append(f"  {label}")
+                label = ""
+            lines.append(f"  {label:<{_START - 2}}{''.join(f'{cell:<16}' for cell in cells)}{quantities.number(p, 2) if p >= 1e-3 else '< 0.001'}")
         return "\n".join(lines)
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -71,7 +74,7 @@ def calibrate(
     SceneError, FileError
         As `infer`.
     StictionError
-        All experiments failed.
+        All experiments failed, a process of them was ended, or the disk is full; the message says what is kept.
     """
     if count < 2:
         raise SceneError(f"count = {count}: at least 2 experiments are needed; 100 show coverage of 90 % to ± 6 %")
@@ -88,12 +91,9 @@ def calibrate(
         if done.source is not None:
             kept.take(done.source)
         patches = over_priors(priors, kept, goals)
-        try:
+        with _ended(output):
             done.save(kept)
             _all(done, _Job(priors, measured, patches, goals), count, threads or os.cpu_count() or 1, kept)
-        except KeyboardInterrupt:
-            kept_in = f"; {partial(output)} has {done.count} experiments, resume=True goes on with them" if output is not None else ""
-            raise KeyboardInterrupt(f"interrupted{kept_in}") from None
         if not done.ranks:
             raise StictionError(f"all {count} experiments failed: {done.failed[min(done.failed)]}")
         found = Calibration(done.dataset())
@@ -101,6 +101,24 @@ def calibrate(
         if output is not None:
             done.finish(found.data, kept, force or resume)
     return found
+
+
+@contextmanager
+def _ended(output: Path | None) -> Iterator[None]:
+    """States what an interruption, a full disk or a process that ended leaves."""
+
+    def kept() -> str:
+        is_there = output is not None and partial(output).exists()
+        return f"; {partial(output)} has the experiments before, resume=True goes on with them" if output is not None and is_there else ""
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted{kept()}") from None
+    except OSError as error:
+        raise StictionError(f"{error}{kept()}") from None
+    except BrokenExecutor:
+        raise StictionError(f"a process of the experiments was ended, such as for want of memory; fewer threads need less{kept()}") from None
 
 
 @dataclasses.dataclass(frozen=True)

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .. import files
-from ..errors import FileError, StictionError
-from ..progress import Bar, work
+from ..errors import FileError
+from ..plot.style import picture
+from ..progress import work
 from ..scenes import named_files
 from ..terminal import ended, given_words, real, whole
+from . import calibration, figures, found, posterior
 
 __all__ = ["main"]
 
@@ -68,30 +70,18 @@ def _calibrate(given: argparse.Namespace) -> None:
     written = [path for path in (output, given.figure) if path is not None]
     for path in written:
         files.check(path, force=given.force or given.resume, inputs=[given.data, *named_files(given.scene)])
-    try:
-        with Bar("loading"):
-            from ..plot.style import picture
-            from . import calibration, figures
-    except ImportError as error:
-        raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
-    found = calibration.calibrate(
+    ranked = calibration.calibrate(
         given.data, given.scene, output, count=given.calibrate, seed=given.seed, threads=given.threads, end_error=given.end_error,
         emulator_error=given.emulator_error, missing=given.missing, resume=given.resume, force=given.force,
     )  # fmt: skip
-    print(f"{given.scene}\n{found}")
+    print(f"{given.scene}\n{ranked}")
     if given.figure is not None:
         with files.writing(given.figure, force=given.force or given.resume) as part:
-            part.write_bytes(picture(figures.ranks(found), given.figure.suffix))
+            part.write_bytes(picture(figures.ranks(ranked), given.figure.suffix))
     print("\n".join(str(path) for path in written))
 
 
 def _infer(given: argparse.Namespace) -> None:
-    try:
-        with Bar("loading"):
-            from ..plot.style import picture
-            from . import figures, found, posterior
-    except ImportError as error:
-        raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
     output = given.output or Path(f"{given.scene.stem}_infer.h5")
     outputs = [output, *(output.with_name(f"{scene.stem}_infer.h5") for scene in given.model)]
     written = outputs if given.figure is None else [*outputs, given.figure]

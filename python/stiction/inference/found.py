@@ -16,6 +16,7 @@ import xarray
 
 from .. import files, quantities, stored
 from ..errors import FileError, SceneError
+from ..rows import row
 
 __all__ = ["FORMAT", "Inference", "models", "open_inference"]
 
@@ -103,35 +104,47 @@ class Inference:
         """What the fitted density leaves."""
         share, noise, wanted = (100.0 * float(self.attrs[f"emulator_{name}"]) for name in ("share", "noise", "wanted"))
         text = (
-            f"{self.attrs['simulated_patches']} simulated patches; by fresh ones its error moves or widens the posterior by {share:.0f} ± {noise:.0f} % "
-            f"of its standard deviation, and their distribution is off by {100.0 * self.attrs['emulator_distance']:.2g} % at most"
+            f"{self.attrs['simulated_patches']} simulated patches; by fresh ones its error moves or widens the posterior by "
+            f"{quantities.with_error(share, noise, '%')} of its standard deviation, and their distribution is off by "
+            f"{quantities.number(100.0 * self.attrs['emulator_distance'], 2)} % at most"
         )
-        return text if share <= wanted else f"{text}: more than the {wanted:.2g} % wanted, the interval is that much off"
+        return text if share <= wanted else f"{text}: more than the {wanted:g} % wanted, the interval is that much off"
+
+    def _combinations(self) -> list[tuple[str, str]]:
+        """Rows on combinations of the parameters, from the best known to the least."""
+        rows = []
+        for k in range(self.data.identifiability.sizes["combination"]):
+            of = self.data.identifiability.isel(combination=k)
+            share, spread = 100.0 * float(of.posterior_std / of.prior_std), float(of.posterior_std)
+            known = "known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known"
+            rows.append((known, f"{_combination(of)} to {quantities.number(spread, 2)} ({quantities.number(share, 2)} % of the prior's standard deviation)"))
+        return rows
+
+    def _errors(self) -> tuple[str, str]:
+        """The row on the error of the draws."""
+        if self.attrs["is_grid"]:
+            return "grid", "of one or two priors: no error of chains"
+        worst = self.summary()
+        error = quantities.number(100.0 * worst.end_error.max(), 2)
+        return "chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {error} % of the width"
 
     def __str__(self) -> str:
         gaps = f"; not measured: {self.attrs['gaps']}" if self.attrs.get("gaps") else ""
         rows = [("data", f"{quantities.counted(int(self.attrs['patches']), 'patch')}: {self.attrs['outcomes']}{gaps}")]
-        for name, row in self.summary().iterrows():
+        for name, figures in self.summary().iterrows():
             unit = str(self.data.posterior[name].attrs["units"])
-            low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))
+            low, median, high = (quantities.si(figures[of], unit) for of in ("low", "median", "high"))
             rows.append((_words(str(name)), f"{median}, 95 % interval {low} to {high}"))
-        rows += self._batches()
-        for k in range(self.data.identifiability.sizes["combination"]):
-            of = self.data.identifiability.isel(combination=k)
-            share = 100.0 * float(of.posterior_std / of.prior_std)
-            spread = float(of.posterior_std)
-            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.{1 if share < 10.0 else 0}f} % of the prior's standard deviation)"))
+        rows += self._batches() + self._combinations()
         for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
         if self.attrs["outliers_expected"]:
             rows.append(("outliers", f"{100 * self.attrs['outliers']:.2g} % of the data, {100 * self.attrs['outliers_expected']:.2g} % by the prior"))
         rows += [("doubted", said) for said in str(self.attrs["doubted"]).splitlines()]
-        worst = self.summary()
-        rows.append(("grid", "of one or two priors: no error of chains") if self.attrs["is_grid"] else ("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
-        rows.append(("density", self._density()))
-        width = max(len(name) for name, _ in rows)
-        return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
+        rows += [self._errors(), ("density", self._density())]
+        start = max(len(name) for name, _ in rows) + 4
+        return "\n".join(line for name, text in rows for line in row(name, text, start))
 
 
 def models(results: Mapping[str, Inference]) -> pd.DataFrame:

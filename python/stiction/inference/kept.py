@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,6 +88,8 @@ class Kept:
         self.priors, self.measured, self._seed, self._threads, self._path = priors, measured, seed, threads, path
         self._pieces: list[_Piece] = []
         self._found: list[_Piece] = []
+        # Patches that were made, and the seconds they took.
+        self._made, self._took = 0, 0.0
 
     @property
     def count(self) -> int:
@@ -100,8 +103,9 @@ class Kept:
 
     def simulated(self, values: Array, replicas: int) -> list[Patches]:
         """Patches at some parameters for each set of conditions, `replicas`, a multiple of `ROW`, at each parameter set."""
-        made = []
-        with Bar("simulation", len(values) * len(self.measured.groups), "parameter sets") as bar:
+        made, sets = [], len(values) * len(self.measured.groups)
+        expected = sets * replicas * self._took / max(self._made, 1)
+        with Bar("simulation", sets, "parameter sets", expected=expected) as bar:
             for condition in range(len(self.measured.groups)):
                 step = min(max(_OF_A_SWEEP // replicas, 2), _POINTS)
                 pieces = []
@@ -122,6 +126,7 @@ class Kept:
             self._found.clear()
         measured = self.measured
         seed = int(np.random.SeedSequence([self._seed, len(self._pieces)]).generate_state(1)[0] >> 1)
+        begun = time.monotonic()
         with work(progress=False):
             made = simulate(
                 self.priors, measured.outcomes, values, units=measured.units, replicas=replicas, seed=seed, threads=self._threads,
@@ -132,6 +137,7 @@ class Kept:
         if self._path is not None:
             with files.writing_hdf5(self._path, force=True) as part:
                 self.dataset().to_netcdf(part, engine="h5netcdf", group=GROUP)
+        self._made, self._took = self._made + rows.shape[0] * ROW, self._took + time.monotonic() - begun
         return patches
 
     def _joined(self, condition: int, is_former: bool) -> Patches | None:

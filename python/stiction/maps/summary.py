@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
+from ..rows import row
 from .ellipsoids import forces_of_spheres
 from .level import LEVELS, ROWS
 from .moments import LineScan, in_numbers
@@ -18,8 +18,8 @@ from .surface import AtCutoff, Surface
 
 __all__ = ["of_line", "summary"]
 
-# Columns behind a label.
-_WIDTH = 60
+# Column in which texts begin.
+_START = 20
 
 
 def summary(surface: Surface, path: str | Path, output: Path | None = None) -> str:
@@ -67,10 +67,8 @@ def of_line(line: LineScan, path: str | Path) -> str:
     return "\n\n".join("\n".join(lines) for lines in parts)
 
 
-def _row(label: str, text: str) -> Iterator[str]:
-    """A labelled line, and lines without a label where it is too long."""
-    for place, line in enumerate(textwrap.wrap(text, _WIDTH, break_on_hyphens=False) or [""]):
-        yield f"  {label if place == 0 else '':<18}{line}"
+def _row(label: str, text: str) -> list[str]:
+    return row(label, text, _START)
 
 
 def _m(length: float) -> str:

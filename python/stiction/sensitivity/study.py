@@ -90,7 +90,7 @@ def sensitivity(
         files.check(output, force=force, inputs=inputs)
     tables, patches = _checked(found, replicas)
     most = _most(found, samples)
-    first = int(tables.get("ensemble", {}).get("seed", 1)) if seed is None else seed
+    first = experiments.seed_of(tables, seed)
     design = Design(found, tables, patches, first, threads)
     with written_at_end():
         forecast = 0

@@ -61,8 +61,17 @@ def test_a_full_disk_leaves_the_file_that_was_there(result, writer, length, tmp_
             said = capsys.readouterr().err
         except OSError as error:
             said = f"{error}\n"
-    assert said.count("\n") == 1 and str(path) in said and "File too large" in said
+    assert said.count("\n") == 1 and str(path) in said and "File too large" in said and "-> None" not in said
     assert path.read_text() == "mine" and names(tmp_path) == [path.name]
+
+
+def test_a_full_temporary_folder_is_named_with_its_error(tmp_path):
+    """As libhdf5 reports it."""
+    with pytest.raises(OSError, match=r"No space left on device: '.*whole\.h5'") as error, files.writing_hdf5(tmp_path / "mine.h5"):
+        raise RuntimeError("Set slist enabled failed (file write failed: time = now\n, file descriptor = 12, errno = 28, error message = 'No space')")
+    assert error.value.errno == 28 and names(tmp_path) == []
+    with pytest.raises(RuntimeError, match=r"^other$"), files.writing_hdf5(tmp_path / "mine.h5"):
+        raise RuntimeError("other")
 
 
 def test_results_of_python_itself_are_written_so_too(tmp_path):

@@ -3,9 +3,12 @@
 import contextlib
 import copy
 import dataclasses
+import errno
 import functools
 import io
+import itertools
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -663,7 +666,9 @@ def test_an_inference_has_the_posterior_of_the_closed_form_and_patches_in_propor
     mean = (np.log(measured.groups[0].values).sum() / 0.09 + np.log(0.05) / 0.7**2) / precision
     assert abs(logs.mean() - mean) < 0.35 * precision**-0.5 and logs.std() * precision**0.5 == pytest.approx(1.02, abs=0.15)
     assert sum(simulated) >= 150 * count and float(found.attrs["emulator_share"]) <= 0.2
-    assert "by fresh ones its error moves or widens the posterior by" in str(found) and "grid" in str(found)
+    said = str(found)
+    assert "by fresh ones its error moves or widens the posterior by" in " ".join(said.split()) and "grid" in said
+    assert max(map(len, said.splitlines())) <= 80
 
 
 def test_what_is_simulated_is_kept_gone_on_with_and_reused(simulated, tmp_path, monkeypatch):
@@ -737,5 +742,40 @@ def test_intervals_of_inferences_are_calibrated(count, simulated, tmp_path):
         for level in (0.5, 0.9, 0.95):
             assert np.abs(found.coverage(level) - level).max() < 3.3 * np.sqrt(level * (1.0 - level) / count)
         assert (found.data.check.values < 0.05).mean() < 0.05 + 3.3 * np.sqrt(0.05 * 0.95 / count)
+    lines = str(found.__class__(found.data.assign_coords(parameter=["surface_radii_coefficient_of_variation"]))).splitlines()
+    assert len(lines) == len(str(found).splitlines()) + 1 and max(map(len, [*lines, *str(found).splitlines()])) <= 80
     assert "at least 2 experiments" in reported(calibrate, simple(20), SIMPLE, count=1)
     assert "another seed" in reported(calibrate, simple(20), SIMPLE, output, count=count, seed=2, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("threads", "said"),
+    [(1, r"No space left on device: '.*ranks\.h5\.partial'; .*ranks\.h5\.partial has the experiments before, resume=True goes on"),
+     (2, r"a process of the experiments was ended, .*fewer threads need less; .*ranks\.h5\.partial has the experiments before")],
+)  # fmt: skip
+def test_a_calibration_that_a_full_disk_or_a_killed_process_ends_goes_on(threads, said, simulated, tmp_path, monkeypatch):
+    """Experiments that only have a number: the sixth finds no place on the disk, or its process is killed."""
+    output, copies, copy_file = tmp_path / "ranks.h5", itertools.count(), shutil.copyfile
+
+    def copied(source, part):
+        if next(copies) == 6:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(source), None, str(part))
+        return copy_file(source, part)
+
+    is_killed = threads == 2
+
+    def experiment(_, number):
+        if is_killed and number == 5 and not (output.parent / "again").exists():
+            os.kill(os.getpid(), signal.SIGKILL)
+        return number, calibration._Ranked(np.array([number / 10.0]), np.array([0.5]), 0.1)
+
+    monkeypatch.setattr(calibration, "_experiment", experiment)
+    with monkeypatch.context() as disk, pytest.raises(StictionError, match=said):
+        if not is_killed:
+            disk.setattr("shutil.copyfile", copied)
+        calibrate(simple(20), SIMPLE, output, count=8, threads=threads, progress=False)
+    kept = open_calibration(output.with_name("ranks.h5.partial")).ranks
+    assert [path.name for path in tmp_path.iterdir()] == ["ranks.h5.partial"] and (len(kept) == 5 if threads == 1 else len(kept) < 8)
+    (tmp_path / "again").touch()
+    found = calibrate(simple(20), SIMPLE, output, count=8, threads=threads, resume=True, progress=False)
+    assert found.ranks[:, 0].tolist() == [number / 10.0 for number in range(8)] and not output.with_name("ranks.h5.partial").exists()

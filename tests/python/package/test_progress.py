@@ -59,6 +59,17 @@ def test_work_without_a_count_has_lines_too(log):
     assert log()[-1] == "stiction spell: guesses: 4 of at most 9 letters, 0 s so far"
 
 
+def test_the_expected_time_is_shown_until_a_step_is_done(log):
+    progress.of_command("stiction spell")
+    with progress.Bar("guesses", 4, "letters", expected=300.0) as bar:
+        time.sleep(0.1)
+        bar.to(2)
+        time.sleep(0.1)
+    lines = log()
+    assert lines[0] == "stiction spell: guesses: 0 of 4 letters, 0 s so far, about 5 min left"
+    assert lines[-1] == "stiction spell: guesses: 2 of 4 letters, 0 s so far, about 0 s left"
+
+
 def test_work_has_its_words_before_others_and_decides_for_them(log):
     progress.of_command("stiction spell")
     with progress.work("batch 2"):
@@ -94,6 +105,8 @@ with progress.work("another scene.toml: batch 1 of at most 8: condition 11 of 12
         time.sleep(0.02)
     with progress.Bar("density"):
         time.sleep(0.5)
+    with progress.Bar("posterior", 30, "points", expected=300.0):
+        time.sleep(0.5)
 """
 
 
@@ -116,6 +129,7 @@ def test_a_terminal_has_one_line_that_goes():
     assert "\n" not in shown.decode() and max(map(len, parts)) <= 80
     assert any(part.startswith("batch 1 of at most 8: condition 11 of 12: ") and re.search(r"\d+ of 30 points, 00:00, 00:00 left", part) for part in parts)
     assert any("density: 00:00" in part for part in parts)
+    assert any("posterior: " in part and "0 of 30 points, 00:00, about 5 min left" in part for part in parts)
     # Nothing is left of it.
     assert parts[-1].strip() == "" and parts[-2].strip() == ""
 

@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.special import log_ndtr
 
 __all__ = ["Density", "fit", "log_sum_exp"]
 
@@ -78,13 +77,6 @@ class Density:
         """Log weights (points, parts), means and widths (points, parts, outcomes) of ln outcome at x."""
         log_weights, means, log_widths = _parts(_monomials(x, 2 if len(self.curvature) else 1), self.slopes, self.curvature)
         return log_weights, self.shift + self.scale * means, self.scale * _width(log_widths)
-
-    def cumulative(self, x: Array, logs: Array) -> Array:
-        """P(outcome j ≤ e^logs) at each of the points x; (points, outcomes) of logs of that shape."""
-        log_weights, means, widths = self.parts(x)
-        each = np.exp(log_ndtr((logs[:, None, :] - means) / widths) + log_weights[..., None])
-        result: Array = each.sum(axis=1)
-        return result
 
     def draw(self, x: Array, random: np.random.Generator) -> Array:
         """One patch at each of the points x: logarithms of its outcomes, (points, outcomes)."""

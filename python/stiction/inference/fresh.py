@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
-from .data import Group
-from .emulator import Emulator, Patches, as_measured
+from .data import EXACT, Group
+from .emulator import Patches, as_measured
 from .likelihood import Likelihood
 
 __all__ = ["Misfit", "described", "misfit", "scatter", "scores"]
@@ -71,7 +72,7 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
         found, errors = _regression(table, each)
         shifts += count * found
         squares += (count * errors) ** 2
-        distance = max(distance, _distance(likelihood.emulator.of_group(place), patches))
+        distance = max(distance, _distance(likelihood, place, patches, random))
     # Of the standardised posterior to each parameter's own.
     own = root / std[:, None]
     shift, shift_noise = own @ shifts[:, 0], np.sqrt(own**2 @ squares[:, 0])
@@ -169,10 +170,11 @@ def scores(likelihood: Likelihood, place: int, group: Group, values: Array, axes
     return result
 
 
-def _distance(emulator: Emulator, patches: Patches) -> float:
-    """Kolmogorov's distance of the patches' P(outcome ≤ theirs) from the uniform distribution, the largest of all outcomes."""
-    (density,) = emulator.densities
-    x = emulator.scaled(np.repeat(patches.values, patches.logs.shape[1], axis=0))
-    uniform = np.sort(density.cumulative(x, patches.logs.reshape(len(x), -1)), axis=0)
-    places = np.arange(len(uniform))[:, None] / len(uniform)
-    return float(max((places + 1.0 / len(uniform) - uniform).max(), (uniform - places).max()))
+def _distance(likelihood: Likelihood, place: int, patches: Patches, random: np.random.Generator) -> float:
+    """Kolmogorov's distance of P(outcome ≤ a patch's measured one) over patches from the uniform distribution, the largest of all outcomes."""
+    group, emulator, each = likelihood.measured.groups[place], likelihood.emulator.of_group(place), []
+    for values, logs in zip(patches.values, patches.logs, strict=True):
+        measured = as_measured(group, logs, random)
+        each.append(np.where(measured.kinds == EXACT, emulator.cumulative((measured,), values[None])[0], np.nan))
+    columns = (column[~np.isnan(column)] for column in np.concatenate(each).T)
+    return max((float(stats.ks_1samp(column, stats.uniform.cdf).statistic) for column in columns if column.size), default=0.0)

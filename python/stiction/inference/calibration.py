@@ -5,9 +5,6 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
-from collections.abc import Iterator
-from concurrent.futures import BrokenExecutor
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +21,7 @@ from ..scenes import Scene, named_files, toml
 from .calibrated import FORMAT, RANKS, Calibration, open_calibration
 from .data import EXACT, MISSING, Group, Measurements
 from .emulator import Patches, as_measured, simulate
-from .kept import GROUP, Kept, partial, source
+from .kept import GROUP, Kept, ended, partial, source
 from .posterior import Goals, checked, over_priors, posterior
 
 __all__ = ["calibrate"]
@@ -91,7 +88,7 @@ def calibrate(
         if done.source is not None:
             kept.take(done.source)
         patches = over_priors(priors, kept, goals)
-        with _ended(output):
+        with ended(output, "the experiments before"):
             done.save(kept)
             _all(done, _Job(priors, measured, patches, goals), count, threads or os.cpu_count() or 1, kept)
         if not done.ranks:
@@ -101,24 +98,6 @@ def calibrate(
         if output is not None:
             done.finish(found.data, kept, force or resume)
     return found
-
-
-@contextmanager
-def _ended(output: Path | None) -> Iterator[None]:
-    """States what an interruption, a full disk or a process that ended leaves."""
-
-    def kept() -> str:
-        is_there = output is not None and partial(output).exists()
-        return f"; {partial(output)} has the experiments before, resume=True goes on with them" if output is not None and is_there else ""
-
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted{kept()}") from None
-    except OSError as error:
-        raise StictionError(f"{error}{kept()}") from None
-    except BrokenExecutor:
-        raise StictionError(f"a process of the experiments was ended, such as for want of memory; fewer threads need less{kept()}") from None
 
 
 @dataclasses.dataclass(frozen=True)

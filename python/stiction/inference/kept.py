@@ -7,6 +7,8 @@ import json
 import os
 import time
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,14 +18,14 @@ import xarray
 from numpy.typing import NDArray
 
 from .. import files, stored
-from ..errors import FileError
+from ..errors import FileError, StictionError
 from ..priors import Priors
 from ..progress import Bar, work
 from ..version import __version__
 from .data import Measurements
 from .emulator import ROW, Patches, simulate
 
-__all__ = ["GROUP", "Kept", "partial", "source"]
+__all__ = ["GROUP", "Kept", "ended", "partial", "source"]
 
 Array = NDArray[np.float64]
 #: The group of files that has the patches.
@@ -57,6 +59,25 @@ def source(output: Path, resume: bool, force: bool) -> Path | None:
             f"{partial(output)}: has the patches of an interrupted inference; resume=True goes on with them, force=True begins anew"
         )
     return None
+
+
+@contextmanager
+def ended(output: Path | None, what: str) -> Iterator[None]:
+    """States what an interruption, a full disk or a process that ended leaves in the file of an unfinished inference."""
+
+    def kept() -> str:
+        if output is None:
+            return "; nothing was kept, as no output was named"
+        return f"; {partial(output)} has {what}; resume=True goes on with them" if partial(output).exists() else "; nothing was simulated yet"
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted{kept()}") from None
+    except OSError as error:
+        raise StictionError(f"{error}{kept()}") from None
+    except BrokenExecutor:
+        raise StictionError(f"a process of the experiments was ended, such as for want of memory; fewer threads need less{kept()}") from None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import dataclasses
 import math
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from .. import experiments, files, quantities
 from .. import priors as scenes
-from ..errors import SceneError, StictionError, written_at_end
+from ..errors import SceneError, StictionError
 from ..priors import Priors
 from ..progress import Bar, work
 from ..scenes import Scene, named_files, toml
@@ -42,7 +41,7 @@ from .emulator import (
 from .found import FORMAT, Inference
 from .fresh import Misfit, described, misfit, scatter, scores
 from .grid import on_grid
-from .kept import GROUP, Kept, partial, source
+from .kept import GROUP, Kept, ended, partial, source
 from .likelihood import Likelihood, outlier_range
 from .sampling import Chains, independent, sample, weighted
 
@@ -152,26 +151,12 @@ def infer(
         kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
         if (taken := begun or reuse) is not None:
             kept.take(taken)
-        with _interrupted(kept, output):
+        with ended(output, "the patches simulated before"):
             found = _inferred(measured, priors, kept, Goals(seed, end_error, emulator_error))
     if output is not None:
         found.save(output, force=force or resume)
         partial(output).unlink(missing_ok=True)
     return found
-
-
-@contextmanager
-def _interrupted(kept: Kept, output: Path | None) -> Iterator[None]:
-    """States what an interruption leaves."""
-    if output is None:
-        with written_at_end():
-            yield
-        return
-    try:
-        yield
-    except KeyboardInterrupt:
-        what = f"{partial(output)} has {quantities.counted(kept.count, 'simulated patch')}; resume=True goes on with them" if kept.count else "nothing was simulated yet"
-        raise KeyboardInterrupt(f"interrupted; {what}") from None
 
 
 def checked(data: str | Path | Measurements, scene: Scene, missing: str = "refuse") -> tuple[Measurements, Priors]:

@@ -683,7 +683,7 @@ def test_what_is_simulated_is_kept_gone_on_with_and_reused(simulated, tmp_path, 
         return own(*arguments, **named)
 
     monkeypatch.setattr(kept, "simulate", interrupted)
-    with pytest.raises(KeyboardInterrupt, match=r"out.h5.partial has \d+ simulated patches; resume=True goes on"):
+    with pytest.raises(KeyboardInterrupt, match=r"out.h5.partial has the patches simulated before; resume=True goes on"):
         infer(measured, SIMPLE, output, progress=False)
     assert [path.name for path in tmp_path.iterdir()] == ["out.h5.partial"]
     assert "has the patches of an interrupted inference; resume=True goes on" in reported(infer, measured, SIMPLE, output)
@@ -750,7 +750,7 @@ def test_intervals_of_inferences_are_calibrated(count, simulated, tmp_path):
 
 @pytest.mark.parametrize(
     ("threads", "said"),
-    [(1, r"No space left on device: '.*ranks\.h5\.partial'; .*ranks\.h5\.partial has the experiments before, resume=True goes on"),
+    [(1, r"No space left on device: '.*ranks\.h5\.partial'; .*ranks\.h5\.partial has the experiments before; resume=True goes on"),
      (2, r"a process of the experiments was ended, .*fewer threads need less; .*ranks\.h5\.partial has the experiments before")],
 )  # fmt: skip
 def test_a_calibration_that_a_full_disk_or_a_killed_process_ends_goes_on(threads, said, simulated, tmp_path, monkeypatch):

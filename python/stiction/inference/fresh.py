@@ -12,7 +12,7 @@ from .data import EXACT, Group
 from .emulator import Patches, as_measured
 from .likelihood import Likelihood
 
-__all__ = ["Misfit", "described", "misfit", "scatter", "scores"]
+__all__ = ["Misfit", "gain", "misfit", "scatter", "scores"]
 
 Array = NDArray[np.float64]
 # Steps of differences along the posterior's axes, in its standard deviations.
@@ -85,16 +85,17 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
     return Misfit(float(errors[worst]), float(noises[worst]), distance)
 
 
-def described(likelihood: Likelihood, fresh: list[Patches], seed: int) -> float:
-    """The expectation of ln of the likelihood of data like the given ones at draws of the posterior, from patches that the density was not fitted to."""
-    random, result = np.random.default_rng(seed), 0.0
-    for place, (group, patches) in enumerate(zip(likelihood.measured.groups, fresh, strict=True)):
-        each = [
-            likelihood.mixed(place, as_measured(group, likelihood.with_outliers(logs, random), random), values[None])
-            for values, logs in zip(patches.values, patches.logs, strict=True)
-        ]
-        result += len(group.values) * float(np.mean(each))
-    return result
+def gain(one: Likelihood, other: Likelihood, fresh: list[Patches], seed: int) -> float:
+    """By how much `other` makes data like the given ones more likely, in ln, from patches that neither was fitted to: the expectation less two standard errors."""
+    random, found, square = np.random.default_rng(seed), 0.0, 0.0
+    for place, (group, patches) in enumerate(zip(one.measured.groups, fresh, strict=True)):
+        each = []
+        for values, logs in zip(patches.values, patches.logs, strict=True):
+            measured = as_measured(group, one.with_outliers(logs, random), random)
+            each.append(other.mixed(place, measured, values[None]) - one.mixed(place, measured, values[None]))
+        found += len(group.values) * float(np.mean(each))
+        square += len(group.values) ** 2 * float(np.var(each)) / np.size(each)
+    return found - 2.0 * float(np.sqrt(square))
 
 
 def _regression(table: Array, each: Array) -> tuple[Array, Array]:

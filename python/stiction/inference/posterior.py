@@ -39,7 +39,7 @@ from .emulator import (
     try_out,
 )
 from .found import FORMAT, Inference
-from .fresh import Misfit, described, misfit, scatter, scores
+from .fresh import Misfit, gain, misfit, scatter, scores
 from .grid import on_grid
 from .kept import GROUP, Kept, ended, partial, source
 from .likelihood import Likelihood, outlier_range
@@ -239,8 +239,7 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
                 rest = math.sqrt(len(patches[0].values) / (len(patches[0].values) + len(fresh[0].values) + len(more[0].values)))
                 found = dataclasses.replace(found, share=max(found.share, rest * scatter(likelihood, patches, z[:_SCATTER]) if batch > 1 else 1.0))
                 if level + 1 < len(PARTS):
-                    finer = likelihood.refitted(patches, PARTS[level + 1])
-                    level += described(finer, fresh, batch) > described(likelihood, fresh, batch) + _BETTER
+                    level += gain(likelihood, likelihood.refitted(patches, PARTS[level + 1]), fresh, batch) > _BETTER
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
             if (batch > 1 and max(found.share, found.noise) <= goals.emulator_error) or batch == _MOST_BATCHES:
                 break

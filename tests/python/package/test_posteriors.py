@@ -33,7 +33,7 @@ def test_forces_of_equal_heights_are_equal(name, tmp_path):
     assert result.replicas.pull_off_force.values == pytest.approx(audit["patches"]["forces"], rel=1e-10)
 
 
-# 2000 forces take half an hour of processor time.
+# 2000 forces take six minutes of processor time.
 FULL = os.environ.get("STICTION_POSTERIORS") == "full"
 
 

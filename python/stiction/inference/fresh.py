@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from .data import EXACT, Group
+from .data import EXACT, MISSING, Group
 from .emulator import Patches, as_measured
 from .likelihood import Likelihood
 
@@ -174,6 +175,8 @@ def scores(likelihood: Likelihood, place: int, group: Group, values: Array, axes
 def _distance(likelihood: Likelihood, place: int, patches: Patches, random: np.random.Generator) -> float:
     """Kolmogorov's distance of P(outcome ≤ a patch's measured one) over patches from the uniform distribution, the largest of all outcomes."""
     group, emulator, each = likelihood.measured.groups[place], likelihood.emulator.of_group(place), []
+    # Limits would leave the upper or lower ones alone.
+    group = dataclasses.replace(group, kinds=np.where(group.kinds == MISSING, MISSING, EXACT))
     for values, logs in zip(patches.values, patches.logs, strict=True):
         measured = as_measured(group, logs, random)
         each.append(np.where(measured.kinds == EXACT, emulator.cumulative((measured,), values[None])[0], np.nan))

@@ -25,6 +25,8 @@ _ENSEMBLES = 4
 _WALKERS = 48
 # Draws between two looks at the chains, the most draws, and steps from one draw to the next.
 _BLOCK, _MOST_DRAWS, _THIN = 20, 400, 4
+# How far apart walkers begin at least, in standard deviations.
+_APART = 1e-3
 _LEAST_EFFECTIVE = 1600.0
 _R_HAT = 1.01
 # Draws of the prior that importance sampling begins with, draws of its last proposal, and rounds of proposals.
@@ -96,6 +98,8 @@ def sample(
         return result
 
     random = np.random.default_rng(seed)
+    # Between draws that are equal no direction leads.
+    start = start + _APART * start.std(axis=0) * random.standard_normal(start.shape)
     # Proposals from a density estimate of the other walkers forget where a walker was; the others reach where that is thin.
     moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
     samplers, states = [], []

@@ -391,6 +391,13 @@ def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form(way):
     assert abs(middle - mean) < 0.5 * std and abs(np.sqrt(weights @ (found - middle) ** 2) / std - 1.0) < 0.15
 
 
+def test_walkers_that_begin_at_equal_places_spread_over_the_posterior():
+    """A rough posterior of few draws, each many times: the standard deviation of a product of two normal laws to 5 %, with the seed fixed."""
+    start = np.repeat(np.random.default_rng(3).standard_normal((4, 3)), 1000, axis=0)
+    found = sampling.sample(lambda z: -0.5 * (z**2).sum(axis=1), start, seed=1)
+    assert found.z.std(axis=(0, 1)) == pytest.approx(0.5**0.5, rel=0.05)
+
+
 @pytest.mark.parametrize("width", [0.3, 0.003])
 def test_a_thin_posterior_that_lies_askew_is_found_by_the_grid(width):
     """Two scores of which a sum is known: mean and covariance of the closed form, to four Monte Carlo errors of 8000 stratified draws, which err less."""

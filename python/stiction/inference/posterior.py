@@ -43,7 +43,7 @@ from .fresh import Misfit, gain, misfit, scatter, scores
 from .grid import on_grid
 from .kept import GROUP, Kept, ended, partial, source
 from .likelihood import Likelihood, outlier_range
-from .sampling import Chains, independent, sample, weighted
+from .sampling import Chains, independent, rough, sample
 
 __all__ = ["Goals", "Posterior", "checked", "infer", "over_priors", "posterior"]
 
@@ -272,8 +272,7 @@ def _rough(likelihood: Likelihood, about: Array | None, random: np.random.Genera
 
     if likelihood.is_gridded and (found := on_grid(tempered, likelihood.dimensions, _ROUGH_DRAWS, random, about=about, is_rough=True)):
         return found[0]
-    z, weights = weighted(tempered, likelihood.dimensions, random, about=about)
-    return np.asarray(z[random.choice(len(z), _ROUGH_DRAWS, p=weights)])
+    return rough(tempered, likelihood.dimensions, _ROUGH_DRAWS, random, about=about)
 
 
 def _batch(

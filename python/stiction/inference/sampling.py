@@ -16,7 +16,7 @@ from ..errors import StictionError
 from ..progress import Bar, steps
 from .density import log_sum_exp
 
-__all__ = ["Chains", "independent", "sample", "weighted"]
+__all__ = ["Chains", "independent", "rough", "sample", "weighted"]
 
 Array = NDArray[np.float64]
 # Independent ensembles of walkers. R̂ compares them; effective sample sizes are by the autocorrelation of every walker.
@@ -25,12 +25,14 @@ _ENSEMBLES = 4
 _WALKERS = 48
 # Draws between two looks at the chains, the most draws, and steps from one draw to the next.
 _BLOCK, _MOST_DRAWS, _THIN = 20, 400, 4
-# How far apart walkers begin at least, in standard deviations.
-_APART = 1e-3
+# How far apart walkers begin at least, in standard deviations, and steps after which they have forgotten where.
+_APART, _FORGOTTEN = 1e-3, 100
 _LEAST_EFFECTIVE = 1600.0
 _R_HAT = 1.01
-# Draws of the prior that importance sampling begins with, draws of its last proposal, and rounds of proposals.
-_BANK, _DRAWS, _ROUNDS = 4000, 6000, 5
+# Draws of importance sampling that have to count; where fewer do, walkers go on.
+_COUNTING = 400.0
+# Draws of the prior that importance sampling begins with, draws of its last proposal, and rounds of proposals at most.
+_BANK, _DRAWS, _ROUNDS = 4000, 6000, 20
 
 
 @dataclass(frozen=True)
@@ -90,26 +92,12 @@ def sample(
     StictionError
         The chains do not agree after the largest number of draws.
     """
-    dimensions = start.shape[1]
-    walkers = _WALKERS * dimensions
-
-    def log_probability(z: Array) -> Array:
-        result: Array = log_likelihood(z) - 0.5 * (z**2).sum(axis=1)
-        return result
-
     random = np.random.default_rng(seed)
-    # Between draws that are equal no direction leads.
-    start = start + _APART * start.std(axis=0) * random.standard_normal(start.shape)
-    # Proposals from a density estimate of the other walkers forget where a walker was; the others reach where that is thin.
-    moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
     samplers, states = [], []
     for _ in steps(range(_ENSEMBLES), "first steps", "ensembles"):
-        sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, vectorize=True, moves=moves)
-        begin = start[random.choice(len(start), walkers, replace=False)]
-        state = emcee.State(begin, random_state=np.random.RandomState(random.integers(2**31)).get_state())
-        # Steps that walkers need to forget where they began.
-        states.append(sampler.run_mcmc(state, 100, store=False, skip_initial_state_check=True))
+        sampler, state = _ensemble(log_likelihood, start, random)
         samplers.append(sampler)
+        states.append(state)
     draws = 0
     with Bar("posterior", _MOST_DRAWS, "draws", at_most=True) as bar:
         while True:
@@ -136,6 +124,25 @@ def sample(
                 )
 
 
+def _ensemble(log_likelihood: Callable[[Array], Array], start: Array, random: np.random.Generator) -> tuple[Any, Any]:
+    """An ensemble of walkers that have forgotten where they began."""
+    dimensions = start.shape[1]
+    walkers = _WALKERS * dimensions
+
+    def log_probability(z: Array) -> Array:
+        result: Array = log_likelihood(z) - 0.5 * (z**2).sum(axis=1)
+        return result
+
+    # Proposals from a density estimate of the other walkers forget where a walker was; the others reach where that is thin.
+    moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
+    sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, vectorize=True, moves=moves)
+    begin = start[random.choice(len(start), walkers, replace=False)]
+    # Between walkers at equal places no direction leads.
+    begin = begin + _APART * start.std(axis=0) * random.standard_normal(begin.shape)
+    state = emcee.State(begin, random_state=np.random.RandomState(random.integers(2**31)).get_state())
+    return sampler, sampler.run_mcmc(state, _FORGOTTEN, store=False, skip_initial_state_check=True)
+
+
 def _judged(z: Array, logs: Array, acceptance: float) -> Chains:
     ensembles, draws, walkers, dimensions = z.shape
     apart = z.transpose(0, 2, 1, 3).reshape(ensembles * walkers, draws, dimensions)
@@ -157,6 +164,22 @@ def independent(z: Array, logs: Array) -> Chains:
     ensembles, draws = _ENSEMBLES, len(z) // _ENSEMBLES
     count = ensembles * draws
     return _judged(z[:count].reshape(ensembles, draws, 1, -1), logs[:count].reshape(ensembles, draws, 1), 1.0)
+
+
+def rough(
+    log_likelihood: Callable[[Array], Array], dimensions: int, count: int, random: np.random.Generator, *, about: Array | None = None
+) -> Array:
+    """Draws of a rough posterior, (count, parameters): by importance sampling, and by walkers where few of its draws count.
+
+    It takes the arguments of `weighted`. Posteriors that are thin and curved are far from every proposal.
+    """
+    z, weights = weighted(log_likelihood, dimensions, random, about=about)
+    if 1.0 / (weights**2).sum() >= _COUNTING:
+        return np.asarray(z[random.choice(len(z), count, p=weights)])
+    _, tempered = _tempered(np.log(np.maximum(weights, 1e-300)), _COUNTING)
+    sampler, state = _ensemble(log_likelihood, z[random.choice(len(z), count, p=tempered)], random)
+    sampler.run_mcmc(state, -(-count // (_WALKERS * dimensions)), thin_by=_THIN, skip_initial_state_check=True)
+    return np.asarray(sampler.get_chain(flat=True)[:count])
 
 
 def weighted(
@@ -187,22 +210,32 @@ def weighted(
     prior = stats.multivariate_normal(np.zeros(dimensions))
     z = random.standard_normal((_BANK, dimensions)) if about is None else about
     logs = log_likelihood(z)
+    rounds_at_posterior = 0
     for round_of in range(_ROUNDS):
-        # Tempered until several draws count.
-        for power in 0.7 ** np.arange(40):
-            weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
-            weights /= weights.sum()
-            if 1.0 / (weights**2).sum() > 20.0 * dimensions:
-                break
+        power, weights = _tempered(logs, 20.0 * dimensions)
+        rounds_at_posterior += bool(power == 1.0)
+        is_last = rounds_at_posterior == 2 or round_of == _ROUNDS - 1
         centre = weights @ z
         spread = 1.3 * np.cov(z.T, aweights=weights, ddof=0).reshape(dimensions, -1) + 1e-9 * np.eye(dimensions)
         proposal = stats.multivariate_t(centre, spread, df=5)
-        count = draws if round_of == _ROUNDS - 1 else draws // 3
+        count = draws if is_last else draws // 3
         from_prior = count // 10
         z = np.concatenate(
             [np.atleast_2d(proposal.rvs(count - from_prior, random_state=random)).reshape(-1, dimensions), random.standard_normal((from_prior, dimensions))]
         )
         density = np.logaddexp(proposal.logpdf(z) + np.log(0.9), prior.logpdf(z) + np.log(0.1))
         logs = log_likelihood(z) + prior.logpdf(z) - density
+        if is_last:
+            break
     weights = np.exp(logs - log_sum_exp(logs, axis=0))
     return z, weights
+
+
+def _tempered(logs: Array, count: float) -> tuple[float, Array]:
+    """The largest power of weights, of at most 1, with which so many draws count, and these weights."""
+    for power in 0.7 ** np.arange(40):
+        weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
+        weights /= weights.sum()
+        if 1.0 / (weights**2).sum() > count:
+            break
+    return float(power), weights

@@ -223,7 +223,7 @@ def _roles(table: Table, known: Mapping[str, str] | None) -> _Roles:
     if len(roles.batches) > 1:
         raise FileError(f"{roles.batches[1].title}: a second column of batches; one may be there")
     if not roles.outcomes:
-        such = next(iter(known or ()), "pull_off_force")
+        such = "pull_off_force" if not known or "pull_off_force" in known else next(iter(known))
         raise FileError(f"{table.path}: no column has an outcome, such as `{such} (uN)`")
     return roles
 

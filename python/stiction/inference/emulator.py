@@ -49,7 +49,7 @@ _MOST_NUMBERS = 2_000_000
 #: Patches of a point that stand together.
 ROW = 50
 # Points of the priors at which patches are tried where data are off those in the middle, and how far they are off.
-_TRIED, _FAR_OFF = 16, 1e3
+_TRIED, _FAR_OFF = 16, 100.0
 #: The key of the factor that all measured forces share; the scene of the program has none.
 FORCE_SCALE = "calibration.force_scale"
 # The largest fraction of patches at a point that may lack an outcome, as a patch without tall tips that no preload reaches.
@@ -191,7 +191,7 @@ def try_out(priors: Priors, measured: Measurements) -> None:
     Raises
     ------
     SceneError
-        As `simulate`, or the data are more than a factor of 1000 off what patches have, also over the priors.
+        As `simulate`, or the data are more than a factor of 100 off what patches have, also over the priors.
     """
     for group in measured.groups:
         for values in (_middle(priors), design(priors, _TRIED, 1)):

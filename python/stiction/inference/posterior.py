@@ -147,11 +147,11 @@ def infer(
         files.check(output, force=force or resume, inputs=inputs)
     # Matrices are so small that threads would only wait for each other.
     with work(progress=progress), threadpool_limits(1):
-        measured, priors = checked(data, scene, missing)
-        kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
-        if (taken := begun or reuse) is not None:
-            kept.take(taken)
         with ended(output, "the patches simulated before"):
+            measured, priors = checked(data, scene, missing)
+            kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
+            if (taken := begun or reuse) is not None:
+                kept.take(taken)
             found = _inferred(measured, priors, kept, Goals(seed, end_error, emulator_error))
     if output is not None:
         found.save(output, force=force or resume)

@@ -621,7 +621,7 @@ def test_the_expected_information_is_that_of_the_closed_form():
     """20 normal outcomes of the scatter 0.3 have 20/0.09 about the mean; within 15 %, fixed seed."""
     prior, made = normal_experiment()
     group = data.Group({}, np.ones((20, 1)), np.zeros((20, 1)), np.zeros((20, 1), dtype=int))
-    found = posterior._fisher(np.array([0.8]), np.array([0.07]), of_data(made, prior, (group,)), np.random.default_rng(2))
+    found = posterior._fisher(np.array([0.8]), np.array([[0.07]]), of_data(made, prior, (group,)), np.random.default_rng(2))
     assert found[0, 0] == pytest.approx(20 / 0.09, rel=0.15)
 
 

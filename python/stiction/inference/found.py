@@ -123,7 +123,7 @@ class Inference:
     def _errors(self) -> tuple[str, str]:
         """The row on the error of the draws."""
         if self.attrs["is_grid"]:
-            return "grid", "of one or two priors: no error of chains"
+            return "grid", "of one or two priors; no chains that would have to agree"
         worst = self.summary()
         error = quantities.number(100.0 * worst.end_error.max(), 2)
         return "chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {error} % of the width"

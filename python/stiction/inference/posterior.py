@@ -219,8 +219,13 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
     around: Array | None = None
     wide: Array | None = None
     level, batch = 0, 0
+    if kept.former() is not None:
+        # Most of them are where a posterior was.
+        random, likelihood = np.random.default_rng([goals.seed, batch]), _likelihood(measured, priors, patches, None, level)
+        wide = _rough(likelihood, None, random, _FLANKS)
+        around = priors.natural(likelihood.of_any_batch(wide, random))
     while True:
-        batch += 1
+        batch, is_local = batch + 1, around is not None
         random = np.random.default_rng([goals.seed, batch])
         with work(f"batch {batch} of at most {_MOST_BATCHES}"):
             likelihood = _likelihood(measured, priors, patches, around, level)
@@ -231,17 +236,17 @@ def posterior(measured: Measurements, kept: Kept, patches: list[Patches], goals:
             of_batches = likelihood.of_batches(z, random)
             covariance = _of_each_batch(priors, of_batches)
             near = of_batches[np.arange(len(z)), random.integers(of_batches.shape[1], size=len(z))]
-            made = _batch(kept, (near, flanks), random, _ROUGH if batch == 1 else _FRESH)
+            made = _batch(kept, (near, flanks), random, _FRESH if is_local else _ROUGH)
             fresh, more = (_floored(of, floors) for of in made)
             with Bar("error of the density"):
                 found = misfit(likelihood, fresh, covariance, random)
                 # The density of the result has the patches of this batch, too.
                 rest = math.sqrt(len(patches[0].values) / (len(patches[0].values) + len(fresh[0].values) + len(more[0].values)))
-                found = dataclasses.replace(found, share=max(found.share, rest * scatter(likelihood, patches, z[:_SCATTER]) if batch > 1 else 1.0))
+                found = dataclasses.replace(found, share=max(found.share, rest * scatter(likelihood, patches, z[:_SCATTER]) if is_local else 1.0))
                 if level + 1 < len(PARTS):
                     level += gain(likelihood, likelihood.refitted(patches, PARTS[level + 1]), fresh, batch) > _BETTER
             patches = [one + two + three for one, two, three in zip(patches, fresh, more, strict=True)]
-            if (batch > 1 and max(found.share, found.noise) <= goals.emulator_error) or batch == _MOST_BATCHES:
+            if (is_local and max(found.share, found.noise) <= goals.emulator_error) or batch == _MOST_BATCHES:
                 break
     random = np.random.default_rng([goals.seed, 0])
     with work("result"):

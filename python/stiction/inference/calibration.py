@@ -21,7 +21,7 @@ from ..scenes import Scene, named_files, toml
 from .calibrated import FORMAT, RANKS, Calibration, open_calibration
 from .data import EXACT, MISSING, Group, Measurements
 from .emulator import Patches, as_measured, simulate
-from .kept import GROUP, Kept, ended, partial, source
+from .kept import GROUP, Kept, partial, source, stating_what_is_kept
 from .posterior import Goals, checked, over_priors, posterior
 
 __all__ = ["calibrate"]
@@ -81,14 +81,14 @@ def calibrate(
     if output is not None:
         files.check(output, force=force or resume, inputs=named_files(scene))
     with work(progress=progress), threadpool_limits(1):
-        measured, priors = checked(data, scene, missing)
-        kept = Kept(priors, measured, seed, threads)
-        goals = Goals(seed, end_error, emulator_error)
-        done = _Done(priors, measured, goals, output, begun)
-        if done.source is not None:
-            kept.take(done.source)
-        patches = over_priors(priors, kept, goals)
-        with ended(output, "the experiments before"):
+        with stating_what_is_kept(output, "the experiments before"):
+            measured, priors = checked(data, scene, missing)
+            kept = Kept(priors, measured, seed, threads)
+            goals = Goals(seed, end_error, emulator_error)
+            done = _Done(priors, measured, goals, output, begun)
+            if done.source is not None:
+                kept.take(done.source)
+            patches = over_priors(priors, kept, goals)
             done.save(kept)
             _all(done, _Job(priors, measured, patches, goals), count, threads or os.cpu_count() or 1, kept)
         if not done.ranks:

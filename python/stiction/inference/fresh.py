@@ -87,7 +87,10 @@ def misfit(likelihood: Likelihood, fresh: list[Patches], covariance: Array, rand
 
 
 def gain(one: Likelihood, other: Likelihood, fresh: list[Patches], seed: int) -> float:
-    """By how much `other` makes data like the given ones more likely, in ln, from patches that neither was fitted to: the expectation less two standard errors."""
+    """Gain of the expected ln of the likelihood of data like the given ones by `other` over `one`, less two standard errors.
+
+    The expectation is over patches to which neither was fitted.
+    """
     random, found, square = np.random.default_rng(seed), 0.0, 0.0
     for place, (group, patches) in enumerate(zip(one.measured.groups, fresh, strict=True)):
         each = []
@@ -133,7 +136,7 @@ def scatter(likelihood: Likelihood, patches: list[Patches], z: Array) -> float:
 
 
 def _half(of: Patches, way: int, which: int) -> Patches:
-    """The rows of patches whose numbers have an even or an odd number of the bits of `way`."""
+    """The first (0) or the second (1) half of the rows, by the sum of binary digits of their numbers: the last digit, the one before it, or both, for the ways 1, 2 and 3."""
     rows = np.bitwise_count(np.arange(len(of.values)) & way) % 2 == which
     return Patches(of.values[rows], of.logs[rows])
 

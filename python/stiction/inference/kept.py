@@ -25,7 +25,7 @@ from ..version import __version__
 from .data import Measurements
 from .emulator import ROW, Patches, simulate
 
-__all__ = ["GROUP", "Kept", "ended", "partial", "source"]
+__all__ = ["GROUP", "Kept", "partial", "source", "stating_what_is_kept"]
 
 Array = NDArray[np.float64]
 #: The group of files that has the patches.
@@ -62,13 +62,13 @@ def source(output: Path, resume: bool, force: bool) -> Path | None:
 
 
 @contextmanager
-def ended(output: Path | None, what: str) -> Iterator[None]:
+def stating_what_is_kept(output: Path | None, what: str) -> Iterator[None]:
     """States what an interruption, a full disk or a process that ended leaves in the file of an unfinished inference."""
 
     def kept() -> str:
         if output is None:
             return "; nothing was kept, as no output was named"
-        return f"; {partial(output)} has {what}; resume=True goes on with them" if partial(output).exists() else "; nothing was simulated yet"
+        return f"; {partial(output)} has {what}; resume=True goes on with them" if partial(output).exists() else "; nothing is kept yet"
 
     try:
         yield

@@ -41,7 +41,7 @@ from .emulator import (
 from .found import FORMAT, Inference
 from .fresh import Misfit, gain, misfit, scatter, scores
 from .grid import on_grid
-from .kept import GROUP, Kept, ended, partial, source
+from .kept import GROUP, Kept, partial, source, stating_what_is_kept
 from .likelihood import Likelihood, outlier_range
 from .sampling import Chains, independent, rough, sample
 
@@ -147,7 +147,7 @@ def infer(
         files.check(output, force=force or resume, inputs=inputs)
     # Matrices are so small that threads would only wait for each other.
     with work(progress=progress), threadpool_limits(1):
-        with ended(output, "the patches simulated before"):
+        with stating_what_is_kept(output, "the patches simulated before"):
             measured, priors = checked(data, scene, missing)
             kept = Kept(priors, measured, seed, threads, None if output is None else partial(output))
             if (taken := begun or reuse) is not None:

@@ -232,7 +232,7 @@ def weighted(
 
 
 def _tempered(logs: Array, count: float) -> tuple[float, Array]:
-    """The largest power of weights, of at most 1, with which so many draws count, and these weights."""
+    """Weights to the largest power, of at most 1, with which `count` draws count: the power and the weights."""
     for power in 0.7 ** np.arange(40):
         weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
         weights /= weights.sum()

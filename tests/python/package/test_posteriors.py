@@ -16,9 +16,10 @@ import stiction
 from stiction.inference import infer
 
 AUDITS = json.loads((ROOT / "tests" / "data" / "posteriors.json").read_text(encoding="utf-8"))
-# Shift of the median over the exact standard deviation, and relative error of the width of the 95 % interval: the error of 0.2 that is wanted, of medians with the
-# error of exact ones, 0.03.
-SHIFT, WIDTH = 0.25, 0.2
+# Shift of the median over the exact standard deviation: the error of 0.2 that is wanted, and the error of exact ones.
+SHIFT = 0.25
+# Relative error of the width of the 95 % interval; forces of few asperities come in steps, and there it is the error that is wanted.
+WIDTHS = {name: 0.2 if name.startswith("few") else 0.15 for name in AUDITS}
 
 
 @pytest.mark.parametrize("name", AUDITS)
@@ -51,4 +52,4 @@ def test_the_posterior_is_the_exact_one(name, tmp_path):
     shifts = {key: (found["median"][key.replace(".", "_")] - of["median"]) / of["std"] for key, of in exact.items()}
     widths = {key: (found["high"] - found["low"])[key.replace(".", "_")] / (of["high"] - of["low"]) - 1.0 for key, of in exact.items()}
     assert np.abs(list(shifts.values())).max() < SHIFT, shifts
-    assert np.abs(list(widths.values())).max() < WIDTH, widths
+    assert np.abs(list(widths.values())).max() < WIDTHS[name], widths

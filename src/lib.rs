@@ -72,6 +72,7 @@ pub mod math;
 pub mod output;
 pub mod scene;
 pub mod substrate;
+mod summary;
 pub mod surface;
 pub mod validation;
 

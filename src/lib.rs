@@ -65,6 +65,9 @@ mod format;
 #[doc(hidden)]
 pub mod input;
 pub mod integral;
+#[cfg(feature = "lab")]
+#[doc(hidden)]
+pub mod lab;
 pub mod liquid;
 #[doc(hidden)]
 pub mod math;

@@ -42,6 +42,7 @@
 //! # Features
 //! All are on by default.
 //! - `cli`: the program `stiction`;
+//! - `lab`: the calls of the page that computes in a browser, a part of `cli`;
 //! - `hdf5`: files of results, and values of scenes in HDF5 files. Without it no C compiler is needed;
 //! - `static`: libhdf5 and zlib are built from source; without it those of the system are used.
 

@@ -62,8 +62,8 @@ impl Pieces {
         self.stats.insert(first, stats);
     }
 
-    /// Takes the batch of an index out, once all of its replicas are there: the same bits as [`Batch::compute`](super::Batch::compute)
-    /// has.
+    /// Takes the batch of an index out, once all of its replicas are there: bitwise identical to that of
+    /// [`Batch::compute`](super::Batch::compute).
     pub fn batch(&mut self, job: &Job<'_>, index: u64) -> Option<Ensemble> {
         let indices = replicas_of(index..index + 1, job.replicas);
         if self.replicas.range(indices.clone()).count() as u64 != indices.end - indices.start {

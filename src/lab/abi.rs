@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::Lab;
-use std::alloc::{Layout, alloc, dealloc};
+use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::cell::RefCell;
 use std::sync::{Mutex, Once, PoisonError};
 
@@ -27,7 +27,8 @@ fn layout(length: usize) -> Layout {
 #[unsafe(no_mangle)]
 extern "C" fn allocate(length: usize) -> *mut u8 {
     // SAFETY: the layout is of one byte at least.
-    unsafe { alloc(layout(length)) }
+    let pointer = unsafe { alloc(layout(length)) };
+    if pointer.is_null() { handle_alloc_error(layout(length)) } else { pointer }
 }
 
 /// Gives memory of [`allocate`] of that length, or a reply with its head, back.
@@ -80,4 +81,4 @@ macro_rules! calls {
     )+};
 }
 
-calls!(version, materials, keys, template, edit, describe, prepare, integral, compute, merge, results);
+calls!(version, materials, keys, template, edit, describe, map, prepare, integral, compute, merge, results);

@@ -30,9 +30,9 @@ impl Failure {
     }
 }
 
-/// The first key that a message names.
+/// The first key that a message names, with or without its value.
 fn key(text: &str) -> Option<&'static str> {
-    let mut named = text.split('`').skip(1).step_by(2);
+    let mut named = text.split('`').skip(1).step_by(2).filter_map(|name| name.split(" = ").next());
     named.find_map(|name| KEYS.iter().find(|key| key.name == name)).map(|key| key.name)
 }
 

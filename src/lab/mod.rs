@@ -8,6 +8,7 @@
 mod abi;
 mod failure;
 mod files;
+mod map;
 mod report;
 mod scenes;
 mod session;
@@ -69,6 +70,7 @@ impl Lab {
             "template" => scenes::template(argument),
             "edit" => scenes::edit(argument),
             "describe" => scenes::describe(argument),
+            "map" => map::map(argument),
             "prepare" => self.prepare(argument),
             "integral" => self.integral(),
             "results" => self.results(argument),
@@ -150,6 +152,7 @@ fn text(argument: &[u8]) -> Result<&str, Failure> {
 
 /// The parts that there are to compute.
 fn parts(session: &Session) -> Value {
-    let part = |(contact, replicas): (Option<PlasticContact>, u64)| json!({ "contact": contact.map(PlasticContact::name), "replicas": replicas });
-    session.parts().into_iter().map(part).collect()
+    let name = |contact: Option<PlasticContact>| contact.map(PlasticContact::name);
+    let parts = session.parts().into_iter();
+    parts.map(|(contact, replicas)| json!({ "contact": name(contact), "replicas": replicas })).collect()
 }

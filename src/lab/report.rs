@@ -138,7 +138,7 @@ impl<'a> Shown<'a> {
         json!({
             "mean": own.mean, "standard_error": own.standard_error, "interval": own.interval,
             "quoted": self.results.pull_off_quoted(), "is_controlled": self.results.is_controlled(),
-            "controlled_standard_error": own.controlled_standard_error, "controlled_interval": own.controlled_interval,
+            "controlled_mean": own.controlled_mean, "controlled_standard_error": own.controlled_standard_error, "controlled_interval": own.controlled_interval,
             "of_integral": self.results.pull_off_of_integral(),
         })
     }

@@ -213,8 +213,8 @@ impl Session {
         }
     }
 
-    /// The parts that there are to compute, by their contacts and numbers of replicas: the run itself and, once its number of replicas
-    /// is known and contacts yield, its model range.
+    /// The parts that there are to compute, by their contacts and numbers of replicas: the run itself and, once its number of
+    /// replicas is known and contacts yield, its model range.
     pub fn parts(&self) -> Vec<(Option<PlasticContact>, u64)> {
         let own = (None, self.run.replicas);
         let merged = self.run.tree.as_ref().map_or(0, |tree| tree.replicas.len() as u64);

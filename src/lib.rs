@@ -42,6 +42,7 @@
 //! # Features
 //! All are on by default.
 //! - `cli`: the program `stiction`;
+//! - `lab`: the calls of the page that computes in a browser, a part of `cli`;
 //! - `hdf5`: files of results, and values of scenes in HDF5 files. Without it no C compiler is needed;
 //! - `static`: libhdf5 and zlib are built from source; without it those of the system are used.
 
@@ -65,6 +66,9 @@ mod format;
 #[doc(hidden)]
 pub mod input;
 pub mod integral;
+#[cfg(feature = "lab")]
+#[doc(hidden)]
+pub mod lab;
 pub mod liquid;
 #[doc(hidden)]
 pub mod math;
@@ -72,6 +76,7 @@ pub mod math;
 pub mod output;
 pub mod scene;
 pub mod substrate;
+mod summary;
 pub mod surface;
 pub mod validation;
 

@@ -1,11 +1,8 @@
 //! `stiction check`: what a scene would compute.
 
-use super::describe::{beyond, facts, heading, regimes, skipped, title};
 use super::failure::Failure;
-use super::independence::independence;
 use super::progress::{Display, Progress};
 use super::resources;
-use super::rows::{labelled, paragraph, row};
 use super::source::SceneArguments;
 use super::sweep::described;
 use super::terminal::print;
@@ -19,6 +16,9 @@ use crate::experiment::{SceneLaws, thread_pool};
 use crate::format::{bytes, counted};
 use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, taken, warnings};
+use crate::summary::describe::{beyond, facts, heading, regimes, skipped, title};
+use crate::summary::independence::independence;
+use crate::summary::rows::{labelled, paragraph, row};
 use std::path::Path;
 
 pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {

@@ -3,15 +3,15 @@
 use super::arguments::Execution;
 use super::failure::Failure;
 use super::progress::Progress;
-use super::rows::labelled;
 use super::session::Session;
-use super::summary::summary;
 use super::sweep::summary_of_points;
 use super::terminal::print_of;
 use crate::output::OutputLock;
 use crate::output::kept::{OverwritePolicy, ShardSet};
 use crate::output::merge::Merge;
 use crate::output::sweep::{Points, inputs_of};
+use crate::summary::rows::labelled;
+use crate::summary::run::summary;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;

@@ -2,15 +2,15 @@
 
 use super::arguments::RunArguments;
 use super::failure::Failure;
-use super::integral::of_integral;
 use super::progress::Progress;
 use super::session::Session;
-use super::summary::summary;
 use super::terminal::{complete_before, print_of};
 use super::{shard, sweep};
 use crate::experiment::ensemble::set_ensemble;
 use crate::output::OutputLock;
 use crate::scene::Document;
+use crate::summary::integral::of_integral;
+use crate::summary::run::summary;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let document = arguments.document()?;

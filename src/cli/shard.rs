@@ -1,10 +1,8 @@
 //! `stiction run --shard`: a shard of a run, which is a partial result, for `stiction merge`.
 
 use super::arguments::RunArguments;
-use super::describe::title;
 use super::failure::Failure;
 use super::progress::Progress;
-use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::{Shard, batches_of};
@@ -15,6 +13,8 @@ use crate::output::kept::{PartialFile, Piece};
 use crate::output::sweep::{Points, run_sweep};
 use crate::output::task::{Part, Task};
 use crate::scene::{Document, Scene, Sweep};
+use crate::summary::describe::title;
+use crate::summary::rows::row;
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
     let Shard { index, count } = shard;

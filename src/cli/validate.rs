@@ -1,13 +1,13 @@
 //! `stiction validate`: whether a file is damaged, and its cross-check computed again.
 
 use super::failure::Failure;
-use super::rows::row;
-use super::summary::verdict;
 use super::sweep::together;
 use super::terminal::print;
 use crate::engine::Ways;
 use crate::output::check::{Checked, Content, CrossCheck, SweptPoint, check};
 use crate::scene::echo::one_line;
+use crate::summary::rows::row;
+use crate::summary::run::verdict;
 use crate::validation::Verdict;
 use std::path::Path;
 

@@ -206,7 +206,8 @@ impl Ensemble {
         self.coupled.as_ref().map_or(&self.groups.curves, |coupled| &coupled.groups.independent)
     }
 
-    fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
+    /// Adds the next replica of a batch.
+    pub(super) fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
         for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
             moments.push(curve);
         }

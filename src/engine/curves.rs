@@ -5,6 +5,7 @@ use crate::asperity::{Quantity, Responses};
 use crate::coupled::{CLASSES, ENERGY_CLASSES};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
+use serde::{Deserialize, Serialize};
 
 /// Sums over the asperities of a surface in one regime.
 #[derive(Clone, Copy, Default)]
@@ -60,7 +61,7 @@ impl RegimeSums {
 }
 
 /// Curves of one surface over S states and R regimes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curves {
     /// Sums over all asperities, by [`Quantity::index`](crate::asperity::Quantity::index), each over S.
     pub total: [Vec<f64>; 4],
@@ -77,7 +78,7 @@ pub struct Curves {
 }
 
 /// Curves of a surface with coupled asperities, over S states, in addition to its sums.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoupledCurves {
     /// Sums over the same asperities without coupling, by [`Quantity::index`](crate::asperity::Quantity::index),
     /// each over S.
@@ -133,6 +134,12 @@ impl Curves {
             snaps: Vec::new(),
             coupled: None,
         }
+    }
+
+    /// Whether they are over `s` states and `r` regimes.
+    pub(super) fn is_like(&self, s: usize, r: usize) -> bool {
+        let of_regimes = [&self.regime_count, &self.regime_adhesion_force, &self.regime_external_force];
+        self.total.iter().all(|curve| curve.len() == s) && of_regimes.iter().all(|curve| curve.len() == r * s)
     }
 
     /// Takes the sums of all regimes as those in a state.

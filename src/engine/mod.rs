@@ -25,6 +25,7 @@ mod kinks;
 #[doc(hidden)]
 pub mod moments;
 mod one_radius;
+mod piece;
 mod radii;
 mod reduce;
 mod reduction_tree;
@@ -64,6 +65,8 @@ pub use job::{Job, Protocol};
 #[doc(hidden)]
 pub use job::{Substrate, Ways};
 pub use moments::{MomentMatrix, Unfit};
+#[doc(hidden)]
+pub use piece::{Piece, Pieces};
 #[doc(hidden)]
 pub use reduce::{Bounds, Outcome, run, run_from};
 #[doc(hidden)]

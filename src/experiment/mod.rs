@@ -9,6 +9,7 @@ pub(crate) mod integral;
 pub(crate) mod model_range;
 mod observer;
 mod prepared;
+pub(crate) mod pull_offs;
 pub(crate) mod results;
 mod run;
 

@@ -10,6 +10,7 @@
 //! and for β the ratio of the means.
 
 use super::Phases;
+use super::ensemble::Sampling;
 use super::prepared::{PreparedRun, SceneLaws};
 use super::results::{ModelRange, OfContact, PullOff, Results};
 use super::snaps::Snaps;
@@ -41,6 +42,26 @@ pub(crate) fn others(scene: &Scene, replicas: u64) -> Option<(Vec<PlasticContact
     (shared > 0).then_some((others, shared))
 }
 
+/// The first replicas of a scene by another plastic contact than its own.
+pub(crate) struct ByContact {
+    pub scene: Scene,
+    laws: SceneLaws,
+}
+
+impl ByContact {
+    /// Makes the laws by a contact, for a number of replicas; none where a law cannot be made.
+    pub fn new(scene: &Scene, contact: PlasticContact, replicas: u64) -> Option<Self> {
+        let scene = scene.by_contact(contact, replicas).ok()?;
+        let laws = SceneLaws::new(&scene).ok()?;
+        Some(Self { scene, laws })
+    }
+
+    /// The ensemble.
+    pub fn sampling(&self) -> Sampling<'_> {
+        self.laws.sampling(&self.scene)
+    }
+}
+
 impl PreparedRun {
     /// The model range of results, where contacts yield. Every other contact computes `most` replicas at most: of a merge only the
     /// replicas that are there from the first on.
@@ -66,12 +87,12 @@ impl PreparedRun {
                 return Ok(OfContact::new(contact, results, (&self.scene, &results.ensemble)));
             }
             phases.replicas("model range", done.next().unwrap_or_default(), total);
-            let computed = self.scene.by_contact(contact, replicas).ok();
-            let computed = computed.and_then(|scene| SceneLaws::new(&scene).ok().map(|laws| (scene, laws)));
-            let Some((scene, laws)) = computed else { return Ok(OfContact::unknown(contact, &self.scene)) };
-            let sampling = laws.sampling(&scene);
+            let Some(computed) = ByContact::new(&self.scene, contact, replicas) else {
+                return Ok(OfContact::unknown(contact, &self.scene));
+            };
+            let sampling = computed.sampling();
             let (tree, _) = sampling.run_whole(workers, phases, |_| Ok(()))?;
-            Ok(OfContact::new(contact, results, (&scene, &tree.into_ensemble(&sampling.job()))))
+            Ok(OfContact::new(contact, results, (&computed.scene, &tree.into_ensemble(&sampling.job()))))
         });
         let contacts = contacts.collect::<Result<Vec<OfContact>, Error>>()?;
         Ok(Some(ModelRange { replicas, contacts }))
@@ -80,14 +101,14 @@ impl PreparedRun {
 
 impl OfContact {
     /// No results of a contact that a scene has no law by.
-    fn unknown(contact: PlasticContact, scene: &Scene) -> Self {
+    pub fn unknown(contact: PlasticContact, scene: &Scene) -> Self {
         let whole = PullOff { force: f64::NAN, stuck: f64::NAN };
         let after_preload = vec![whole; scene.instability.preload.len()];
         Self { contact, whole, after_preload, dissipated_energy: f64::NAN }
     }
 
     /// The results of a run by a contact, of which some of its replicas have been computed.
-    fn new(contact: PlasticContact, results: &Results, (scene, ensemble): (&Scene, &Ensemble)) -> Self {
+    pub fn new(contact: PlasticContact, results: &Results, (scene, ensemble): (&Scene, &Ensemble)) -> Self {
         let force = results.scene.restoring_force;
         let forces =
             |ensemble: &Ensemble| ensemble.replicas.iter().map(|replica| replica.pull_off_force).collect();
@@ -112,6 +133,27 @@ impl OfContact {
         let after_preload = turns.filter(|_| pressed).map(after).collect();
         Self { contact, whole, after_preload, dissipated_energy }
     }
+}
+
+/// The probabilities that the pull-off by a contact, of which some replicas of a run have been computed, is above forces, N: after
+/// the turn of an index, or of the whole path.
+pub(crate) fn stuck_over(
+    results: &Results,
+    (scene, ensemble): (&Scene, &Ensemble),
+    turn: Option<usize>,
+    forces: &[f64],
+) -> Vec<f64> {
+    let pull_offs = |scene: &Scene, ensemble: &Ensemble| match turn {
+        Some(turn) => {
+            let snaps = Snaps::new(scene, ensemble);
+            snaps.every_pull_off(snaps.places_of_turns()[turn])
+        }
+        None => ensemble.replicas.iter().map(|replica| replica.pull_off_force).collect(),
+    };
+    let pairs =
+        Pairs { own: pull_offs(&results.scene, &results.ensemble), other: pull_offs(scene, ensemble) };
+    let line = pairs.line();
+    forces.iter().map(|force| pairs.above(*force, line)).collect()
 }
 
 /// The scalar that is the energy that a cycle dissipates.

@@ -46,7 +46,8 @@ pub(crate) struct Phases<'a> {
 /// A phase.
 struct Timed {
     name: &'static str,
-    begun: Instant,
+    /// None where there is no clock.
+    begun: Option<Instant>,
     /// Seconds, once it has ended.
     lasted: Option<f64>,
 }
@@ -76,7 +77,7 @@ impl<'a> Phases<'a> {
             last.lasted = None;
             return;
         }
-        self.phases.push(Timed { name, begun: Instant::now(), lasted: None });
+        self.phases.push(Timed { name, begun: now(), lasted: None });
     }
 
     /// Reports that this number of further replicas is done.
@@ -88,15 +89,25 @@ impl<'a> Phases<'a> {
     pub fn end(&mut self) {
         self.observer.end();
         if let Some(Timed { begun, lasted: lasted @ None, .. }) = self.phases.last_mut() {
-            *lasted = Some(begun.elapsed().as_secs_f64());
+            *lasted = Some(seconds_since(*begun));
         }
     }
 
     /// The phases so far and the seconds that each took.
     pub fn seconds(&self) -> Vec<(&'static str, f64)> {
-        let seconds = |phase: &Timed| phase.lasted.unwrap_or(phase.begun.elapsed().as_secs_f64());
+        let seconds = |phase: &Timed| phase.lasted.unwrap_or(seconds_since(phase.begun));
         self.phases.iter().map(|phase| (phase.name, seconds(phase))).collect()
     }
+}
+
+/// The time; none in a browser, whose clock the standard library does not know.
+fn now() -> Option<Instant> {
+    (!cfg!(target_family = "wasm")).then(Instant::now)
+}
+
+/// The seconds since a time; 0 without a clock.
+fn seconds_since(begun: Option<Instant>) -> f64 {
+    begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64())
 }
 
 #[cfg(test)]

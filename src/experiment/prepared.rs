@@ -79,10 +79,10 @@ pub struct Functionals {
 pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
-    warnings: Vec<Warning>,
+    pub warnings: Vec<Warning>,
     /// Whether contacts yield before the surfaces turn back.
     pub yields: bool,
-    integral: Integral,
+    pub integral: Integral,
     mean_fields: Vec<MeanField>,
     pub functionals: Functionals,
     /// Expectations of the external force at the control variates, N.

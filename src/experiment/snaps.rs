@@ -65,7 +65,7 @@ pub(crate) struct PulledOff {
 }
 
 impl PulledOff {
-    fn of(forces: Vec<f64>) -> Self {
+    pub fn of(forces: Vec<f64>) -> Self {
         let moments = Moments::of(forces.into_iter());
         let count = moments.count();
         let (mean, std) =
@@ -77,7 +77,7 @@ impl PulledOff {
 }
 
 /// Counts pull-off forces, N, that are larger than a force.
-fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
+pub(crate) fn holding(pull_offs: impl Iterator<Item = f64>, force: f64) -> Counts {
     let mut counts = Counts { known: 0, snap: 0, unstopped: 0 };
     for pull_off in pull_offs {
         counts.known += 1;
@@ -120,7 +120,12 @@ impl<'a> Snaps<'a> {
     }
 
     pub fn new(scene: &'a Scene, ensemble: &'a Ensemble) -> Self {
-        Self { snaps: &ensemble.snaps, loading: loading(scene) }
+        Self::of_numbers(scene, &ensemble.snaps)
+    }
+
+    /// The snaps of some replicas of a scene, by the numbers that are kept of them.
+    pub fn of_numbers(scene: &'a Scene, snaps: &'a [f64]) -> Self {
+        Self { snaps, loading: loading(scene) }
     }
 
     fn column(&self, place: usize) -> Column<'a> {

@@ -26,7 +26,12 @@ pub(crate) fn most_threads() -> (usize, usize) {
 /// # Errors
 /// [`Error::Threads`].
 pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, Error> {
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads.min(most_threads().0)).build()?)
+    let builder = rayon::ThreadPoolBuilder::new();
+    if cfg!(target_family = "wasm") {
+        // In a browser there is the thread of the caller alone.
+        return Ok(builder.num_threads(1).use_current_thread().build()?);
+    }
+    Ok(builder.num_threads(threads.min(most_threads().0)).build()?)
 }
 
 /// The threads of experiments that are computed one after the other.
@@ -60,6 +65,9 @@ impl Workers {
         &self,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Option<T> {
+        if cfg!(target_family = "wasm") {
+            return Some(work());
+        }
         let (sender, receiver) = sync_channel(1);
         self.pool.spawn(move || drop(sender.send(catch_unwind(AssertUnwindSafe(work)))));
         loop {

@@ -111,7 +111,7 @@ fn table(path: &Path) -> Result<String, String> {
 
 /// A column of a CSV file, by the name in its first line or, without names, by its place from 0. A scene may name any
 /// file: its content is not for messages.
-fn numbers_of_column(text: &str, name: Option<&str>, place: usize) -> Result<Values, String> {
+pub(crate) fn numbers_of_column(text: &str, name: Option<&str>, place: usize) -> Result<Values, String> {
     let no_csv = |problem| format!("is no plain CSV: {problem}");
     let table = if name.is_some() { Table::named(text) } else { Table::bare(text) }.map_err(no_csv)?;
     let place = match name {

@@ -1,8 +1,10 @@
 //! Files that others have made: tables, and columns of numbers that scenes take values from.
 
 pub mod columns;
+pub(crate) mod materials;
 pub mod scene_file;
 pub mod table;
+pub(crate) mod templates;
 
 use std::path::Path;
 

@@ -1,11 +1,12 @@
 //! The results of a run in its file, under the names of the layout.
 
-use super::datasets::{PULL_OFF_QUANTILES, RUN, curve_paths, write_results};
+use super::datasets::{RUN, curve_paths, write_results};
 use super::kept::{OutputLock, Restart, write_restart};
 use super::task::Task;
 use crate::engine::{QUANTILES, Ways, scalars};
 use crate::error::{Error, OutputError};
 use crate::experiment::Results;
+use crate::experiment::pull_offs::PULL_OFF_QUANTILES;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::Writer;
 use crate::scene::{Scene, findings, listed};

@@ -143,6 +143,45 @@ pub fn with_settings(text: &str, settings: &[Setting]) -> Result<String, SceneEr
     Ok(scene.to_string())
 }
 
+/// The text of a scene with settings put into it, of which the notes behind values stay, and without some keys or tables; a table
+/// that is empty then goes, too.
+///
+/// # Errors
+/// As [`with_settings`].
+pub fn edited(text: &str, settings: &[Setting], unset: &[String]) -> Result<String, SceneError> {
+    reader::document(text)?;
+    let mut scene: DocumentMut =
+        text.parse().map_err(|_| SceneError::general("the scene cannot be taken apart as TOML"))?;
+    for setting in settings {
+        let note = value_of(&mut scene, &setting.path).map(|value| value.decor().clone());
+        setting.put(&mut scene)?;
+        if let Some((value, note)) = value_of(&mut scene, &setting.path).zip(note) {
+            *value.decor_mut() = note;
+        }
+    }
+    unset.iter().for_each(|name| leave_out(&mut scene, name));
+    Ok(scene.to_string())
+}
+
+/// The value of a key that is there.
+fn value_of<'a>(scene: &'a mut DocumentMut, path: &[String]) -> Option<&'a mut Value> {
+    path.iter().try_fold(scene.as_item_mut(), |item, name| item.get_mut(name))?.as_value_mut()
+}
+
+/// Leaves a key out, and the tables around it that are empty without it.
+fn leave_out(scene: &mut DocumentMut, name: &str) {
+    let path: Vec<&str> = name.split('.').collect();
+    for length in (1..=path.len()).rev() {
+        let (key, tables) = path[..length].split_last().expect("a key has a name");
+        let around = tables.iter().try_fold(scene.as_item_mut(), |item, name| item.get_mut(name));
+        let Some(table) = around.and_then(Item::as_table_like_mut) else { return };
+        let is_empty = |item: &Item| item.as_table_like().is_some_and(TableLike::is_empty);
+        if length == path.len() || table.get(key).is_some_and(is_empty) {
+            table.remove(key);
+        }
+    }
+}
+
 /// The problems of a text that settings were put into, `edited`, in lines of the original, `text`; problems
 /// of a setting name it.
 #[must_use]
@@ -208,6 +247,23 @@ mod tests {
             set(&range, &["sweep.surface.asperity_radius.to=3 um"]),
             Ok(range.replace("\"2 um\"", "\"3 um\""))
         );
+    }
+
+    /// Notes stay, and of tables that become empty nothing.
+    #[test]
+    fn edited_scenes_keep_their_notes() {
+        let edit = |settings: &[&str], unset: &[&str]| {
+            let settings: Vec<Setting> = settings.iter().map(|given| given.parse().unwrap()).collect();
+            let unset: Vec<String> = unset.iter().map(|name| (*name).to_owned()).collect();
+            edited(SCENE, &settings, &unset).unwrap()
+        };
+        let set = edit(&["material.work_of_adhesion=0.2 J/m^2"], &[]);
+        assert_eq!(set, SCENE.replace("\"0.1 J/m^2\"", "\"0.2 J/m^2\""));
+        let with = edit(&["device.restoring_force=1 uN"], &[]);
+        assert!(with.ends_with("\n[device]\nrestoring_force = \"1 uN\"\n"), "{with}");
+        assert_eq!(edited(&with, &[], &["device.restoring_force".to_owned()]).unwrap(), SCENE);
+        let without = edit(&[], &["material.work_of_adhesion", "surface", "sweep", "title", "a.b"]);
+        assert_eq!(without, "format = 1\n");
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod independence;
 mod instruction_sets;
 mod integral_alone;
 mod interruption;
+mod lab;
 mod large_surfaces;
 mod laws;
 mod loops;

@@ -2,11 +2,7 @@
 
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::{FitReport, Laws};
-use crate::cli::describe::{numbers, title};
 use crate::cli::failure::Failure;
-use crate::cli::independence::ratio;
-use crate::cli::rows::{COLUMNS, broken, labelled, row};
-use crate::cli::summary::at_most;
 use crate::cli::sweep::{p_value, together};
 use crate::error::OutputError;
 use crate::estimate::beyond;
@@ -18,6 +14,10 @@ use crate::output::reader::Reader;
 use crate::output::sweep::Points;
 use crate::output::sweep::{DRY, SweepPoint};
 use crate::scene::Scene;
+use crate::summary::describe::{numbers, title};
+use crate::summary::independence::ratio;
+use crate::summary::rows::{COLUMNS, broken, labelled, row};
+use crate::summary::run::at_most;
 use crate::surface::SamplingScheme;
 use crate::validation::disagreeing;
 use std::path::Path;

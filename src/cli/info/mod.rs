@@ -6,7 +6,6 @@ mod rows;
 
 use self::rows::Row;
 use super::failure::Failure;
-use super::rows::row;
 use super::terminal::print;
 use crate::error::OutputError;
 use crate::format::{duration, replicas as shown};
@@ -17,6 +16,7 @@ use crate::output::reader::Reader;
 use crate::output::schema::Layout;
 use crate::output::{PARTIAL, beside};
 use crate::scene::echo::one_line;
+use crate::summary::rows::row;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

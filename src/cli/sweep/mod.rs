@@ -5,9 +5,7 @@ mod table;
 pub(super) use self::table::{p_value, together};
 
 use super::arguments::RunArguments;
-use super::describe::title;
 use super::failure::Failure;
-use super::rows::{labelled, paragraph};
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::format::counted;
@@ -16,6 +14,8 @@ use crate::output::layouts::SWEEP;
 use crate::output::reader::Reader;
 use crate::output::sweep::{Points, SweepPoint, run_sweep};
 use crate::scene::{Scene, Sweep};
+use crate::summary::describe::title;
+use crate::summary::rows::{labelled, paragraph};
 use std::path::Path;
 
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {

@@ -1,10 +1,10 @@
 //! The tables of the points of a sweep: what each gives, and of a device its probability.
 
-use crate::cli::rows::{COLUMNS, broken, labelled, paragraph};
-use crate::cli::summary::at_most;
 use crate::format::{percents, si, si_to, si_with_error};
 use crate::output::sweep::{PointPullOff, SweepPoint};
 use crate::scene::{Axis, Scene, Sweep};
+use crate::summary::rows::{COLUMNS, broken, labelled, paragraph};
+use crate::summary::run::at_most;
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 
 /// A column of a table: its head and a cell for each row.

@@ -4,6 +4,7 @@ use super::{Dataset, History, Results, Values, path};
 use crate::asperity::{ByRegime, Quantity};
 use crate::engine::{Attained, QUANTILES, SCALARS, scalars};
 use crate::error::OutputError;
+use crate::experiment::pull_offs::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interval::LEVEL;
@@ -17,15 +18,6 @@ use std::ops::Range;
 const GROUP: &str = "/ensemble";
 /// Of its own, so that the means over replicas remain a small table.
 const PULL_OFF: &str = "/pull_off";
-
-/// Probabilities of the quantiles of the pull-off force of single patches.
-pub const PULL_OFF_QUANTILES: [f64; 4] = [0.05, 0.5, 0.95, 0.999];
-
-/// Quantiles of pull-off forces, N.
-pub fn of_pull_off(mut pull_offs: Vec<f64>) -> [Quantile; PULL_OFF_QUANTILES.len()] {
-    pull_offs.sort_by(f64::total_cmp);
-    PULL_OFF_QUANTILES.map(|probability| Quantile::of(&pull_offs, probability))
-}
 
 fn pull_off_quantiles(results: &Results) -> [Quantile; PULL_OFF_QUANTILES.len()] {
     of_pull_off(results.ensemble.replicas.iter().map(|replica| replica.pull_off_force).collect())

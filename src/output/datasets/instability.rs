@@ -1,9 +1,9 @@
 //! Snaps of the replicas of a run, and pull-off after preloads.
 
-use super::ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 use super::replicas::GROUP as REPLICAS;
 use super::{Dataset, Results, Texts, path, proportions};
 use crate::error::OutputError;
+use crate::experiment::pull_offs::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps};
 use crate::math::quantile::Quantile;
 use crate::output::schema::Dimension::{

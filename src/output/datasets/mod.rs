@@ -16,7 +16,6 @@ mod model_range;
 mod replicas;
 mod validation;
 
-pub(crate) use ensemble::{PULL_OFF_QUANTILES, of_pull_off};
 pub(super) use independence::{read_independence, write_limits};
 pub(super) use replicas::curve_paths;
 

@@ -19,7 +19,7 @@ const UNQUOTED: f64 = 0.01;
 const CROWDED: [f64; 2] = [0.3, 0.6];
 
 /// The change of the pull-off by coupling; nothing where asperities are independent.
-pub(super) fn changes(results: &Results) -> String {
+pub(crate) fn changes(results: &Results) -> String {
     let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
         return String::new();
     };
@@ -55,7 +55,7 @@ fn list(results: &Results, separations: impl ExactSizeIterator<Item = f64>) -> S
 }
 
 /// Says that the pull-off is not to be quoted, where pull-offs are next to states that are no results.
-pub(super) fn unquoted(results: &Results) -> String {
+pub(crate) fn unquoted(results: &Results) -> String {
     let Some(coupled) = &results.ensemble.coupled else { return String::new() };
     let (separations, ways) =
         (&results.scene.separations, results.scene.states() / results.scene.separations.len());
@@ -77,7 +77,7 @@ pub(super) fn unquoted(results: &Results) -> String {
 }
 
 /// States that are no results, and contacts that come too close.
-pub(super) fn troubles(results: &Results) -> String {
+pub(crate) fn troubles(results: &Results) -> String {
     let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
         return String::new();
     };

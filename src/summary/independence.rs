@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::substrate::Coupling;
 
 /// A ratio with two significant digits.
-pub(super) fn ratio(value: f64) -> String {
+pub(crate) fn ratio(value: f64) -> String {
     let value = value.abs();
     match value {
         value if value == 0.0 || (9.95..9.95e4).contains(&value) => format!("{value:.0}"),
@@ -20,7 +20,7 @@ pub(super) fn ratio(value: f64) -> String {
 }
 
 /// The verdict on a scene with what to do: it is of the surface as a patch, which a repeated square is not.
-pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
+pub(crate) fn independence(own: &Independence, scene: &Scene) -> String {
     let shift = ratio(own.relative_shift());
     let coupling = scene.substrate.as_ref().map(|substrate| substrate.coupling);
     let advice = match coupling {

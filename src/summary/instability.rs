@@ -16,7 +16,7 @@ struct Way {
 
 /// The share of surfaces that snap in; after the first and the last preload that is reached, the force of
 /// pull-off, and the share that snap off.
-pub(super) fn instability(results: &Results) -> String {
+pub(crate) fn instability(results: &Results) -> String {
     let (scene, snaps) = (&results.scene, Snaps::of(results));
     let loading = snaps.loading;
     if loading.length() == 0 {
@@ -84,7 +84,7 @@ fn spring(scene: &Scene, stiffness: f64) -> String {
 }
 
 /// Springs and preloads of a scene, for `check` and the heading of a summary.
-pub(super) fn held(scene: &Scene) -> String {
+pub(crate) fn held(scene: &Scene) -> String {
     let loading = loading(scene);
     if loading.length() == 0 {
         return String::new();

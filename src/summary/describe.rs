@@ -14,12 +14,12 @@ use crate::scene::{Scene, sources_of_heights};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 
 /// The title, the model, and what characterises the scene.
-pub(super) fn heading(scene: &Scene) -> String {
+pub(crate) fn heading(scene: &Scene) -> String {
     title(scene) + &facts(scene)
 }
 
 /// The model, and what characterises the scene.
-pub(super) fn facts(scene: &Scene) -> String {
+pub(crate) fn facts(scene: &Scene) -> String {
     let mut text = String::new();
     text += &labelled("model", &format!("{} on {}", scene.model.name, scene.history_name()));
     text += &labelled("", scene.model.about);
@@ -35,7 +35,7 @@ pub(super) fn facts(scene: &Scene) -> String {
 }
 
 /// The unit of what a target is for.
-pub(super) fn unit(target: &Target) -> &'static str {
+pub(crate) fn unit(target: &Target) -> &'static str {
     Dimension::of_units(SCALARS[target.quantity].units).si()
 }
 
@@ -78,7 +78,7 @@ fn sampling(scheme: SamplingScheme) -> String {
 const LONGEST_TITLE: usize = 240;
 
 /// The title, if there is one.
-pub(super) fn title(scene: &Scene) -> String {
+pub(crate) fn title(scene: &Scene) -> String {
     let title = broken(&cut(&scene.title, LONGEST_TITLE), COLUMNS).join("\n");
     if title.is_empty() { title } else { title + "\n" }
 }
@@ -91,7 +91,7 @@ fn background(surface: &Surface) -> String {
 }
 
 /// The numbers that characterise the scene, whatever its law.
-pub(super) fn numbers(scene: &Scene) -> String {
+pub(crate) fn numbers(scene: &Scene) -> String {
     let surface = &scene.surface;
     let mut text = parameters(scene);
     if let Some(meniscus) = scene.model.meniscus() {
@@ -132,7 +132,7 @@ pub(super) fn numbers(scene: &Scene) -> String {
 }
 
 /// The standard deviation of the surface heights, and its source.
-pub(super) fn height_std(scene: &Scene, source: &str) -> String {
+pub(crate) fn height_std(scene: &Scene, source: &str) -> String {
     let std = si(scene.surface.surface_height_std, "m");
     labelled("sigma", &format!("{std}: rms height of the surface, {source}"))
 }
@@ -225,7 +225,7 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
 }
 
 /// Says what the law leaves out, if it ends at some interference.
-pub(super) fn beyond(plan: &Plan) -> String {
+pub(crate) fn beyond(plan: &Plan) -> String {
     if plan.beyond < 1e-6 {
         return String::new();
     }
@@ -237,13 +237,13 @@ pub(super) fn beyond(plan: &Plan) -> String {
 }
 
 /// Lists what the scene does not need.
-pub(super) fn skipped(plan: &Plan) -> String {
+pub(crate) fn skipped(plan: &Plan) -> String {
     let label = |i: usize| if i == 0 { "skipped" } else { "" };
     plan.skips.iter().enumerate().map(|(i, skip)| labelled(label(i), skip)).collect()
 }
 
 /// The regimes, and the share of all asperities in each.
-pub(super) fn regimes(plan: &Plan, all: f64) -> String {
+pub(crate) fn regimes(plan: &Plan, all: f64) -> String {
     let lines = plan.regimes.iter().map(|regime| {
         let end = |interference: f64| {
             if interference.is_finite() {

@@ -1,28 +1,28 @@
 //! Rows as the terminal shows them.
 
 /// A labelled line; a continuation where the label is empty.
-pub(super) fn row(label: &str, text: &str) -> String {
+pub(crate) fn row(label: &str, text: &str) -> String {
     format!("  {label:<18}{text}\n")
 }
 
 /// Columns of a terminal.
-pub(super) const COLUMNS: usize = 80;
+pub(crate) const COLUMNS: usize = 80;
 /// Columns behind the labels.
 const LINE: usize = COLUMNS - 20;
 
 /// A text as unlabelled lines, broken between words.
-pub(super) fn paragraph(text: &str) -> String {
+pub(crate) fn paragraph(text: &str) -> String {
     labelled("", text)
 }
 
 /// A text as lines of which the first is labelled, broken between words.
-pub(super) fn labelled(label: &str, text: &str) -> String {
+pub(crate) fn labelled(label: &str, text: &str) -> String {
     let label = |i: usize| if i == 0 { label } else { "" };
     broken(text, LINE).iter().enumerate().map(|(i, line)| row(label(i), line)).collect()
 }
 
 /// A text as lines of at most `columns` columns, a number on a line with its unit; a longer word is alone.
-pub(super) fn broken(text: &str, columns: usize) -> Vec<String> {
+pub(crate) fn broken(text: &str, columns: usize) -> Vec<String> {
     let mut pieces: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match pieces.last_mut() {

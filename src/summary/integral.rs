@@ -3,14 +3,14 @@
 use super::describe::title;
 use super::independence::independence;
 use super::rows::{labelled, paragraph};
-use super::summary::{warned, written};
+use super::run::{warned, written};
 use crate::experiment::Results;
 use crate::format::si;
 use crate::math::extrema::Extremum;
 use std::path::Path;
 
 /// The summary: pull-off and stiffness of the integral, and whether asperities may be taken as independent.
-pub(super) fn of_integral(results: &Results, output: &Path) -> String {
+pub(crate) fn of_integral(results: &Results, output: &Path) -> String {
     let scene = &results.scene;
     let law = format!("{} on {}", scene.model.name, scene.history_name());
     let mut text = title(scene) + &paragraph(&format!("{law}, the integral alone: replicas = 0")) + "\n";

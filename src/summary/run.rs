@@ -8,6 +8,7 @@ use super::rows::{labelled, paragraph};
 use crate::asperity::{Path, Quantity};
 use crate::engine::{Limit, Replica, Summation};
 use crate::experiment::capillary;
+use crate::experiment::pull_offs::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::results::OfContact;
 use crate::experiment::results::{Results, Stopped};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, stuck};
@@ -17,11 +18,15 @@ use crate::liquid::COVERS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
-use crate::output::datasets::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::scene::{FROM_ASPERITIES, Warning, sources_of_heights};
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 
-pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
+pub(crate) fn summary(results: &Results, output: &std::path::Path) -> String {
+    result(results) + "\n" + &written(results, output)
+}
+
+/// The summary but for the lines about its file.
+pub(crate) fn result(results: &Results) -> String {
     let mut text = title(&results.scene) + &about(results) + "\n";
     text += &pull_off(results);
     text += &stuck_patches(results);
@@ -36,11 +41,11 @@ pub(super) fn summary(results: &Results, output: &std::path::Path) -> String {
     text += &sums(&results.summation);
     text += &coupling::troubles(results);
     text += &open_loops(results);
-    text + &warned(results) + "\n" + &written(results, output)
+    text + &warned(results)
 }
 
 /// The warnings, each with what to change.
-pub(super) fn warned(results: &Results) -> String {
+pub(crate) fn warned(results: &Results) -> String {
     let line = |warning: &Warning| labelled("warning", &format!("{}; {}", warning.finding, warning.change));
     results.warnings.iter().map(line).collect()
 }
@@ -63,18 +68,18 @@ fn h_star(results: &Results, separation: f64) -> f64 {
 }
 
 /// Mean and standard deviation of a scalar of the replicas.
-pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
+pub(crate) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
     let moments = Moments::of(replicas.iter().map(scalar));
     (moments.mean()[0], moments.std()[0])
 }
 
 /// The statement for groups of replicas that all agree, if they do.
-pub(super) fn agreeing(groups: u64, differing: f64) -> Option<String> {
+pub(crate) fn agreeing(groups: u64, differing: f64) -> Option<String> {
     differing.is_finite().then(|| format!("all {groups} replicas agree: {}", at_most(differing)))
 }
 
 /// The share of patches that may differ though all replicas agree.
-pub(super) fn at_most(differing: f64) -> String {
+pub(crate) fn at_most(differing: f64) -> String {
     format!("with 95 % confidence at most {} of patches differ", percent(differing))
 }
 
@@ -347,7 +352,7 @@ fn ended(stopped: &Stopped, results: &Results) -> String {
 }
 
 /// The verdict of the cross-check.
-pub(super) fn verdict(joint: &JointTest) -> String {
+pub(crate) fn verdict(joint: &JointTest) -> String {
     let text = match joint.verdict {
         Verdict::NotTested => {
             "not tested: too few asperities, nothing that varies, or spots of a map".to_owned()
@@ -386,7 +391,7 @@ fn open_loops(results: &Results) -> String {
 }
 
 /// The place of the file, and the time that it took.
-pub(super) fn written(results: &Results, output: &std::path::Path) -> String {
+pub(crate) fn written(results: &Results, output: &std::path::Path) -> String {
     let seconds = results.seconds.iter().map(|(_, seconds)| seconds).sum();
     labelled("written", &output.display().to_string())
         + &paragraph(&format!("in {}; the rest: stiction info, figures: stiction plot", duration(seconds)))

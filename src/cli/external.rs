@@ -9,8 +9,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 /// Commands that the Python package brings.
-const OF_PACKAGE: [&str; 9] =
-    ["asperities", "design", "finite-size", "force-curves", "infer", "map", "plot", "report", "sensitivity"];
+const OF_PACKAGE: [&str; 10] = [
+    "asperities",
+    "design",
+    "finite-size",
+    "force-curves",
+    "infer",
+    "lab",
+    "map",
+    "plot",
+    "report",
+    "sensitivity",
+];
 
 /// Runs the program of a command that is none of `own`, with `arguments`, next to this program or on the
 /// PATH, and ends with its exit code. It finds the path of this program in `STICTION`.

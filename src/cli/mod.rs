@@ -46,7 +46,7 @@ const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the comm
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.
 
-Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings map, asperities, finite-size, plot and report, \
+Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings map, asperities, finite-size, plot, report and lab, \
 `pip install stiction[inference]` infer, sensitivity and design, and `pip install stiction[afm]` force-curves.";
 
 /// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.

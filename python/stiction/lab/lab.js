@@ -140,6 +140,7 @@ function showPiece(piece) {
   showCount();
   showPullOffs();
   timed("first picture");
+  if (lab.pullOffs.filter(Boolean).length === lab.about.most_replicas) timed("replicas");
 }
 
 /** The pull-offs so far that the figures are of: after the preload that is chosen, where there are any. */

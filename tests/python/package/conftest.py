@@ -4,6 +4,7 @@ import contextlib
 import html
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -132,6 +133,23 @@ def command(tmp_path, monkeypatch):
         return done.stderr if code else done.stdout
 
     return run
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium without network but for servers of this machine."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="no selenium, so no page was opened in a browser")
+    program, driver = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
+    if not (program and driver):
+        pytest.skip("no Chromium with its driver, so no page was opened in a browser")
+    options = webdriver.ChromeOptions()
+    options.binary_location = program
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    yield opened
+    opened.quit()
 
 
 @contextlib.contextmanager

@@ -312,23 +312,6 @@ def test_what_is_wrong_is_reported_in_one_line(result, tmp_path, capsys):
     assert ended.value.code == 2 and "--output a.pdf: a name that ends with .html is needed" in capsys.readouterr().err
 
 
-@pytest.fixture(scope="module")
-def browser():
-    """A headless Chromium without network."""
-    webdriver = pytest.importorskip("selenium.webdriver", reason="no selenium, so no page was opened in a browser")
-    program, driver = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
-    if not (program and driver):
-        pytest.skip("no Chromium with its driver, so no page was opened in a browser")
-    options = webdriver.ChromeOptions()
-    options.binary_location = program
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
-    yield opened
-    opened.quit()
-
-
 def shown(browser, page, width=1200, height=900, scheme="light", media="screen"):
     browser.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}

@@ -9,17 +9,17 @@ import { percent, si } from "./quantity.js";
 
 const by = (id) => document.getElementById(id);
 
-// Milliseconds without another change after which a scene is computed, and a typed text read.
-const CALM = 60, TYPED = 250;
+// Milliseconds without another change after which a scene is computed, a typed text read, and the address changed.
+const CALM = 60, TYPED = 250, LINKED = 300;
 // Workers, at most: each has the laws in its own memory.
 const MOST_WORKERS = 8;
 const RESTORING = "device.restoring_force";
 
-// What tests and consoles look at: the scene, all that was computed of it, and when.
-const lab = { toml: "", isComplete: false, pullOffs: [], results: null, integral: null, about: null, problems: [], times: {} };
+// What tests and consoles look at: the scene, the one in the address, all that was computed, and when.
+const lab = { toml: "", linked: null, isComplete: false, pullOffs: [], results: null, integral: null, about: null, problems: [], times: {} };
 globalThis.lab = lab;
 
-let core, computation, known, computed = null, calm, typed;
+let core, computation, known, computed = null, calm, typed, linking;
 const fields = new Map();
 const figures = {
   histogram: new Histogram(by("histogram")),
@@ -46,6 +46,10 @@ function edit(set, unset = []) {
 /** Takes a text as the scene, shows it, and computes it. */
 function take(toml, { isTyped = false } = {}) {
   lab.toml = toml;
+  lab.isComplete = false;
+  clearTimeout(calm);
+  clearTimeout(linking);
+  linking = setTimeout(link, LINKED);
   if (!isTyped) by("toml").value = toml;
   try {
     known = core.ask("describe", { toml, files: {} });
@@ -54,14 +58,24 @@ function take(toml, { isTyped = false } = {}) {
     return;
   }
   document.title = known.title ? `${known.title} – Will my pad stick?` : "Will my pad stick?";
-  for (const [key, field] of fields) field.show(known.values[key]);
-  showHumidity();
-  showMaterial();
+  // Of a text that is no TOML nothing is known: fields stay as they are.
+  if (Object.values(known.values).some(({ given }) => given) || known.errors.length === 0) {
+    for (const [key, field] of fields) field.show(known.values[key]);
+    showHumidity();
+    showMaterial();
+  }
   showProblems(known.errors);
-  packed(toml).then((hash) => toml === lab.toml && history.replaceState(null, "", hash));
-  clearTimeout(calm);
   if (known.errors.length === 0) calm = setTimeout(compute, CALM);
   else stop();
+}
+
+/** Puts the scene into the address. */
+async function link() {
+  const { toml } = lab;
+  const hash = await packed(toml);
+  if (toml !== lab.toml) return;
+  history.replaceState(null, "", hash);
+  lab.linked = toml;
 }
 
 /** Shows what the program refuses: at the fields of its keys, else below the scene. */
@@ -86,7 +100,8 @@ function stop() {
   computation = null;
   lab.isComplete = false;
   computed = null;
-  by("results").classList.toggle("stale", lab.problems.length > 0);
+  // What is seen is of the scene before.
+  for (const part of ["answer", "results"]) by(part).classList.add("stale");
   if (lab.problems.length > 0) by("count").textContent = "the scene has an error";
 }
 
@@ -105,6 +120,7 @@ function compute() {
   computed = force?.given ? rest : null;
   Object.assign(lab, { pullOffs: [], results: null, integral: null, about: null, begun: performance.now(), restoringForce: force?.given ? force.value : null });
   by("failure").hidden = true;
+  by("results").classList.remove("stale");
   by("bar").removeAttribute("value");
   by("count").textContent = "preparing";
   const count = Math.max(1, Math.min(navigator.hardwareConcurrency || 2, MOST_WORKERS));
@@ -127,6 +143,9 @@ function showIntegral(integral) {
   const { separations } = lab.about;
   figures.force.show(integral.paths.map(({ way, force }) => ({ way, separation: separations, integral: force })));
   timed("first curve");
+  if (lab.about.most_replicas > 0) return;
+  by("count").textContent = "the integral alone: the scene has no replicas";
+  lab.isComplete = true;
 }
 
 function showPiece(piece) {
@@ -189,6 +208,7 @@ function showResults(results) {
 }
 
 function showAnswer(results, of) {
+  by("answer").classList.remove("stale");
   const stuck = results.stuck.find(({ preload }) => preload === null || preload === of?.preload);
   const range = (values, shown) => {
     const known = Object.values(values ?? {}).filter((value) => value !== null);

@@ -193,12 +193,12 @@ def test_fields_scene_and_link_are_in_step(opened):
     changed = SMALL.replace('"4 nm"      ', '"5.5 nm"    ')
     given = waited(browser, "lab.isComplete && lab.toml.includes('5.5 nm') && lab.toml")
     assert text_of(browser, "toml") == given and stripped(given) == stripped(changed)
-    assert scene_of(waited(browser, "location.href")) == given
+    assert scene_of(waited(browser, "lab.linked === lab.toml && location.href")) == given
     # A text that is typed changes the fields and the link.
     give(browser, "toml", given.replace("20 mJ/m^2", "30 mJ/m^2"))
     waited(browser, "lab.isComplete && lab.toml.includes('30 mJ/m^2')")
     assert text_of(browser, "material-work_of_adhesion") == "30 mJ/m^2"
-    address = browser.current_url
+    address = waited(browser, "lab.linked === lab.toml && location.href")
     assert scene_of(address) == text_of(browser, "toml")
     # The link alone opens the same scene.
     browser.get("about:blank")

@@ -7,10 +7,10 @@ const PIECE = 8, FIRST = 2;
 // Milliseconds between results of what is merged so far.
 const APART = 1000;
 
-/** Cuts replicas of a part into pieces. */
+/** Cuts the replicas of a part, the run itself or one of its plastic contacts, into pieces. */
 function pieces(part, first, end, size) {
   const found = [];
-  for (let at = first; at < end; at += size) found.push({ part, first: at, count: Math.min(size, end - at) });
+  for (let at = first; at < end; at += size) found.push({ ...part, first: at, count: Math.min(size, end - at) });
   return found;
 }
 
@@ -18,9 +18,9 @@ export class Computation {
   #workers;
   #queue = [];
   #size = PIECE;
-  // Pieces that wait for the first worker, and what it has merged of each part.
+  // Pieces that wait for the first worker, what it has merged, and the parts that it knows.
   #computed = [];
-  #merged = [];
+  #merged = { merged: 0, complete: false, contacts: [] };
   #parts = null;
   #asked = false;
   // Whether results are due for something new, at which restoring force, and when there were some.
@@ -60,7 +60,8 @@ export class Computation {
 
   /** Whether all replicas of all parts are merged. */
   get isComplete() {
-    return this.#parts !== null && this.#parts.every(({ part }) => this.#merged[part]?.complete);
+    const { complete, contacts } = this.#merged;
+    return complete && this.#parts !== null && this.#parts.every(({ contact }) => contact === null || contacts.includes(contact));
   }
 
   #heard(own, { job, reply, error }) {
@@ -85,23 +86,31 @@ export class Computation {
     own.isPrepared = true;
     if (this.about) return;
     this.about = about;
-    const { most_replicas: most, group = PIECE } = about;
+    const { replicas, group } = about;
     this.#size = group === 1 ? PIECE : group;
-    const early = group === 1 ? Math.min(FIRST * this.#workers.length, most) : 0;
-    this.#queue = [...pieces(0, 0, early, FIRST), ...pieces(0, early, most, this.#size)];
+    const early = group === 1 ? Math.min(FIRST * this.#workers.length, replicas) : 0;
+    this.#queue = [...pieces({}, 0, early, FIRST), ...pieces({}, early, replicas, this.#size)];
     this.listener.prepared(about);
   }
 
   #integrated(integral) {
-    this.#parts = integral.parts;
-    for (const { part, replicas } of integral.parts.slice(1)) this.#queue.push(...pieces(part, 0, replicas, this.#size));
+    this.#take(integral.parts);
     this.listener.integral(integral);
   }
 
   #mergedOf(merged) {
-    this.#merged[merged.part] = merged;
-    if (merged.complete) this.#queue = this.#queue.filter(({ part }) => part !== merged.part);
+    this.#merged = merged;
+    this.#take(merged.parts);
+    // With targets fewer replicas may do.
+    if (merged.complete) this.#queue = this.#queue.filter(({ contact }) => contact);
     this.#isNew = true;
+  }
+
+  /** Queues the parts of the model range that are new; with targets they are known once the run is complete. */
+  #take(parts) {
+    const isNew = ({ contact }) => contact !== null && !this.#parts?.some((known) => known.contact === contact);
+    for (const part of parts.filter(isNew)) this.#queue.push(...pieces(part, 0, part.replicas, this.#size));
+    this.#parts = parts;
   }
 
   /** Gives work to every worker that has none. */
@@ -122,9 +131,8 @@ export class Computation {
       return { job: "integral" };
     }
     if (this.#computed.length > 0) return { job: "merge", bytes: this.#computed.shift() };
-    const isEnough = (this.#merged[0]?.merged ?? 0) >= Math.min(PIECE, this.about.most_replicas);
     const isDue = this.isComplete || performance.now() - this.#last >= APART;
-    if (!this.#isNew || !isEnough || !isDue) return null;
+    if (!this.#isNew || this.#merged.merged === 0 || !isDue) return null;
     this.#isNew = false;
     this.#last = performance.now();
     return { job: "results", above: this.#above };

@@ -87,7 +87,9 @@ function refused(error, keys = []) {
 
 function showProblems(problems) {
   lab.problems = problems;
-  for (const [key, field] of fields) field.refuse(problems.find((of) => of.key === key)?.text);
+  // Messages begin with their key, where they have none beside them.
+  const isOf = (key, of) => of.key === key || (of.key === null && of.text.startsWith(`\`${key} `));
+  for (const [key, field] of fields) field.refuse(problems.find((of) => isOf(key, of))?.text);
   by("problems").replaceChildren(...problems.map(({ line, text }) => element("li", {}, line ? `line ${line}: ${text}` : text)));
   if (problems.length > 0) by("toml").setAttribute("aria-invalid", "true");
   else by("toml").removeAttribute("aria-invalid");
@@ -143,13 +145,10 @@ function showIntegral(integral) {
   const { separations } = lab.about;
   figures.force.show(integral.paths.map(({ way, force }) => ({ way, separation: separations, integral: force })));
   timed("first curve");
-  if (lab.about.most_replicas > 0) return;
-  by("count").textContent = "the integral alone: the scene has no replicas";
-  lab.isComplete = true;
 }
 
 function showPiece(piece) {
-  if (piece.part !== 0) {
+  if (piece.contact !== null) {
     showCount();
     return;
   }
@@ -159,7 +158,7 @@ function showPiece(piece) {
   showCount();
   showPullOffs();
   timed("first picture");
-  if (lab.pullOffs.filter(Boolean).length === lab.about.most_replicas) timed("replicas");
+  if (lab.pullOffs.filter(Boolean).length === lab.about.replicas) timed("replicas");
 }
 
 /** The pull-offs so far that the figures are of: after the preload that is chosen, where there are any. */
@@ -175,12 +174,12 @@ function showPullOffs() {
   isDrawing = true;
   requestAnimationFrame(() => {
     isDrawing = false;
-    figures.histogram.show(shownPullOffs(), lab.restoringForce, lab.results && shownOf(lab.results)?.mean);
+    figures.histogram.show(shownPullOffs(), lab.restoringForce, lab.results && shownOf(lab.results).mean);
   });
 }
 
 function showCount() {
-  const done = lab.pullOffs.filter(Boolean).length, of = lab.about.most_replicas;
+  const done = lab.pullOffs.filter(Boolean).length, of = lab.about.replicas;
   by("bar").value = done / of;
   by("count").textContent = `${done} of ${of} pads${done === of && !lab.isComplete ? ", model range" : ""}`;
 }
@@ -195,7 +194,7 @@ function showResults(results) {
   const { curves } = results;
   figures.force.show(curves);
   const of = shownOf(results);
-  if (of?.above) figures.probability.show(of.above, lab.restoringForce);
+  if (of.count > 0) figures.probability.show(of.above, lab.restoringForce);
   showAnswer(results, of);
   showPullOffs();
   lab.isComplete = computation?.isComplete ?? false;
@@ -209,20 +208,20 @@ function showResults(results) {
 
 function showAnswer(results, of) {
   by("answer").classList.remove("stale");
-  const stuck = results.stuck.find(({ preload }) => preload === null || preload === of?.preload);
+  const { stuck } = of;
   const range = (values, shown) => {
-    const known = Object.values(values ?? {}).filter((value) => value !== null);
+    const known = Object.values(values ?? {}).filter((value) => typeof value === "number");
     return known.length > 1 ? `; model range ${shown(Math.min(...known))} to ${shown(Math.max(...known))}` : "";
   };
   const newtons = (value) => si(value, "N");
-  const pullOff = of && of.mean !== null
+  const pullOff = of.count > 0
     ? `Mean pull-off ${newtons(of.mean)} (95 % interval ${newtons(of.interval[0])} to ${newtons(of.interval[1])}${range(of.range, (value) => si(value, "N", 3))}).`
     : "No pad reaches the preload.";
   if (stuck && stuck.p !== null) {
     by("value").textContent = `${percent(stuck.p)} of the pads stay adhered`;
     by("more").textContent = `95 % interval ${percent(stuck.low)} to ${percent(stuck.high)}${range(stuck.range, percent)}. ${pullOff}`;
   } else {
-    by("value").textContent = of && of.mean !== null ? `Pull-off ${newtons(of.mean)}` : "No pull-off";
+    by("value").textContent = of.count > 0 ? `Pull-off ${newtons(of.mean)}` : "No pull-off";
     by("more").textContent = pullOff;
   }
 }

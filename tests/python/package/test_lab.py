@@ -16,6 +16,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from test_report import contrast
 
 import stiction
 from stiction import lab
@@ -335,6 +336,22 @@ def test_the_page_fits_a_phone(opened, width):
     assert browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]") == [width, width]
     plots = browser.execute_script("return [...document.querySelectorAll('.plot canvas')].map(e => e.getBoundingClientRect().width)")
     assert len(plots) == 3 and all(250 < of <= width for of in plots), plots
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_what_is_read_has_contrast_in_both_schemes(opened, scheme):
+    browser = opened(SMALL)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "screen", "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+    give(browser, "material-hardness", "12 GPA")
+    waited(browser, "lab.problems.length > 0")
+    papers = [browser.execute_script("return getComputedStyle(document.querySelector(arguments[0])).backgroundColor", of) for of in ("body", "#answer")]
+    colors = browser.execute_script(
+        "return [...document.querySelectorAll('p, small, label, legend, summary, pre, input, select, textarea, button, li, h1, h2, figcaption')].map(e => getComputedStyle(e).color)"
+    )
+    assert len(colors) > 60 and min(contrast(color, paper) for color in set(colors) for paper in papers) >= 4.5
+    lines = [browser.execute_script("return getComputedStyle(document.querySelector(arguments[0])).color", f".swatch.{of}") for of in ("vermilion", "blue")]
+    assert min(contrast(color, papers[0]) for color in lines) >= 3.0
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
 
 
 # The command.

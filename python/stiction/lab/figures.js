@@ -41,6 +41,10 @@ class Figure {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.drawn?.redraw());
   }
 
+  static #listed(kind, name, label) {
+    return element("span", {}, element("i", { className: `swatch ${kind} ${name}` }), label);
+  }
+
   #size() {
     return { width: Math.max(this.plot.clientWidth, 200), height: HEIGHT };
   }
@@ -52,7 +56,8 @@ class Figure {
     else this.#begin(data);
     this.plot.setAttribute("aria-label", text);
     this.legend.replaceChildren(...this.options.series.flatMap(({ label, name, kind }, place) =>
-      (label && data[place + 1].some((of) => of !== null) ? [element("span", {}, element("i", { className: `swatch ${kind} ${name}` }), label)] : [])));
+      (label && data[place + 1].some((of) => of !== null) ? [Figure.#listed(kind, name, label)] : [])));
+    for (const { label } of marks) if (label) this.legend.append(Figure.#listed("dotted", "ink", label));
     Object.assign(this, { header, rows });
     this.#tabulate();
   }
@@ -107,6 +112,10 @@ class Figure {
       const isLeft = x > bbox.left + 0.6 * bbox.width;
       ctx.textAlign = isLeft ? "right" : "left";
       ctx.textBaseline = "top";
+      ctx.setLineDash([]);
+      ctx.strokeStyle = color("paper");
+      ctx.lineWidth = 4 * devicePixelRatio;
+      ctx.strokeText(words, x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
       ctx.fillText(words, x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
     }
     ctx.restore();
@@ -159,7 +168,7 @@ export class Histogram {
     }
     const marks = [];
     if (force !== null) marks.push({ at: force / factor, words: `restoring force ${si(force, "N")}` });
-    if (mean) marks.push({ at: mean / factor, dash: [2, 3] });
+    if (mean) marks.push({ at: mean / factor, dash: [2, 3], label: `mean ${si(mean, "N")}` });
     const ends = [first * width, (first + count) * width];
     if (force !== null && force / factor > ends[0] - 0.5 * (ends[1] - ends[0]) && force / factor < ends[1] + 0.5 * (ends[1] - ends[0])) {
       ends[0] = Math.min(ends[0], force / factor - width);
@@ -218,7 +227,8 @@ export class ForceCurve {
     const x = scale(Math.max(...separation) / 2, "m");
     const finite = (of) => (of ?? []).filter((value) => typeof value === "number");
     const lowest = Math.min(0, ...known.flatMap((of) => [...finite(of.mean), ...finite(of.integral)]));
-    const lowestStd = Math.min(lowest, ...known.flatMap((of) => finite(of.mean).map((mean, at) => mean - of.std[at])));
+    // Far below in compression the standard deviation is that of the compression.
+    const std = Math.max(0, ...known.map((of) => of.std?.[of.mean.indexOf(Math.min(...finite(of.mean)))] ?? 0));
     const depth = -lowest || Math.max(...known.flatMap((of) => finite(of.mean ?? of.integral)));
     const y = scale(depth, "N");
     const order = separation.map((_, at) => at).sort((a, b) => separation[a] - separation[b]);
@@ -229,7 +239,7 @@ export class ForceCurve {
       ...ofWays.flatMap((of) => [column(of?.mean), column(sum(of, 1)), column(sum(of, -1)), column(of?.integral)]),
     ];
     // The well is shown; compression goes on far above.
-    const range = { x: this.#wide(data, depth / y.factor), y: lowest < 0 ? [1.1 * Math.max(lowestStd, 3 * lowest) / y.factor, depth / y.factor] : [0, 1.1 * depth / y.factor] };
+    const range = { x: this.#wide(data, depth / y.factor), y: (lowest < 0 ? [lowest - Math.min(std, depth) - 0.1 * depth, depth] : [0, 1.1 * depth]).map((end) => end / y.factor) };
     const said = known.map((of) => {
       const force = finite(of.mean).length > 0 ? of.mean : of.integral;
       const at = force.reduce((best, value, place) => (value !== null && (force[best] === null || value < force[best]) ? place : best), 0);
@@ -247,7 +257,8 @@ export class ForceCurve {
   }
 
   /** From where forces fit the figure to where they have vanished. */
-  #wide([x, ...columns], depth) {
+  #wide([x, ...all], depth) {
+    const columns = [0, 3, 4, 7].map((place) => all[place]);
     const shown = x.map((_, at) => columns.some((of) => of[at] !== null && of[at] < depth));
     const isThere = x.map((_, at) => columns.some((of) => of[at] !== null && Math.abs(of[at]) > 0.004 * depth));
     const first = Math.max(shown.indexOf(true), 0), last = isThere.lastIndexOf(true);

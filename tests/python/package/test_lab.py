@@ -123,18 +123,17 @@ def test_the_numbers_are_those_of_the_program_to_the_bit(opened, tmp_path, name)
             same(numbers(curve["integral"]), file[f"integral/{prefix}external_force"])
             same(numbers(curve["integral_std"]), file[f"integral/{prefix}external_force_std"])
             same(numbers(path_of_integral["force"]), file[f"integral/{prefix}external_force"])
-        [stuck] = results["stuck"]
-        after = "_after_preload" if name == "loop" else ""
+        of = results["after_preload"][0] if name == "loop" else results["whole"]
+        stuck, after = of["stuck"], "_after_preload" if name == "loop" else ""
         for end, key in (("", "p"), ("_low", "low"), ("_high", "high")):
             same(stuck[key], np.ravel(file[f"device/stuck_probability{end}{after}"])[0])
         if name == "loop":
             same([numbers(of["after"]) for of in pull_offs], file["replicas/pull_off_after_preload"])
-            [pressed] = results["after_preload"]
-            same(pressed["mean"], file["instability/pull_off_after_preload_mean"][0])
-            same(pressed["interval"], file["instability/pull_off_after_preload_interval"][0])
+            same(of["mean"], file["instability/pull_off_after_preload_mean"][0])
+            same(of["interval"], file["instability/pull_off_after_preload_interval"][0])
             contacts = [of.decode() for of in file["model_range/plastic_contact"]]
-            same([pressed["range"][of] for of in contacts], file["model_range/pull_off_after_preload"][:, 0])
-            same([stuck["range"][of] for of in contacts], file["model_range/stuck_probability_after_preload"][:, 0])
+            same([of["range"][one] for one in contacts], file["model_range/pull_off_after_preload"][:, 0])
+            same([stuck["range"][one] for one in contacts], file["model_range/stuck_probability_after_preload"][:, 0])
     assert without_file(results["summary"]) == without_file(printed)
     assert shown(browser) == results["summary"]
 

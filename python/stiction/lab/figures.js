@@ -233,7 +233,8 @@ export class ForceCurve {
     const y = scale(depth, "N");
     const order = separation.map((_, at) => at).sort((a, b) => separation[a] - separation[b]);
     const column = (of) => order.map((at) => (typeof of?.[at] === "number" ? of[at] / y.factor : null));
-    const sum = (of, sign) => of?.mean?.map((mean, at) => (of.std?.[at] === null || mean === null ? null : mean + sign * of.std[at]));
+    // A band where its line is seen: above it is far wider than the figure is high.
+    const sum = (of, sign) => of?.mean?.map((mean, at) => (of.std[at] === null || !(mean < depth) ? null : mean + sign * of.std[at]));
     const data = [
       order.map((at) => separation[at] / x.factor),
       ...ofWays.flatMap((of) => [column(of?.mean), column(sum(of, 1)), column(sum(of, -1)), column(of?.integral)]),
@@ -293,13 +294,14 @@ export class Probability {
     const [smallest, largest] = [end(Math.min), end(Math.max)];
     const x = forces.map((of) => of / factor);
     const at = force === null ? -1 : forces.findIndex((of) => of >= force);
-    const said = at < 0 ? "" : ` At about ${si(force, "N")}: ${percent(p[at])}, 95 % interval ${percent(low[at])} to ${percent(high[at])}.`;
+    const half = forces.find((_, place) => p[place] <= 0.5) ?? forces.at(-1);
+    const there = at < 0 ? "" : ` At about ${si(force, "N")}: ${percent(p[at])}, 95 % interval ${percent(low[at])} to ${percent(high[at])}.`;
     this.figure.show({
       data: [x, p, high, low, smallest, largest],
       units: { x: unit },
       range: { x: [x[0], x.at(-1)], y: [0, 1.0001] },
       marks: force === null ? [] : [{ at: force / factor, words: si(force, "N") }],
-      text: `Probability that the pull-off exceeds the restoring force.${said}`,
+      text: `Probability that the pull-off exceeds the restoring force: one half at ${si(half, "N")}.${there}`,
       header: [`restoring force (${unit})`, "P", "95 % from", "to", "models from", "to"],
       rows: forces.map((of, place) => [number(of / factor), ...[p, low, high, smallest, largest].map((values) => percent(values[place] ?? NaN))]),
     });

@@ -50,26 +50,27 @@ class Figure {
   }
 
   /** Shows columns of data; `units` are those of the axes, `marks` vertical lines, `text` says what is seen. */
-  show({ data, units, range, marks = [], text, header, rows }) {
+  show({ data, units, range, marks = [], isListed = true, text, header, rows }) {
     Object.assign(this, { units, range, marks });
-    if (this.drawn && this.drawn.data.length === data.length) this.drawn.setData(data);
+    this.readout.textContent = "";
+    if (this.drawn) this.drawn.setData(data);
     else this.#begin(data);
     this.plot.setAttribute("aria-label", text);
     this.legend.replaceChildren(...this.options.series.flatMap(({ label, name, kind }, place) =>
-      (label && data[place + 1].some((of) => of !== null) ? [Figure.#listed(kind, name, label)] : [])));
+      (isListed && label && data[place + 1].some((of) => of !== null) ? [Figure.#listed(kind, name, label)] : [])));
     for (const { label } of marks) if (label) this.legend.append(Figure.#listed("dotted", "ink", label));
     Object.assign(this, { header, rows });
     this.#tabulate();
   }
 
-  /** Shows nothing. */
-  clear() {
+  /** Shows nothing, and why. */
+  clear(reason = "") {
     this.drawn?.destroy();
     this.drawn = null;
     this.rows = null;
-    this.readout.textContent = "";
+    this.readout.textContent = reason;
     this.legend.replaceChildren();
-    this.plot.setAttribute("aria-label", "nothing computed yet");
+    this.plot.setAttribute("aria-label", reason || "nothing computed yet");
   }
 
   #begin(data) {
@@ -152,7 +153,7 @@ export class Histogram {
   /** `pullOffs` in N, in the order of the replicas; the restoring force and the mean where there are any. */
   show(pullOffs, force, mean) {
     if (pullOffs.length === 0) {
-      this.figure.clear();
+      this.figure.clear("none yet");
       return;
     }
     const sorted = Float64Array.from(pullOffs).sort();
@@ -179,14 +180,15 @@ export class Histogram {
       units: { x: unit, width },
       range: { x: ends, y: [0, Math.max(5, ...all) * 1.15] },
       marks,
+      isListed: force !== null,
       text: `Histogram of the pull-offs of ${sorted.length} pads, from ${si(sorted[0], "N")} to ${si(sorted.at(-1), "N")}, half of them below ${si(sorted[sorted.length >> 1], "N")}.`,
       header: [`from (${unit})`, `to (${unit})`, "pads"],
       rows: all.map((pads, place) => [number(x[place] - width / 2), number(x[place] + width / 2), String(pads)]),
     });
   }
 
-  clear() {
-    this.figure.clear();
+  clear(reason) {
+    this.figure.clear(reason);
   }
 }
 
@@ -266,8 +268,8 @@ export class ForceCurve {
     return [x[first], x[Math.min(last + 1, x.length - 1)] ?? x.at(-1)];
   }
 
-  clear() {
-    this.figure.clear();
+  clear(reason) {
+    this.figure.clear(reason);
   }
 }
 
@@ -307,7 +309,7 @@ export class Probability {
     });
   }
 
-  clear() {
-    this.figure.clear();
+  clear(reason) {
+    this.figure.clear(reason);
   }
 }

@@ -184,9 +184,11 @@ function showCount() {
   by("count").textContent = `${done} of ${of} pads${done === of && !lab.isComplete ? ", model range" : ""}`;
 }
 
-/** The results after the preload that is chosen, or of the whole curve. */
+/** The results after the preload that is chosen, or of the whole curve with the mean that the program quotes. */
 function shownOf(results) {
-  return results.after_preload.length > 0 ? results.after_preload[Number(by("preload-of").value)] : results.whole;
+  if (results.after_preload.length > 0) return results.after_preload[Number(by("preload-of").value)];
+  const { quoted, is_controlled: is, interval, controlled_interval: controlled } = results.pull_off;
+  return { ...results.whole, mean: quoted, interval: is ? controlled : interval };
 }
 
 function showResults(results) {
@@ -195,6 +197,7 @@ function showResults(results) {
   figures.force.show(curves);
   const of = shownOf(results);
   if (of.count > 0) figures.probability.show(of.above, lab.restoringForce);
+  else figures.probability.clear("no pad reaches the preload");
   showAnswer(results, of);
   showPullOffs();
   lab.isComplete = computation?.isComplete ?? false;
@@ -224,6 +227,11 @@ function showAnswer(results, of) {
     by("value").textContent = of.count > 0 ? `Pull-off ${newtons(of.mean)}` : "No pull-off";
     by("more").textContent = pullOff;
   }
+  const warnings = results.warnings.length;
+  by("verdicts").textContent = [
+    `independence: ${results.independence.verdict}`, `cross-check: ${results.cross_check.verdict}`,
+    warnings === 0 ? "no warning" : warnings === 1 ? "1 warning, stated below" : `${warnings} warnings, stated below`,
+  ].join(" · ");
 }
 
 function showFailure(error) {

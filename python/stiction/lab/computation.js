@@ -3,14 +3,16 @@
 import { head, ProgramError } from "./core.js";
 
 // Replicas of a piece, and of the first pieces: the first picture does not wait for a whole one.
-const PIECE = 8, FIRST = 2;
+const PIECE = 8,
+  FIRST = 2;
 // Milliseconds between results of what is merged so far.
 const APART = 1000;
 
 /** Cuts the replicas of a part, the run itself or one of its plastic contacts, into pieces. */
 function pieces(part, first, end, size) {
   const found = [];
-  for (let at = first; at < end; at += size) found.push({ ...part, first: at, count: Math.min(size, end - at) });
+  for (let at = first; at < end; at += size)
+    found.push({ ...part, first: at, count: Math.min(size, end - at) });
   return found;
 }
 
@@ -29,8 +31,8 @@ export class Computation {
   #last = -Infinity;
 
   /**
-   * Begins. `listener` has `prepared(about)`, `integral(curves)`, `computed(head)`, `results(results)` and `failed(error)`.
-   * `scene` is what `prepare` of the core takes.
+   * Begins. `listener` has `prepared(about)`, `integral(curves)`, `computed(head)`, `results(results)` and
+   * `failed(error)`. `scene` is what `prepare` of the core takes.
    */
   constructor(module, scene, count, listener) {
     this.listener = listener;
@@ -61,7 +63,11 @@ export class Computation {
   /** Whether all replicas of all parts are merged. */
   get isComplete() {
     const { complete, contacts } = this.#merged;
-    return complete && this.#parts !== null && this.#parts.every(({ contact }) => contact === null || contacts.includes(contact));
+    return (
+      complete &&
+      this.#parts !== null &&
+      this.#parts.every(({ contact }) => contact === null || contacts.includes(contact))
+    );
   }
 
   #heard(own, { job, reply, error }) {
@@ -106,9 +112,10 @@ export class Computation {
     this.#isNew = true;
   }
 
-  /** Queues the parts of the model range that are new; with targets they are known once the run is complete. */
+  /** Queues the parts of the model range that are new; with targets they come once the run is complete. */
   #take(parts) {
-    const isNew = ({ contact }) => contact !== null && !this.#parts?.some((known) => known.contact === contact);
+    const isNew = ({ contact }) =>
+      contact !== null && !this.#parts?.some((known) => known.contact === contact);
     for (const part of parts.filter(isNew)) this.#queue.push(...pieces(part, 0, part.replicas, this.#size));
     this.#parts = parts;
   }

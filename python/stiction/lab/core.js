@@ -38,7 +38,8 @@ export class Core {
 
   /** The object that a function of the module returns. */
   ask(name, argument = "") {
-    const given = typeof argument === "string" || argument instanceof Uint8Array ? argument : JSON.stringify(argument);
+    const given =
+      typeof argument === "string" || argument instanceof Uint8Array ? argument : JSON.stringify(argument);
     const reply = JSON.parse(new TextDecoder().decode(this.call(name, given)));
     if (reply.error) throw new ProgramError(reply.error);
     return reply;

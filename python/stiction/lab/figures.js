@@ -1,21 +1,11 @@
-// The three figures, drawn by uPlot: pull-offs of patches, force over separation, probability over the restoring force.
+// The three figures: pull-offs of patches, force over separation, probability over the restoring force.
 
-import { element } from "./fields.js";
+import { edge, Figure, ink, line } from "./figure.js";
 import { number, percent, scale, si } from "./quantity.js";
 import uPlot from "./vendor/uplot/uPlot.esm.js";
 
-const HEIGHT = 250;
-const FONT = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 // Bars of the histogram, at most.
 const BARS = 24;
-
-/** A colour of the style sheet, with an opacity. */
-function color(name, opacity = 1) {
-  const value = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-  return opacity === 1 ? value : value + Math.round(255 * opacity).toString(16).padStart(2, "0");
-}
-
-const ink = (name, opacity) => () => color(name, opacity);
 
 /** The step 1, 2 or 5 times a power of ten that is at least this long. */
 function step(length) {
@@ -23,130 +13,25 @@ function step(length) {
   return [1, 2, 5, 10].map((of) => of * power).find((of) => of >= length * (1 - 1e-9));
 }
 
-/** A figure: plot, readout under the pointer, text for those who do not see it, numbers as a table. */
-class Figure {
-  constructor(root, options) {
-    this.root = root;
-    this.plot = root.querySelector(".plot");
-    this.legend = element("p", { className: "legend", "aria-hidden": "true" });
-    this.plot.after(this.legend);
-    this.readout = root.querySelector(".readout");
-    this.table = root.querySelector("table");
-    this.details = root.querySelector("details");
-    this.details.addEventListener("toggle", () => this.#tabulate());
-    this.options = options;
-    this.marks = [];
-    this.rows = null;
-    new ResizeObserver(() => this.drawn?.setSize(this.#size())).observe(this.plot);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.drawn?.redraw());
-  }
-
-  static #listed(kind, name, label) {
-    return element("span", {}, element("i", { className: `swatch ${kind} ${name}` }), label);
-  }
-
-  #size() {
-    return { width: Math.max(this.plot.clientWidth, 200), height: HEIGHT };
-  }
-
-  /** Shows columns of data; `units` are those of the axes, `marks` vertical lines, `text` says what is seen. */
-  show({ data, units, range, marks = [], isListed = true, text, header, rows }) {
-    Object.assign(this, { units, range, marks });
-    this.readout.textContent = "";
-    if (this.drawn) this.drawn.setData(data);
-    else this.#begin(data);
-    this.plot.setAttribute("aria-label", text);
-    this.legend.replaceChildren(...this.options.series.flatMap(({ label, name, kind }, place) =>
-      (isListed && label && data[place + 1].some((of) => of !== null) ? [Figure.#listed(kind, name, label)] : [])));
-    for (const { label } of marks) if (label) this.legend.append(Figure.#listed("dotted", "ink", label));
-    Object.assign(this, { header, rows });
-    this.#tabulate();
-  }
-
-  /** Shows nothing, and why. */
-  clear(reason = "") {
-    this.drawn?.destroy();
-    this.drawn = null;
-    this.rows = null;
-    this.readout.textContent = reason;
-    this.legend.replaceChildren();
-    this.plot.setAttribute("aria-label", reason || "nothing computed yet");
-  }
-
-  #begin(data) {
-    this.drawn?.destroy();
-    const axis = (at, label) => ({
-      stroke: ink("ink"), font: FONT, labelFont: FONT, labelSize: 18, labelGap: 2, size: at === "x" ? 34 : 52,
-      grid: { stroke: ink("rule"), width: 1 }, ticks: { stroke: ink("rule"), width: 1, size: 5 },
-      label: () => label(this.units), values: (_, splits) => splits.map((of) => (of === null ? "" : number(of, 6))),
-    });
-    this.drawn = new uPlot({
-      ...this.#size(),
-      scales: {
-        x: { time: false, range: () => this.range.x },
-        y: { range: () => this.range.y },
-      },
-      axes: [axis("x", this.options.x), axis("y", this.options.y)],
-      series: [{}, ...this.options.series],
-      bands: this.options.bands ?? [],
-      legend: { show: false },
-      cursor: { drag: { x: false, y: false }, points: { size: 6 }, y: false },
-      hooks: { draw: [(plot) => this.#mark(plot)], setCursor: [(plot) => this.#read(plot)] },
-    }, data, this.plot);
-  }
-
-  #mark(plot) {
-    const { ctx, bbox } = plot;
-    ctx.save();
-    ctx.font = FONT.replace("12px", `${Math.round(12 * devicePixelRatio)}px`);
-    for (const { at, words, dash = [], name = "ink" } of this.marks) {
-      const x = Math.round(plot.valToPos(at, "x", true));
-      if (!(x >= bbox.left && x <= bbox.left + bbox.width)) continue;
-      ctx.strokeStyle = ctx.fillStyle = color(name);
-      ctx.lineWidth = 1.5 * devicePixelRatio;
-      ctx.setLineDash(dash.map((of) => of * devicePixelRatio));
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
-      if (!words) continue;
-      const isLeft = x > bbox.left + 0.6 * bbox.width;
-      ctx.textAlign = isLeft ? "right" : "left";
-      ctx.textBaseline = "top";
-      ctx.setLineDash([]);
-      ctx.strokeStyle = color("paper");
-      ctx.lineWidth = 4 * devicePixelRatio;
-      ctx.strokeText(words, x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
-      ctx.fillText(words, x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
-    }
-    ctx.restore();
-  }
-
-  #read(plot) {
-    const { idx } = plot.cursor;
-    this.readout.textContent = idx === null || idx === undefined || !this.options.read ? "" : this.options.read(plot.data, idx, this.units);
-  }
-
-  #tabulate() {
-    if (!this.details.open || !this.rows) return;
-    const row = (name, cells) => element("tr", {}, ...cells.map((cell) => element(name, name === "th" ? { scope: "col" } : {}, cell)));
-    this.table.tHead.replaceChildren(row("th", this.header));
-    this.table.tBodies[0].replaceChildren(...this.rows.map((cells) => row("td", cells)));
-  }
-}
-
 /** Pull-offs of patches: those above the restoring force stay adhered. */
 export class Histogram {
   constructor(root) {
     const bars = (name, label) => ({
-      label, name, kind: "bar", stroke: ink(name), fill: ink(name), width: 0, points: { show: false },
+      label,
+      name,
+      kind: "bar",
+      stroke: ink(name),
+      fill: ink(name),
+      width: 0,
+      points: { show: false },
       paths: uPlot.paths.bars({ size: [0.94, Infinity] }),
     });
     this.figure = new Figure(root, {
       x: ({ x }) => `pull-off of a pad (${x})`,
       y: () => "pads",
       series: [bars("vermilion", "stays adhered"), bars("blue", "is separated")],
-      read: ([x, all], at, { x: unit, width }) => `${number(x[at] - width / 2)} to ${number(x[at] + width / 2)} ${unit}: ${all[at]} pads`,
+      read: ([x, all], at, { x: unit, width }) =>
+        `${number(x[at] - width / 2)} to ${number(x[at] + width / 2)} ${unit}: ${all[at]} pads`,
     });
   }
 
@@ -158,10 +43,16 @@ export class Histogram {
     }
     const sorted = Float64Array.from(pullOffs).sort();
     const { factor, unit } = scale(Math.abs(sorted[sorted.length >> 1]) || 1e-9, "N");
-    const low = sorted[0] / factor, high = sorted.at(-1) / factor;
-    const width = step(Math.max(high - low, 1e-3 * Math.abs(high), 1e-12) / Math.min(BARS, 4 + Math.sqrt(sorted.length)));
-    const first = Math.floor(low / width), count = Math.floor(high / width) - first + 1;
-    const [x, all, below] = [(place) => (first + place + 0.5) * width, () => 0, () => 0].map((of) => Array.from({ length: count }, (_, place) => of(place)));
+    const low = sorted[0] / factor,
+      high = sorted.at(-1) / factor;
+    const width = step(
+      Math.max(high - low, 1e-3 * Math.abs(high), 1e-12) / Math.min(BARS, 4 + Math.sqrt(sorted.length)),
+    );
+    const first = Math.floor(low / width),
+      count = Math.floor(high / width) - first + 1;
+    const [x, all, below] = [(place) => (first + place + 0.5) * width, () => 0, () => 0].map((of) =>
+      Array.from({ length: count }, (_, place) => of(place)),
+    );
     for (const value of sorted) {
       const bar = Math.min(Math.floor(value / factor / width) - first, count - 1);
       all[bar] += 1;
@@ -171,19 +62,28 @@ export class Histogram {
     if (force !== null) marks.push({ at: force / factor, words: `restoring force ${si(force, "N")}` });
     if (mean) marks.push({ at: mean / factor, dash: [2, 3], label: `mean ${si(mean, "N")}` });
     const ends = [first * width, (first + count) * width];
-    if (force !== null && force / factor > ends[0] - 0.5 * (ends[1] - ends[0]) && force / factor < ends[1] + 0.5 * (ends[1] - ends[0])) {
+    if (
+      force !== null &&
+      force / factor > ends[0] - 0.5 * (ends[1] - ends[0]) &&
+      force / factor < ends[1] + 0.5 * (ends[1] - ends[0])
+    ) {
       ends[0] = Math.min(ends[0], force / factor - width);
       ends[1] = Math.max(ends[1], force / factor + width);
     }
+    const [least, half, most] = [0, sorted.length >> 1, sorted.length - 1].map((at) => si(sorted[at], "N"));
     this.figure.show({
       data: [x, all, below],
       units: { x: unit, width },
       range: { x: ends, y: [0, Math.max(5, ...all) * 1.15] },
       marks,
       isListed: force !== null,
-      text: `Histogram of the pull-offs of ${sorted.length} pads, from ${si(sorted[0], "N")} to ${si(sorted.at(-1), "N")}, half of them below ${si(sorted[sorted.length >> 1], "N")}.`,
+      text: `Histogram of the pull-offs of ${sorted.length} pads, from ${least} to ${most}, half below ${half}.`,
       header: [`from (${unit})`, `to (${unit})`, "pads"],
-      rows: all.map((pads, place) => [number(x[place] - width / 2), number(x[place] + width / 2), String(pads)]),
+      rows: all.map((pads, place) => [
+        number(x[place] - width / 2),
+        number(x[place] + width / 2),
+        String(pads),
+      ]),
     });
   }
 
@@ -192,30 +92,31 @@ export class Histogram {
   }
 }
 
-/** A line of a colour, dashed or not; without a label the legend leaves it out. */
-const line = (name, label, isDashed = false) => ({
-  label, name, kind: isDashed ? "dashed" : "line", stroke: ink(name), points: { show: false },
-  width: isDashed ? 1.3 : 1.8, dash: isDashed ? [6, 4] : undefined,
-});
-
-/** An end of a band, which has no line of its own. */
-const edge = () => ({ width: 0, stroke: () => "#0000", points: { show: false } });
-
 /** Force over separation on every way: mean and standard deviation over patches, and the integral. */
 export class ForceCurve {
   constructor(root) {
-    const NAMES = [["approach", "blue"], ["retraction", "vermilion"]];
+    const NAMES = [
+      ["approach", "blue"],
+      ["retraction", "vermilion"],
+    ];
     this.figure = new Figure(root, {
       x: ({ x }) => `separation h (${x})`,
       y: ({ y }) => `external force (${y})`,
       series: NAMES.flatMap(([way, name]) => [
-        line(name, `${way}, mean and standard deviation`), edge(), edge(),
+        line(name, `${way}, mean and standard deviation`),
+        edge(),
+        edge(),
         line("ink", way === "approach" ? "integral" : null, true),
       ]),
-      bands: NAMES.map(([, name], place) => ({ series: [4 * place + 2, 4 * place + 3], fill: ink(name, 0.2) })),
+      bands: NAMES.map(([, name], place) => ({
+        series: [4 * place + 2, 4 * place + 3],
+        fill: ink(name, 0.2),
+      })),
       read: (data, at, { x, y }) => {
         const ways = NAMES.map(([way], place) => [way, data[4 * place + 1][at] ?? data[4 * place + 4][at]]);
-        const said = ways.filter(([, force]) => typeof force === "number").map(([way, force]) => `${way} ${number(force)} ${y}`);
+        const said = ways
+          .filter(([, force]) => typeof force === "number")
+          .map(([way, force]) => `${way} ${number(force)} ${y}`);
         return `h = ${number(data[0][at])} ${x}: ${said.join(", ")}`;
       },
     });
@@ -230,31 +131,61 @@ export class ForceCurve {
     const finite = (of) => (of ?? []).filter((value) => typeof value === "number");
     const lowest = Math.min(0, ...known.flatMap((of) => [...finite(of.mean), ...finite(of.integral)]));
     // Far below in compression the standard deviation is that of the compression.
-    const std = Math.max(0, ...known.map((of) => of.std?.[of.mean.indexOf(Math.min(...finite(of.mean)))] ?? 0));
+    const std = Math.max(
+      0,
+      ...known.map((of) => of.std?.[of.mean.indexOf(Math.min(...finite(of.mean)))] ?? 0),
+    );
     const depth = -lowest || Math.max(...known.flatMap((of) => finite(of.mean ?? of.integral)));
     const y = scale(depth, "N");
     const order = separation.map((_, at) => at).sort((a, b) => separation[a] - separation[b]);
     const column = (of) => order.map((at) => (typeof of?.[at] === "number" ? of[at] / y.factor : null));
     // A band where its line is seen: above it is far wider than the figure is high.
-    const sum = (of, sign) => of?.mean?.map((mean, at) => (of.std[at] === null || !(mean < depth) ? null : mean + sign * of.std[at]));
+    const sum = (of, sign) =>
+      of?.mean?.map((mean, at) => (of.std[at] === null || !(mean < depth) ? null : mean + sign * of.std[at]));
     const data = [
       order.map((at) => separation[at] / x.factor),
-      ...ofWays.flatMap((of) => [column(of?.mean), column(sum(of, 1)), column(sum(of, -1)), column(of?.integral)]),
+      ...ofWays.flatMap((of) => [
+        column(of?.mean),
+        column(sum(of, 1)),
+        column(sum(of, -1)),
+        column(of?.integral),
+      ]),
     ];
     // The well is shown; compression goes on far above.
-    const range = { x: this.#wide(data, depth / y.factor), y: (lowest < 0 ? [lowest - Math.min(std, depth) - 0.1 * depth, depth] : [0, 1.1 * depth]).map((end) => end / y.factor) };
-    const said = known.map((of) => {
+    const range = {
+      x: this.#wide(data, depth / y.factor),
+      y: (lowest < 0 ? [lowest - Math.min(std, depth) - 0.1 * depth, depth] : [0, 1.1 * depth]).map(
+        (end) => end / y.factor,
+      ),
+    };
+    const kind = known[0].mean ? "mean over pads" : "integral";
+    const lowests = known.map((of) => {
       const force = finite(of.mean).length > 0 ? of.mean : of.integral;
-      const at = force.reduce((best, value, place) => (value !== null && (force[best] === null || value < force[best]) ? place : best), 0);
+      const at = force.reduce(
+        (best, value, place) =>
+          value !== null && (force[best] === null || value < force[best]) ? place : best,
+        0,
+      );
       return `${of.way}: lowest ${si(force[at], "N")} at ${si(of.separation[at], "m")}`;
     });
     this.figure.show({
-      data, range, units: { x: x.unit, y: y.unit },
-      text: `External force over separation, ${known[0].mean ? "mean over pads" : "integral"}. ${said.join("; ")}.`,
-      header: [`h (${x.unit})`, ...known.flatMap(({ way }) => [`${way}, mean (${y.unit})`, `std (${y.unit})`, `integral (${y.unit})`])],
+      data,
+      range,
+      units: { x: x.unit, y: y.unit },
+      text: `External force over separation, ${kind}. ${lowests.join("; ")}.`,
+      header: [
+        `h (${x.unit})`,
+        ...known.flatMap(({ way }) => [
+          `${way}, mean (${y.unit})`,
+          `std (${y.unit})`,
+          `integral (${y.unit})`,
+        ]),
+      ],
       rows: order.map((at) => [
         number(separation[at] / x.factor),
-        ...known.flatMap((of) => [of.mean, of.std, of.integral].map((values) => number((values?.[at] ?? NaN) / y.factor))),
+        ...known.flatMap((of) =>
+          [of.mean, of.std, of.integral].map((values) => number((values?.[at] ?? NaN) / y.factor)),
+        ),
       ]),
     });
   }
@@ -263,8 +194,11 @@ export class ForceCurve {
   #wide([x, ...all], depth) {
     const columns = [0, 3, 4, 7].map((place) => all[place]);
     const shown = x.map((_, at) => columns.some((of) => of[at] !== null && of[at] < depth));
-    const isThere = x.map((_, at) => columns.some((of) => of[at] !== null && Math.abs(of[at]) > 0.004 * depth));
-    const first = Math.max(shown.indexOf(true), 0), last = isThere.lastIndexOf(true);
+    const isThere = x.map((_, at) =>
+      columns.some((of) => of[at] !== null && Math.abs(of[at]) > 0.004 * depth),
+    );
+    const first = Math.max(shown.indexOf(true), 0),
+      last = isThere.lastIndexOf(true);
     return [x[first], x[Math.min(last + 1, x.length - 1)] ?? x.at(-1)];
   }
 
@@ -280,11 +214,15 @@ export class Probability {
       x: ({ x }) => `restoring force (${x})`,
       y: () => "P (pad stays adhered)",
       series: [
-        line("vermilion", "P with its 95 % interval"), edge(), edge(),
-        line("ink", "range over plastic contacts", true), line("ink", null, true),
+        line("vermilion", "P with its 95 % interval"),
+        edge(),
+        edge(),
+        line("ink", "range over plastic contacts", true),
+        line("ink", null, true),
       ],
       bands: [{ series: [2, 3], fill: ink("vermilion", 0.2) }],
-      read: ([x, p, high, low], at, { x: unit }) => `above ${number(x[at])} ${unit}: P = ${percent(p[at])} (${percent(low[at])} to ${percent(high[at])})`,
+      read: ([x, p, high, low], at, { x: unit }) =>
+        `above ${number(x[at])} ${unit}: P = ${percent(p[at])} (${percent(low[at])} to ${percent(high[at])})`,
     });
   }
 
@@ -292,20 +230,27 @@ export class Probability {
   show({ forces, p, low, high, range }, force) {
     const { factor, unit } = scale(forces[forces.length >> 1] || 1e-9, "N");
     const ofContacts = Object.values(range ?? {});
-    const end = (of) => forces.map((_, at) => (ofContacts.length > 1 ? of(...ofContacts.map((values) => values[at])) : null));
+    const end = (of) =>
+      forces.map((_, at) => (ofContacts.length > 1 ? of(...ofContacts.map((values) => values[at])) : null));
     const [smallest, largest] = [end(Math.min), end(Math.max)];
     const x = forces.map((of) => of / factor);
     const at = force === null ? -1 : forces.findIndex((of) => of >= force);
     const half = forces.find((_, place) => p[place] <= 0.5) ?? forces.at(-1);
-    const there = at < 0 ? "" : ` At about ${si(force, "N")}: ${percent(p[at])}, 95 % interval ${percent(low[at])} to ${percent(high[at])}.`;
+    const there =
+      at < 0
+        ? ""
+        : ` At about ${si(force, "N")}: ${percent(p[at])} (${percent(low[at])} to ${percent(high[at])}).`;
     this.figure.show({
       data: [x, p, high, low, smallest, largest],
       units: { x: unit },
       range: { x: [x[0], x.at(-1)], y: [0, 1.0001] },
       marks: force === null ? [] : [{ at: force / factor, words: si(force, "N") }],
-      text: `Probability that the pull-off exceeds the restoring force: one half at ${si(half, "N")}.${there}`,
+      text: `Probability that the pull-off exceeds the restoring force: 50 % at ${si(half, "N")}.${there}`,
       header: [`restoring force (${unit})`, "P", "95 % from", "to", "models from", "to"],
-      rows: forces.map((of, place) => [number(of / factor), ...[p, low, high, smallest, largest].map((values) => percent(values[place] ?? NaN))]),
+      rows: forces.map((of, place) => [
+        number(of / factor),
+        ...[p, low, high, smallest, largest].map((values) => percent(values[place] ?? NaN)),
+      ]),
     });
   }
 

@@ -28,5 +28,7 @@ export async function unpacked(hash) {
   if (!hash.startsWith(HEAD)) return null;
   const text = atob(hash.slice(HEAD.length).replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
-  return new TextDecoder("utf-8", { fatal: true }).decode(await through(new DecompressionStream("deflate-raw"), bytes));
+  return new TextDecoder("utf-8", { fatal: true }).decode(
+    await through(new DecompressionStream("deflate-raw"), bytes),
+  );
 }

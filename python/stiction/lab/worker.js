@@ -1,4 +1,4 @@
-// A worker: one instance of the program's core, which prepares a scene and does what the page asks for, one job after the other.
+// A worker: one instance of the program's core, which prepares a scene and does one job after the other.
 
 import { Core, piece, ProgramError } from "./core.js";
 

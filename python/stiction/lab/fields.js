@@ -8,6 +8,7 @@ const LENGTHS = [
   ["um", 1e-6],
   ["mm", 1e-3],
 ];
+const SMALL = [["pm", 1e-12], ...LENGTHS];
 const FORCES = [
   ["nN", 1e-9],
   ["uN", 1e-6],
@@ -21,6 +22,19 @@ const PRESSURES = [
 ];
 const NONE = [["", 1]];
 
+const DENSITIES = [
+  ["/mm^2", 1e6],
+  ["/um^2", 1e12],
+];
+const AREAS = [
+  ["um^2", 1e-12],
+  ["mm^2", 1e-6],
+];
+const ENERGIES = [
+  ["mJ/m^2", 1e-3],
+  ["J/m^2", 1],
+];
+
 /** Where a field stands, its key, label and symbol, units, ends of the slider in SI, and a note. */
 const field = (of, key, [label, symbol = ""], units, ends, about = "") => ({
   of,
@@ -33,19 +47,8 @@ const field = (of, key, [label, symbol = ""], units, ends, about = "") => ({
 });
 /** A field whose slider has equal steps; others have equal factors. */
 const evenly = (even, of) => ({ ...of, even });
-
-const DENSITIES = [
-    ["/mm^2", 1e6],
-    ["/um^2", 1e12],
-  ],
-  AREAS = [
-    ["um^2", 1e-12],
-    ["mm^2", 1e-6],
-  ];
-const ENERGIES = [
-  ["mJ/m^2", 1e-3],
-  ["J/m^2", 1],
-];
+/** A field that is seen where a scene has its key. */
+const optional = (of) => ({ ...of, isOptional: true });
 
 export const FIELDS = [
   field(
@@ -79,9 +82,19 @@ export const FIELDS = [
     "surface",
     "surface.surface_height_std",
     ["Roughness, rms", "σ"],
-    [["pm", 1e-12], ...LENGTHS],
+    SMALL,
     [1e-10, 1e-6],
     "of both surfaces together",
+  ),
+  optional(
+    field(
+      "surface",
+      "surface.asperity_height_std",
+      ["Summit heights, std", "σ_s"],
+      SMALL,
+      [1e-10, 1e-6],
+      "by default from σ",
+    ),
   ),
   field("surface", "surface.nominal_area", ["Area of a pad", "A"], AREAS, [1e-12, 1e-8]),
   field(
@@ -100,7 +113,19 @@ export const FIELDS = [
     [1e-9, 1e-3],
     "of the suspension, which separates them",
   ),
-  evenly(0.01, field("humidity", "capillary.relative_humidity", ["Relative humidity"], NONE, [0.01, 0.99])),
+  optional(
+    evenly(0.01, field("humidity", "capillary.relative_humidity", ["Relative humidity"], NONE, [0.01, 0.99])),
+  ),
+  optional(
+    field(
+      "humidity",
+      "capillary.contact_angles",
+      ["Contact angles"],
+      NONE,
+      null,
+      "of water on each surface, receding",
+    ),
+  ),
   field("ensemble", "ensemble.replicas", ["Replicas"], NONE, [10, 10000], "pads that are drawn"),
   field("ensemble", "ensemble.seed", ["Seed"], NONE, null),
 ];
@@ -163,6 +188,7 @@ export class Field {
   show(known) {
     const isGiven = known?.given ?? false;
     const text = known?.text ?? "";
+    if (this.isOptional) this.root.hidden = !isGiven;
     this.text.placeholder = isGiven ? "" : text || "none";
     this.text.value = isGiven ? text : "";
     if (!this.slider) return;

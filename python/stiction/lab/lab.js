@@ -264,7 +264,6 @@ function showHumidity() {
     ([key, { given: is }]) => is && key.startsWith("capillary."),
   );
   by("humid").checked = given;
-  fields.get("capillary.relative_humidity").root.hidden = !given;
 }
 
 function humidify({ target }) {

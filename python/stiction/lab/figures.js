@@ -77,7 +77,7 @@ export class Histogram {
       range: { x: ends, y: [0, Math.max(5, ...all) * 1.15] },
       marks,
       isListed: force !== null,
-      text: `Histogram of the pull-offs of ${sorted.length} pads, from ${least} to ${most}, half below ${half}.`,
+      text: `Histogram of the pull-offs of ${sorted.length} pads, ${least} to ${most}, half below ${half}.`,
       header: [`from (${unit})`, `to (${unit})`, "pads"],
       rows: all.map((pads, place) => [
         number(x[place] - width / 2),

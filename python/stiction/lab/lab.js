@@ -31,8 +31,8 @@ const lab = {
 };
 globalThis.lab = lab;
 
-// The core of this page, its lists, the computation at hand, its scene without the restoring force, what is known
-// of the scene at hand, timers.
+// The core of this page, its lists, the computation at hand, its scene without the restoring force, what is
+// known of the scene at hand, timers.
 let core, materials, computation, computed, known, calm, typed, linking;
 const fields = new Map();
 const figures = {

@@ -113,9 +113,14 @@ fn left_in(group: &Path, [limit, used]: [&str; 2]) -> Option<f64> {
 /// Bytes that are free where a file is to be.
 fn disk(output: &Path) -> Option<f64> {
     let folder = output.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    let space = fs4::statvfs(folder).ok()?;
-    // What is no disk, as /proc, has no blocks.
-    (space.total_space() > 0).then_some(space.available_space() as f64)
+    #[cfg(windows)]
+    return fs4::available_space(folder).ok().map(|bytes| bytes as f64);
+    #[cfg(unix)]
+    {
+        let system = rustix::fs::statvfs(folder).ok()?;
+        // What is no disk, as /proc, has no blocks.
+        (system.f_blocks > 0).then_some(system.f_bavail as f64 * system.f_frsize as f64)
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::unlocked;
 use hdf5::types::VarLenUnicode;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
@@ -242,7 +241,7 @@ pub fn peak_memory_of(folder: &Folder, arguments: &[&str]) -> f64 {
         std::thread::sleep(Duration::from_millis(1));
     };
     let mut summary = String::new();
-    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
+    std::io::Read::read_to_string(&mut run.stdout.take().unwrap(), &mut summary).unwrap();
     assert!(status.success(), "{summary}");
     largest
 }

@@ -7,6 +7,11 @@ use std::process::Command;
 const SOURCES: [&str; 4] = ["Cargo.lock", "Cargo.toml", "build.rs", "src"];
 
 fn main() {
+    // libhdf5 calls it. Its crate names it only where it is built on Windows.
+    let is_set = |name: &str| std::env::var_os(name).is_some();
+    if is_set("CARGO_CFG_WINDOWS") && is_set("CARGO_FEATURE_HDF5") {
+        println!("cargo::rustc-link-lib=shlwapi");
+    }
     let mut files = Vec::new();
     for name in SOURCES.into_iter().filter(|name| Path::new(name).exists()) {
         println!("cargo::rerun-if-changed={name}");

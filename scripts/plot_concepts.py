@@ -95,7 +95,7 @@ if __name__ == "__main__":
     scene = re.search(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
     with tempfile.TemporaryDirectory() as folder:
         source, output = Path(folder, "pad.toml"), Path(folder, "pad.h5")
-        source.write_text(scene)
+        source.write_text(scene, encoding="utf-8")
         run("run", source, "--set", "output.curves=true", "--no-model-range", "--quiet", "-o", output)
         with context(), h5py.File(output) as file:
             figure, (first, second, third) = column(1.7, 1.9, 1.7)

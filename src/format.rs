@@ -1,5 +1,6 @@
 //! Numbers as text.
 
+use crate::math::power::power;
 use std::ops::Range;
 
 /// SI prefixes with their powers of ten.
@@ -21,8 +22,8 @@ const PREFIXES: [(&str, i32); 12] = [
 /// The SI prefix with which a value is from 1 to 1000, and its factor; none beyond them.
 fn prefix(value: f64) -> Option<(&'static str, f64)> {
     let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
-    let (prefix, power) = PREFIXES.iter().find(|(_, power)| *power == exponent)?;
-    Some((prefix, 10f64.powi(*power)))
+    let (prefix, exponent) = PREFIXES.iter().find(|(_, power)| *power == exponent)?;
+    Some((prefix, power(10.0, *exponent)))
 }
 
 /// A quantity with an SI prefix and four significant digits.

@@ -1,5 +1,7 @@
 //! The program `stiction`.
 
+mod elementary;
+
 fn main() -> std::process::ExitCode {
     stiction::cli::main()
 }

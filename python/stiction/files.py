@@ -76,7 +76,8 @@ def writing(path: Name, *, force: bool = False, inputs: Iterable[Name] = ()) -> 
     try:
         os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
         yield part
-        with open(part, "rb") as file:
+        # Windows flushes only what is open for writing.
+        with open(part, "r+b") as file:
             os.fsync(file.fileno())
             if not os.fstat(file.fileno()).st_size:
                 raise OSError(f"{path}: nothing has been written")

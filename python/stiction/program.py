@@ -6,15 +6,14 @@ import json
 import os
 import re
 import shutil
-import signal
-import subprocess
 import sys
 import sysconfig
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
+from . import child
 from .errors import SceneError, StictionError
 from .progress import Bar
 
@@ -45,19 +44,16 @@ def find() -> str:
         return found
     folders = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
     user = sysconfig.get_path("scripts", sysconfig.get_preferred_scheme("user"))
-    for folder in [*folders, user]:
-        found = shutil.which("stiction", path=folder)
-        if found is not None:
-            return found
     # Folders by their whole names: the one at hand may be anybody's.
     searched = [folder for folder in os.get_exec_path() if os.path.isabs(folder)]
-    found = shutil.which("stiction", path=os.pathsep.join(searched)) if searched else None
-    if found is None:
-        raise StictionError(
-            f"the program stiction is neither in {folders[0]} nor on the PATH: `pip install stiction` has it, "
-            "or name it in the environment variable STICTION"
-        )
-    return found
+    for folder in [*folders, user, *searched]:
+        found = child.in_folder(folder)
+        if found is not None:
+            return found
+    raise StictionError(
+        f"the program stiction is neither in {folders[0]} nor on the PATH: `pip install stiction` has it, "
+        "or name it in the environment variable STICTION"
+    )
 
 
 def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = False) -> str:
@@ -89,22 +85,16 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
     ):
         given.write(text)
         given.seek(0)
-        # It ends with this process, however that ends.
-        environment = {**os.environ, "STICTION_PARENT": str(os.getpid())}
-        process = subprocess.Popen(
-            [find(), *arguments], stdin=given, stdout=out, stderr=subprocess.PIPE, text=True, encoding="utf-8",
-            env=environment,
-        )  # fmt: skip
-        assert process.stderr is not None
+        process = child.begun([find(), *arguments], given, out)
+        said = child.lines(process)
         lines: list[str] = []
         try:
-            _read(process.stderr, lines, _Bars(progress))
+            _read(said, lines, _Bars(progress))
             code = process.wait()
         except BaseException as stop:
-            # On a terminal the program has had the same signal; of two that come together it takes one.
-            process.send_signal(signal.SIGINT)
+            child.interrupt(process)
             try:
-                _read(process.stderr, lines, _Bars(progress=False))
+                _read(said, lines, _Bars(progress=False))
                 process.wait()
             except KeyboardInterrupt:
                 process.kill()
@@ -113,6 +103,7 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
                 raise
             raise KeyboardInterrupt(_message(lines)) from None
         finally:
+            assert process.stderr is not None
             process.stderr.close()
         out.seek(0)
         printed = out.read()
@@ -148,7 +139,7 @@ def _message(lines: Sequence[str]) -> str:
     return text.removeprefix("stiction: ").removeprefix("error: ")
 
 
-def _read(lines: IO[str], kept: list[str], bars: _Bars) -> None:
+def _read(lines: Iterable[str], kept: list[str], bars: _Bars) -> None:
     """Reads standard error to its end: progress is shown, the rest kept."""
     try:
         for line in lines:

@@ -1,5 +1,6 @@
 //! Reasons why a command ends without its result: messages with the options that help, and exit codes.
 
+use super::quoting;
 use crate::error::Error;
 use crate::error::OutputError;
 use crate::format::counted;
@@ -156,7 +157,7 @@ fn kept(failure: Failure, what: &str) -> Failure {
     let resume = "--resume".to_owned();
     let arguments: Vec<String> =
         arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
-    let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+    let command = quoting::command(&arguments);
     Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }
 

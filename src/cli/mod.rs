@@ -11,6 +11,7 @@ mod merge;
 mod new;
 mod parent;
 mod progress;
+mod quoting;
 mod resources;
 mod run;
 mod session;
@@ -32,12 +33,10 @@ use self::terminal::printed;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::watch;
 use crate::scene::echo::{one_line, printable};
-use anyhow::Context;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 use terminal::note;
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
@@ -175,11 +174,7 @@ fn of_all(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
 
 fn execute(command: Command) -> Result<(), Failure> {
     InstructionSet::of_environment().map_err(Failure::Usage)?.select();
-    // To write beyond the size that files may have is then an error, as on a full disk; without a handler the
-    // signal would kill.
-    #[cfg(unix)]
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
-        .context("cannot handle signals")?;
+    have_long_files_fail()?;
     match command {
         Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => run::run(&arguments),
@@ -191,6 +186,18 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Asperity(arguments) => asperity::asperity(&arguments),
         Command::External(_) => unreachable!("programs are run before"),
     }
+}
+
+/// To write beyond the size that files may have is from then on an error, as on a full disk; without a handler the signal would
+/// kill. Windows has no such size.
+fn have_long_files_fail() -> Result<(), Failure> {
+    #[cfg(unix)]
+    {
+        use anyhow::Context;
+        signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default())
+            .context("cannot handle signals")?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

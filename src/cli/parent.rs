@@ -1,5 +1,8 @@
 //! Ending with the process that this one computes for.
 
+use super::failure::INTERRUPTED;
+use super::terminal::note;
+
 /// The variable of the environment with the number of the process with which this one is to end.
 const PARENT: &str = "STICTION_PARENT";
 
@@ -10,22 +13,58 @@ pub(super) fn has_parent() -> bool {
 
 /// Interrupts this process, as by SIGTERM, when the process ends that has started it and is named in
 /// `STICTION_PARENT`, however that ends: the Python package names itself.
-#[cfg(target_os = "linux")]
 pub(super) fn end_with_parent() {
-    use super::failure::INTERRUPTED;
-    use super::terminal::note;
-    use rustix::process::{Pid, Signal, set_parent_process_death_signal, test_kill_process};
     let named = std::env::var(PARENT).ok().and_then(|number| number.parse().ok());
-    let Some(parent) = named.and_then(Pid::from_raw) else { return };
-    let _ = set_parent_process_death_signal(Some(Signal::TERM));
     // It may have ended since it started this one.
-    if test_kill_process(parent) == Err(rustix::io::Errno::SRCH) {
-        let number = parent.as_raw_nonzero();
-        note(&format!("stiction: {PARENT} = {number}: there is no such process any more"));
+    if let Some(parent) = named.filter(|parent| *parent > 0)
+        && !system::watches(parent)
+    {
+        note(&format!("stiction: {PARENT} = {parent}: there is no such process any more"));
         std::process::exit(INTERRUPTED.into());
     }
 }
 
-/// Other systems have no such signal.
+/// The kernel sends the signal.
+#[cfg(target_os = "linux")]
+mod system {
+    use rustix::process::{Pid, Signal, set_parent_process_death_signal, test_kill_process};
+
+    /// Whether there is the process, whose end is a signal to this one from now on.
+    pub fn watches(parent: i32) -> bool {
+        let Some(parent) = Pid::from_raw(parent) else { return true };
+        let _ = set_parent_process_death_signal(Some(Signal::TERM));
+        test_kill_process(parent) != Err(rustix::io::Errno::SRCH)
+    }
+}
+
+/// A thread looks again and again whether the process is there.
 #[cfg(not(target_os = "linux"))]
-pub(super) fn end_with_parent() {}
+mod system {
+    use signal_hook::consts::SIGTERM;
+    use signal_hook::low_level::raise;
+    use std::time::Duration;
+    use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
+
+    /// The time from one look to the next.
+    const BETWEEN: Duration = Duration::from_secs(1);
+
+    /// Whether there is the process, whose end is a signal to this one from now on.
+    pub fn watches(parent: i32) -> bool {
+        let parent = Pid::from_u32(parent.unsigned_abs());
+        let mut system = System::new();
+        let mut is_there = move || {
+            let only = ProcessRefreshKind::nothing();
+            system.refresh_processes_specifics(ProcessesToUpdate::Some(&[parent]), true, only);
+            system.process(parent).is_some()
+        };
+        let was_there = is_there();
+        let watch = move || {
+            while is_there() {
+                std::thread::sleep(BETWEEN);
+            }
+            let _ = raise(SIGTERM);
+        };
+        let _ = std::thread::Builder::new().name("parent".to_owned()).spawn(watch);
+        was_there
+    }
+}

@@ -11,13 +11,6 @@ const GROUP_FILES: [(&str, [&str; 2]); 2] = [
     ("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes"]),
 ];
 
-/// Bytes of address space that the program takes by itself.
-const OWN: f64 = 3e8;
-/// Bytes of address space that the allocator of the GNU C library reserves for each thread.
-const PER_THREAD: f64 = 67_108_864.0;
-/// Threads besides the computing ones.
-const OTHER_THREADS: f64 = 4.0;
-
 /// Refuses a run that would take more memory, or more disk where its output is to be, than can be had.
 ///
 /// # Errors
@@ -66,6 +59,16 @@ fn memory(threads: f64) -> Option<f64> {
     [available, address_space(threads), control_groups()].into_iter().flatten().reduce(f64::min)
 }
 
+/// Bytes of address space that the program takes by itself.
+#[cfg(unix)]
+const OWN: f64 = 3e8;
+/// Bytes of address space that the allocator of the GNU C library reserves for each thread.
+#[cfg(unix)]
+const PER_THREAD: f64 = 67_108_864.0;
+/// Threads besides the computing ones.
+#[cfg(unix)]
+const OTHER_THREADS: f64 = 4.0;
+
 /// Bytes of address space that are left of a limit, as by `ulimit -v`: in it counts what is reserved too.
 #[cfg(unix)]
 fn address_space(threads: f64) -> Option<f64> {
@@ -108,17 +111,16 @@ fn left_in(group: &Path, [limit, used]: [&str; 2]) -> Option<f64> {
 }
 
 /// Bytes that are free where a file is to be.
-#[cfg(unix)]
 fn disk(output: &Path) -> Option<f64> {
     let folder = output.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    let system = rustix::fs::statvfs(folder).ok()?;
-    // What is no disk, as /proc, has no blocks.
-    (system.f_blocks > 0).then_some(system.f_bavail as f64 * system.f_frsize as f64)
-}
-
-#[cfg(not(unix))]
-fn disk(_: &Path) -> Option<f64> {
-    None
+    #[cfg(windows)]
+    return fs4::available_space(folder).ok().map(|bytes| bytes as f64);
+    #[cfg(unix)]
+    {
+        let system = rustix::fs::statvfs(folder).ok()?;
+        // What is no disk, as /proc, has no blocks.
+        (system.f_blocks > 0).then_some(system.f_bavail as f64 * system.f_frsize as f64)
+    }
 }
 
 #[cfg(test)]

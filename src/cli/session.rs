@@ -13,9 +13,8 @@ use crate::output::sweep::Points;
 use crate::output::task::{self, Host, Run};
 use crate::scene::Sweep;
 use anyhow::Context;
-use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
+use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
-use signal_hook::iterator::Signals;
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -87,27 +86,28 @@ pub(super) fn points<'a>(
 /// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the
 /// program and then to its group.
 const TOGETHER: Duration = Duration::from_millis(250);
+/// The time from one look at the first signal to the next.
+const BETWEEN: Duration = Duration::from_millis(25);
 
 /// A flag that the first interruption sets; a second one that does not come with it ends the program at once, unless the program
 /// ends with a parent: that passes on its own signals, and its end is one more.
 pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     let [stop, is_second] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
-    let signals: Vec<i32> =
-        TERM_SIGNALS.iter().copied().chain((!ignores_hangup()).then_some(SIGHUP)).collect();
     let handle = || {
-        for signal in &signals {
+        for signal in TERM_SIGNALS.iter().copied().chain(of_terminal()) {
             // Of the two that a signal sets off, the first sees what the signals before it have set.
             if !has_parent() {
-                flag::register_conditional_shutdown(*signal, INTERRUPTED.into(), Arc::clone(&is_second))?;
+                flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&is_second))?;
             }
-            flag::register(*signal, Arc::clone(&stop))?;
+            flag::register(signal, Arc::clone(&stop))?;
         }
-        let mut first = Signals::new(&signals)?;
+        let stop = Arc::clone(&stop);
         let wait = move || {
-            if first.forever().next().is_some() {
-                std::thread::sleep(TOGETHER);
-                is_second.store(true, Ordering::Relaxed);
+            while !stop.load(Ordering::Relaxed) {
+                std::thread::sleep(BETWEEN);
             }
+            std::thread::sleep(TOGETHER);
+            is_second.store(true, Ordering::Relaxed);
         };
         std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
     };
@@ -115,8 +115,21 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
+/// The signal that a closed terminal sends, unless it is ignored.
+#[cfg(unix)]
+fn of_terminal() -> Option<i32> {
+    (!ignores_hangup()).then_some(signal_hook::consts::SIGHUP)
+}
+
+/// The signal of Ctrl-Break, which is also the one that a program can send to another.
+#[cfg(windows)]
+fn of_terminal() -> Option<i32> {
+    Some(signal_hook::consts::SIGBREAK)
+}
+
 /// Whether the program was begun with the signal ignored that a closed terminal sends, as `nohup` begins it. Where Linux does not say
 /// so, it is taken as ignored.
+#[cfg(unix)]
 fn ignores_hangup() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

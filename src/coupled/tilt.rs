@@ -77,7 +77,7 @@ impl Tilt {
             [&mut *x, &mut *y].map(|along| along.forces.tell(&mut along.sums, loads, &mut along.slopes));
         let mut longest = 0.0_f64;
         for (i, load) in loads.iter().enumerate() {
-            let slope = x.slopes[i].hypot(y.slopes[i]);
+            let slope = libm::hypot(x.slopes[i], y.slopes[i]);
             // −s/g.
             let arm = radii[i].min(furthest[i] / slope);
             displacements[i] -= arm * (1.0 - arm / (2.0 * radii[i])) * slope * slope;

@@ -4,10 +4,9 @@ use crate::error::Error;
 use crate::input::columns::SceneFiles;
 use crate::input::table::decoded;
 use crate::scene::{Document, Scene};
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
 impl Document {
     /// Reads a scene or a sweep from a TOML file; paths in it are relative to its folder.
@@ -64,7 +63,7 @@ pub(crate) fn text_of(source: impl Read, most: u64) -> Result<String, String> {
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// A file to read from. A pipe that nobody writes to is an error: to open it would wait for ever.
-fn opened(path: &Path) -> std::io::Result<impl std::io::Read> {
+fn opened(path: &Path) -> std::io::Result<impl Read> {
     #[cfg(not(unix))]
     return std::fs::File::open(path);
     #[cfg(unix)]
@@ -88,16 +87,16 @@ struct Source {
 }
 
 #[cfg(unix)]
-impl std::io::Read for Source {
+impl Read for Source {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         loop {
             match self.file.read(buffer) {
                 Ok(0) if !self.is_begun && !buffer.is_empty() => {
                     return Err(std::io::Error::other("is a pipe that nobody writes to; name a file"));
                 }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => {
                     self.is_begun = true;
-                    std::thread::sleep(Duration::from_millis(5));
+                    std::thread::sleep(std::time::Duration::from_millis(5));
                 }
                 read => {
                     self.is_begun = true;

@@ -69,7 +69,7 @@ impl Interface {
             let thickness_at = |k: usize| {
                 // Over the thickness ΣV is as steep as the tail of the heights, and its logarithm is not.
                 let none = ROUNDING * supply(0.0);
-                let volume = |t: f64| at(&|one| (one.volume[k] + none).ln(), t).exp() - none;
+                let volume = |t: f64| libm::exp(at(&|one| libm::log(one.volume[k] + none), t)) - none;
                 let (mut low, mut high) = (least, initial);
                 for _ in 0..HALVINGS {
                     let middle = 0.5 * (low + high);

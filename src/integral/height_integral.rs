@@ -2,6 +2,7 @@
 
 use crate::asperity::{Facing, Lanes, Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats};
 use crate::math::extrema::maximum;
+use crate::math::power::power;
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Heights;
 
@@ -306,7 +307,7 @@ impl Variable {
 
     /// δ − δ(0) = u − u(0), m.
     fn distance(self, x: f64) -> f64 {
-        self.sign * x.powi(self.order)
+        self.sign * power(x, self.order)
     }
 
     /// δ, m.
@@ -321,7 +322,7 @@ impl Variable {
 
     /// |dδ/dx|.
     pub fn stretch(self, x: f64) -> f64 {
-        f64::from(self.order) * x.powi(self.order - 1)
+        f64::from(self.order) * power(x, self.order - 1)
     }
 
     /// x at a height, m.

@@ -18,6 +18,7 @@ pub mod lu;
 pub mod moments;
 pub mod piecewise;
 pub mod polynomials;
+pub mod power;
 pub mod proportion;
 pub mod quadrature;
 pub mod quantile;

@@ -141,7 +141,7 @@ impl Dimension {
     /// below all of them.
     fn unit_below(self, value: f64) -> (&'static str, f64) {
         let thousands = units(self).iter().filter(|(_, power)| power % 3 == 0);
-        let sizes = thousands.map(|(unit, power)| (*unit, 10_f64.powi(*power)));
+        let sizes = thousands.map(|(unit, power)| (*unit, crate::math::power::power(10.0, *power)));
         let below = sizes.filter(|(_, size)| *size <= value * (1.0 + 1e-9));
         let largest = below.fold(None, |best: Option<(&str, f64)>, unit| match best {
             Some(best) if best.1 >= unit.1 => Some(best),

@@ -111,7 +111,7 @@ impl Influence {
         let share = match self {
             Self::Displacement => return tolerance,
             Self::SlopeX | Self::SlopeY => count as f64 / (alpha * alpha),
-            Self::Curvature => (count as f64).powf(1.5) / self.own(alpha).abs(),
+            Self::Curvature => libm::pow(count as f64, 1.5) / self.own(alpha).abs(),
         };
         (tolerance * share.min(1.0)).max(f64::EPSILON)
     }

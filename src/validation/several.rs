@@ -79,7 +79,7 @@ impl Difference {
             let [first_error, other_error] = [&of_first, &of_other].map(|of| of.standard_error()[0]);
             return Self {
                 mean: of_other.mean()[0] - of_first.mean()[0],
-                standard_error: first_error.hypot(other_error),
+                standard_error: libm::hypot(first_error, other_error),
                 variance_ratio: 1.0,
                 most_differing: f64::NAN,
             };

@@ -2,7 +2,6 @@
 
 use super::unlocked;
 use hdf5::types::VarLenUnicode;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
@@ -89,13 +88,57 @@ pub fn with_result() -> Folder {
 pub fn begin(folder: &Folder, arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
     command.args(["run", "scene.toml"]).args(arguments).current_dir(folder.path(""));
+    apart(&mut command);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
+/// Has a process be sent signals that others do not get.
+pub fn apart(command: &mut Command) {
+    #[cfg(windows)]
+    std::os::windows::process::CommandExt::creation_flags(command, 0x200);
+    let _ = command;
+}
+
 /// Sends a signal to a process, which may have ended before.
+#[cfg(unix)]
 pub fn signal(child: &Child, signal: &str) {
     let _ =
         Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+}
+
+/// Sends a process Ctrl-Break, or ends it for `-KILL`; it may have ended before. Windows has no other signals for processes.
+#[cfg(windows)]
+#[allow(unsafe_code)]
+pub fn signal(child: &Child, signal: &str) {
+    use std::os::windows::io::AsRawHandle;
+    unsafe extern "system" {
+        fn GenerateConsoleCtrlEvent(event: u32, group: u32) -> i32;
+        fn TerminateProcess(process: *mut std::ffi::c_void, code: u32) -> i32;
+    }
+    // SAFETY: both take numbers, and the handle is one of a process that is waited for later.
+    unsafe {
+        if signal == "-KILL" {
+            TerminateProcess(child.as_raw_handle(), 1);
+        } else {
+            GenerateConsoleCtrlEvent(1, child.id());
+        }
+    }
+}
+
+/// The exit code of a process that was killed.
+pub const KILLED: Option<i32> = if cfg!(windows) { Some(1) } else { None };
+
+/// Runs a command as a message has it.
+pub fn by_shell(folder: &Folder, line: &str) -> Output {
+    #[cfg(unix)]
+    let mut command = Command::new("sh");
+    #[cfg(unix)]
+    command.args(["-c", line]);
+    #[cfg(windows)]
+    let mut command = Command::new("cmd");
+    #[cfg(windows)]
+    std::os::windows::process::CommandExt::raw_arg(&mut command, format!("/S /C \"{line}\""));
+    command.current_dir(folder.path("")).output().unwrap()
 }
 
 /// Waits until something is so, while a process runs.
@@ -198,7 +241,7 @@ pub fn peak_memory_of(folder: &Folder, arguments: &[&str]) -> f64 {
         std::thread::sleep(Duration::from_millis(1));
     };
     let mut summary = String::new();
-    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
+    std::io::Read::read_to_string(&mut run.stdout.take().unwrap(), &mut summary).unwrap();
     assert!(status.success(), "{summary}");
     largest
 }

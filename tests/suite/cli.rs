@@ -173,9 +173,11 @@ fn an_output_that_cannot_be_is_refused_before_computing() {
     assert_exit(&missing, 2);
     assert!(text(&missing.stderr).contains("the folder nowhere of the output does not exist"));
     // /proc takes no files from anybody, root included.
-    let unwritable = folder.stiction(&["run", "scene.toml", "-o", "/proc/out.h5"]);
-    assert_exit(&unwritable, 2);
-    assert!(text(&unwritable.stderr).contains("cannot write in /proc"), "{}", text(&unwritable.stderr));
+    if cfg!(target_os = "linux") {
+        let unwritable = folder.stiction(&["run", "scene.toml", "-o", "/proc/out.h5"]);
+        assert_exit(&unwritable, 2);
+        assert!(text(&unwritable.stderr).contains("cannot write in /proc"), "{}", text(&unwritable.stderr));
+    }
     assert_eq!(folder.files(), ["scene.toml"]);
 }
 

@@ -1,15 +1,17 @@
 //! Runs that stop, and go on: signals, kills, full disks, damaged and foreign partial results, two runs at
 //! once.
-#![cfg(unix)]
 
+#[cfg(unix)]
+use crate::common::program::skip;
 use crate::common::program::{
-    Folder, assert_exit, attribute, begin, bits, forge, interrupt_at, looped, number, reported, signal, skip,
-    small, text, wait_while_running,
+    Folder, apart, assert_exit, attribute, begin, bits, by_shell, forge, interrupt_at, looped, number,
+    reported, signal, small, text, wait_while_running,
 };
 use crate::common::unlocked;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
+#[cfg(unix)]
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -78,8 +80,7 @@ fn settings_and_progress_survive_a_signal() {
     assert_exit(&plain, 2);
     assert!(text(&plain.stderr).contains("--force begins anew"), "{}", text(&plain.stderr));
     let command = others[others.len() - 1].trim();
-    let again = Command::new("sh").args(["-c", command]).current_dir(folder.path("")).output().unwrap();
-    assert_exit(&again, 0);
+    assert_exit(&by_shell(&folder, command), 0);
     let edited = scene().replace("surface_height_std = \"1.619 nm\"", "surface_height_std = \"1.7 nm\"");
     std::fs::write(folder.path("scene.toml"), edited).unwrap();
     assert_same_as(&folder, &reference(&folder));
@@ -112,8 +113,7 @@ fn a_signal_saves(wanted: &[&str]) {
         assert!(message.contains("of 320 replicas; ") && message.contains(PARTIAL), "{message}");
         let command = message.lines().last().unwrap().trim();
         assert!(command.ends_with("run scene.toml --checkpoint 0 --threads 1 --resume"), "{command}");
-        let again = Command::new("sh").args(["-c", command]).current_dir(folder.path("")).output().unwrap();
-        assert_exit(&again, 0);
+        assert_exit(&by_shell(&folder, command), 0);
         assert_same_as(&folder, &reference);
         assert_eq!(diagnostic(&folder, "resumptions"), 1.0);
         assert!(diagnostic(&folder, "checkpoints") >= 1.0);
@@ -192,6 +192,7 @@ fn a_second_signal_ends_no_program_that_ends_with_its_parent() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
     command.args(["run", "scene.toml", "--checkpoint", "0", "--threads", "1"]).current_dir(folder.path(""));
     command.env("STICTION_PARENT", std::process::id().to_string());
+    apart(&mut command);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     wait_while_running(&mut child, || folder.path(PARTIAL).exists());
     for name in ["-HUP", "-TERM"] {
@@ -380,9 +381,11 @@ fn two_runs_of_one_output_are_not_made_at_once() {
     }
     let comparison = folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "-o", "scene.h5"]);
     assert_exit(&comparison, 2);
-    let link = folder.path("link.h5");
-    std::os::unix::fs::symlink("scene.h5", &link).unwrap();
-    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "link.h5"]), 2);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("scene.h5", folder.path("link.h5")).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "link.h5"]), 2);
+    }
     // Another output of the same folder is another matter.
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "8", "-o", "other.h5"]), 0);
     signal(&first, "-INT");
@@ -531,6 +534,7 @@ fn a_hundred_killed_runs_go_on_to_the_same_bits() {
 }
 
 /// Runs the program where no file may be longer than so many KiB: writing beyond fails as on a full disk.
+#[cfg(unix)]
 fn limited(folder: &Folder, kibibytes: u64, arguments: &str) -> Output {
     let program = env!("CARGO_BIN_EXE_stiction");
     let command = format!("ulimit -f {kibibytes}; exec '{program}' run scene.toml {arguments}");
@@ -538,6 +542,7 @@ fn limited(folder: &Folder, kibibytes: u64, arguments: &str) -> Output {
 }
 
 /// The length of files that a run needs, KiB, to within 8 and at most `most`.
+#[cfg(unix)]
 fn needed(folder: &Folder, most: u64, arguments: &str) -> u64 {
     let (mut too_few, mut enough) = (0, most);
     while enough - too_few > 8 {
@@ -551,6 +556,7 @@ fn needed(folder: &Folder, most: u64, arguments: &str) -> u64 {
 }
 
 /// What a run says that had no space, and that it has left nothing unfinished.
+#[cfg(unix)]
 #[track_caller]
 fn said(output: &Output, files: &[String]) -> String {
     let whole = text(&output.stderr);
@@ -563,12 +569,14 @@ fn said(output: &Output, files: &[String]) -> String {
     message[0].to_owned()
 }
 
+#[cfg(unix)]
 #[test]
 #[ignore = "slow: five seconds"]
 fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
     a_full_disk_is_an_error(64, 5);
 }
 
+#[cfg(unix)]
 #[test]
 #[ignore = "slow: a minute and a half"]
 fn a_full_disk_is_an_error_of_longer_runs_too() {
@@ -577,6 +585,7 @@ fn a_full_disk_is_an_error_of_longer_runs_too() {
 }
 
 /// The limit meets every write: of the partial result and of the result; with curves and without.
+#[cfg(unix)]
 fn a_full_disk_is_an_error(replicas: u32, steps: u64) {
     let mut messages = BTreeMap::<String, u32>::new();
     let scene = scene_of(replicas);
@@ -607,6 +616,7 @@ fn a_full_disk_is_an_error(replicas: u32, steps: u64) {
 }
 
 /// The same on a small file system of its own, where this system lets us mount one.
+#[cfg(unix)]
 #[test]
 fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
     let folder = Folder::new(&scene_of(160));
@@ -642,6 +652,7 @@ fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
     assert!(messages.len() > 1 && messages.values().sum::<u32>() > 4, "{messages:?}");
 }
 
+#[cfg(unix)]
 #[test]
 fn a_folder_that_goes_away_is_an_error() {
     let folder = Folder::new(&scene_of(100_000));
@@ -665,6 +676,7 @@ fn a_folder_that_goes_away_is_an_error() {
 
 /// A folder that is made read-only while the run goes. Root may write there nevertheless, so root becomes
 /// nobody for this test.
+#[cfg(unix)]
 #[test]
 fn a_folder_that_is_made_read_only_is_an_error() {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -704,6 +716,7 @@ fn a_folder_that_is_made_read_only_is_an_error() {
 }
 
 /// A symbolic link to another file system: what is unfinished stands beside the file, not beside the link.
+#[cfg(unix)]
 #[test]
 fn an_output_may_be_a_link_to_another_file_system() {
     use std::os::unix::fs::MetadataExt;
@@ -727,6 +740,7 @@ fn an_output_may_be_a_link_to_another_file_system() {
 
 /// In a mount namespace of its own, where this system lets us have one: a read-only folder, and a file that
 /// something is mounted on.
+#[cfg(unix)]
 #[test]
 fn mounts_that_forbid_the_output_are_refused() {
     let folder = Folder::new(&small());

@@ -3,6 +3,9 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+// Elementary functions of the program, for the library in this one.
+#[path = "../../src/elementary.rs"]
+mod elementary;
 
 mod additions;
 mod answers;
@@ -42,6 +45,7 @@ mod processors;
 mod programs;
 mod quantiles;
 mod rough_surface;
+mod same_bits;
 mod sampling;
 mod scene_defaults;
 mod secant;

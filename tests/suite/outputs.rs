@@ -1,14 +1,12 @@
 //! Outputs destroy nothing that is read or another's, whatever their name; and what is read back of them is
 //! what was written.
-#![cfg(unix)]
 
 use crate::common::program::{ASPERITIES, Folder, assert_exit, attribute, bits, small, text};
 use crate::common::unlocked;
-use std::ffi::OsStr;
-use std::os::unix::ffi::OsStrExt;
-use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
+#[cfg(unix)]
+use std::{ffi::OsStr, os::unix::ffi::OsStrExt, os::unix::fs::symlink};
 use stiction::scene::Document;
 
 const MEASURED: &str = include_str!("../../configs/surfaces/measured.toml");
@@ -59,6 +57,7 @@ fn assert_refused(folder: &Folder, output: &Output, parts: &[&str], before: &[(S
 }
 
 /// By each name that an input has, for each command, with --force and without.
+#[cfg(unix)]
 #[test]
 fn an_output_is_never_an_input() {
     let folder = with_inputs();
@@ -102,6 +101,7 @@ fn an_output_is_never_an_input() {
 }
 
 /// Nor is what a command keeps beside its output while it goes.
+#[cfg(unix)]
 #[test]
 fn what_is_kept_beside_an_output_is_no_input() {
     for (name, input) in [
@@ -144,6 +144,7 @@ fn a_merge_does_not_take_the_place_of_an_unfinished_shard() {
 }
 
 /// Links that somebody has planted where a run keeps its own files lead nowhere.
+#[cfg(unix)]
 #[test]
 fn planted_links_are_not_followed() {
     for name in
@@ -199,6 +200,7 @@ fn foreign_files_among_the_points_are_left_alone() {
 }
 
 /// Names that HDF5 or the file system does not take are refused before anything is computed.
+#[cfg(unix)]
 #[test]
 fn names_that_cannot_be_written_are_refused_at_once() {
     // A run of a minute, were it begun.
@@ -237,7 +239,29 @@ fn names_that_cannot_be_written_are_refused_at_once() {
     }
 }
 
+/// Names that Windows or libhdf5 on it does not take: devices, streams, names that lose their end, long paths.
+#[cfg(windows)]
+#[test]
+fn names_that_windows_has_not_are_refused_at_once() {
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000"));
+    let long = format!("{}.h5", "x".repeat(240));
+    let names = [
+        ("NUL", "is the name of a device"),
+        ("con.h5", "is the name of a device"),
+        ("out.h5:stream", "names on Windows"),
+        ("out?.h5", "names on Windows"),
+        ("out.h5 ", "which Windows drops"),
+        (&long, "is too long"),
+    ];
+    for (output, part) in names {
+        let refused = folder.stiction(&["run", "scene.toml", "-o", output]);
+        assert_refused(&folder, &refused, &[part, "another name with -o"], &contents(&folder));
+        assert_eq!(folder.files(), ["scene.toml"]);
+    }
+}
+
 /// The longest names that can be: with the suffixes of all that is kept beside the output.
+#[cfg(unix)]
 #[test]
 fn names_are_refused_only_if_they_are_too_long() {
     let folder = Folder::new(&swept());
@@ -250,6 +274,7 @@ fn names_are_refused_only_if_they_are_too_long() {
 }
 
 /// Files of HDF5 that are read are named in a line where their name is not UTF-8.
+#[cfg(unix)]
 #[test]
 fn inputs_whose_names_are_not_utf_8_are_refused_by_name() {
     let folder = with_inputs();

@@ -1,10 +1,11 @@
 //! Runs that are computed in shards and merged, as a user drives them: the same bits as one run, what is
 //! refused, what is reported.
-#![cfg(unix)]
 
 #[cfg(target_os = "linux")]
 use crate::common::program::peak_memory_of;
-use crate::common::program::{Folder, assert_exit, bits, forge, interrupt_at, looped, number, small, text};
+use crate::common::program::{
+    Folder, KILLED, assert_exit, bits, forge, interrupt_at, looped, number, small, text,
+};
 use crate::common::unlocked;
 use std::process::Output;
 
@@ -333,7 +334,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
     }
     assert_exit(&folder.stiction(&[&["run", "scene.toml"], &arguments[..]].concat()), 2);
     let killed = interrupt(&folder, "-KILL", "2.h5.partial", &[&arguments[..], &["--resume"]].concat());
-    assert_eq!(killed.status.code(), None);
+    assert_eq!(killed.status.code(), KILLED);
     assert_exit(&folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat()), 0);
     let again = folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat());
     assert!(text(&again.stderr).contains("nothing to resume"));

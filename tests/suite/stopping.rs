@@ -2,7 +2,9 @@
 //! intervals that they report hold what they say.
 
 use crate::common::pool::{Coverage, Pool, deviations, patch};
-use crate::common::program::{Folder, assert_exit, attribute, bits, number, small, text, unbroken};
+use crate::common::program::{
+    Folder, apart, assert_exit, attribute, bits, number, signal, small, text, unbroken,
+};
 use crate::common::unlocked;
 use rayon::prelude::*;
 use std::path::Path;
@@ -107,7 +109,6 @@ fn bits_do_not_depend_on_threads() {
 }
 
 /// An interrupted run ends where it would have ended, and is complete once it has.
-#[cfg(unix)]
 #[test]
 fn an_interruption_changes_nothing() {
     let folder = Folder::new(
@@ -120,6 +121,7 @@ fn an_interruption_changes_nothing() {
         command
             .args(["run", "scene.toml", "--checkpoint", "0", "--resume", "--quiet"])
             .current_dir(folder.path(""));
+        apart(&mut command);
         command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap()
     };
     let mut interruptions = 0;
@@ -129,7 +131,7 @@ fn an_interruption_changes_nothing() {
             std::thread::sleep(std::time::Duration::from_micros(100));
         }
         std::thread::sleep(std::time::Duration::from_millis(20));
-        let _ = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+        signal(&child, "-TERM");
         interruptions += usize::from(child.wait().unwrap().code() == Some(130));
     }
     assert!(interruptions > 0, "the run was too short to be interrupted");

@@ -1,9 +1,8 @@
 //! Sweeps: each point is the run of its own scene, and the file of all holds what the files of the points
 //! would.
-#![cfg(unix)]
 
 use crate::common::program::{
-    Folder, assert_exit, bits, interrupt_at, looped, number, small, text, unbroken,
+    Folder, KILLED, assert_exit, bits, interrupt_at, looped, number, small, text, unbroken,
 };
 use crate::common::unlocked;
 use hdf5::types::TypeDescriptor;
@@ -278,7 +277,7 @@ fn long() -> String {
 fn an_interrupted_sweep_goes_on_to_the_same_bits() {
     let folder = Folder::new(&long());
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
-    for (signal, code) in [("-INT", Some(130)), ("-KILL", None)] {
+    for (signal, code) in [("-INT", Some(130)), ("-KILL", KILLED)] {
         let output = stopped(&folder, signal, "scene.h5.points/0002.h5.partial");
         assert_eq!(output.status.code(), code);
         assert!(folder.path("scene.h5.points/0001.h5").exists() && !folder.path("scene.h5").exists());

@@ -1,10 +1,15 @@
 //! What the terminal gets: numbers as users type them, output that cannot be written, figures that say what
 //! is so.
 
-use crate::common::program::{Folder, assert_exit, reported, small, text, with_result};
+use crate::common::program::{Folder, assert_exit, small, text};
+#[cfg(target_os = "linux")]
+use crate::common::program::{reported, with_result};
 use crate::common::unlocked;
-use std::fs::File;
-use std::process::{Command, Output, Stdio};
+#[cfg(target_os = "linux")]
+use std::{
+    fs::File,
+    process::{Command, Output, Stdio},
+};
 
 /// Negative numbers as they are written everywhere, between others and before further options.
 #[test]

@@ -1,11 +1,12 @@
 //! All rules about an output: where it may go, what is kept next to it while it is made, that nobody else makes it at the same
 //! time, and whether a run may overwrite, drop or go on with what is there.
 
+use super::claim::{Claim, is_one_file, unlinked};
 use crate::error::{Error, OutputError};
 use crate::output::guard;
 use std::ffi::OsString;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Read, Write};
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
@@ -23,6 +24,8 @@ const UNFINISHED: &[&[u8]] = &[&guard::SIGNATURE, &[0; guard::SIGNATURE.len()]];
 pub const PARTIAL: &str = ".partial";
 /// Most bytes of a file that are looked at to see whose it is.
 const LOOKED_AT: u64 = 64;
+/// Most units of UTF-16 of a path that libhdf5 opens on Windows.
+const LONGEST_ON_WINDOWS: usize = 259;
 /// The longest path within the folder of the points.
 const DEEPEST: &str = ".points/.0000.h5.partial.partial";
 
@@ -64,10 +67,7 @@ pub(crate) trait Kept {
 #[derive(Debug)]
 pub struct OutputLock {
     output: PathBuf,
-    lock: PathBuf,
-    locked: File,
-    /// Whether the file system has locks. Where it has none, other runs may make the output at the same time.
-    has_locks: bool,
+    claim: Claim,
 }
 
 impl OutputLock {
@@ -101,7 +101,7 @@ impl OutputLock {
         }
         if output.is_dir()
             || output.file_name().is_none()
-            || output.as_os_str().to_string_lossy().ends_with('/')
+            || output.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
         {
             return Err(OutputError::IsFolder(output));
         }
@@ -114,9 +114,8 @@ impl OutputLock {
         if !can_be_renamed_to(&output, folder).map_err(not_writable)? {
             return Err(OutputError::OtherFileSystem(output));
         }
-        let lock = named(&output, ".", ".lock");
-        match locked(&lock).map_err(not_writable)? {
-            Ok((locked, has_locks)) => Ok(Self { output, lock, locked, has_locks }),
+        match Claim::new(named(&output, ".", ".lock")).map_err(not_writable)? {
+            Ok(claim) => Ok(Self { output, claim }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -164,7 +163,8 @@ impl OutputLock {
         overwrite: bool,
     ) -> Result<(), OutputError> {
         let io = |action, error| OutputError::Io { action, path: name.to_owned(), error };
-        let flushed = File::open(&file).and_then(|file| file.sync_all());
+        // Windows flushes only what is open for writing.
+        let flushed = File::options().write(true).open(&file).and_then(|file| file.sync_all());
         flushed.map_err(|error| io("cannot flush", error))?;
         let persist = if overwrite { TempPath::persist } else { TempPath::persist_noclobber };
         match persist(file, name) {
@@ -210,7 +210,7 @@ impl OutputLock {
     /// The hidden file that a file is until it is complete. Without locks it has the number of the process, as others may write
     /// theirs.
     pub(in crate::output) fn unfinished(&self, name: &Path) -> PathBuf {
-        let own = if self.has_locks { String::new() } else { format!(".{}", std::process::id()) };
+        let own = if self.claim.has_locks { String::new() } else { format!(".{}", std::process::id()) };
         named(name, ".", &(own + PARTIAL))
     }
 
@@ -222,15 +222,6 @@ impl OutputLock {
     /// The partial result of the output.
     pub fn partial(&self) -> PathBuf {
         self.beside(PARTIAL)
-    }
-}
-
-impl Drop for OutputLock {
-    fn drop(&mut self) {
-        // While it is still locked: whoever opens it now finds that it has no name any more.
-        if still_named(&self.locked, &self.lock) {
-            let _ = std::fs::remove_file(&self.lock);
-        }
     }
 }
 
@@ -279,13 +270,35 @@ fn refuse_name(output: &Path) -> Result<(), OutputError> {
     if output.to_str().is_none() {
         return refused("is not UTF-8, which HDF5 needs");
     }
+    if cfg!(windows)
+        && let Some(problem) = problem_on_windows(&output.file_name().unwrap_or_default().to_string_lossy())
+    {
+        return refused(problem);
+    }
     let is_too_long = |path: PathBuf| {
-        path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename)
+        let absolute = if cfg!(windows) { std::path::absolute(&path).ok() } else { None };
+        absolute.is_some_and(|path| path.as_os_str().len() > LONGEST_ON_WINDOWS)
+            || path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename)
     };
     if kept(output).map(|(name, _)| name).chain([named(output, "", DEEPEST)]).any(is_too_long) {
         return refused("is too long with the endings of the files that are kept next to it");
     }
     Ok(())
+}
+
+/// The reason why Windows makes no file of that name, which a run would notice only at its end.
+fn problem_on_windows(name: &str) -> Option<&'static str> {
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_uppercase();
+    let is_numbered = ["COM", "LPT"]
+        .iter()
+        .any(|device| stem.strip_prefix(device).is_some_and(|number| number.len() == 1 && number != "0"));
+    if is_numbered || ["CON", "PRN", "AUX", "NUL"].contains(&stem.as_str()) {
+        return Some("is the name of a device");
+    }
+    if name.contains(['<', '>', ':', '"', '|', '?', '*']) {
+        return Some("has one of < > : \" | ? *, which names on Windows do not have");
+    }
+    name.ends_with([' ', '.']).then_some("ends with a blank or a point, which Windows drops")
 }
 
 /// Refuses an output that is what it is made from, or that would be kept in its place while it is made.
@@ -303,11 +316,7 @@ fn refuse_input(output: &Path, input: &Path) -> Result<(), OutputError> {
 
 /// Whether two paths lead to one file, by whatever names, or would if it were there.
 fn is_same(one: &Path, other: &Path) -> bool {
-    #[cfg(unix)]
-    if let (Ok(one), Ok(other)) = (one.metadata(), other.metadata()) {
-        return identity(&one) == identity(&other);
-    }
-    resolved(one).is_some_and(|one| Some(one) == resolved(other))
+    is_one_file(one, other).unwrap_or_else(|| resolved(one).is_some_and(|one| Some(one) == resolved(other)))
 }
 
 /// The path without links and detours of a file that need not exist, in a folder that does.
@@ -348,18 +357,6 @@ fn refuse_foreign(name: &Path, beginnings: Beginnings) -> Result<(), OutputError
     Err(OutputError::NotAPartial { path: name.to_owned(), problem })
 }
 
-/// Options that open a file of that very name, and none that a symbolic link leads to.
-fn unlinked() -> OpenOptions {
-    let mut options = File::options();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt;
-        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
-    }
-    options.read(true).write(true);
-    options
-}
-
 /// A new file in the place of whatever has the name: neither links nor other names of that are followed.
 pub(in crate::output) fn made_anew(name: &Path) -> std::io::Result<File> {
     match std::fs::remove_file(name) {
@@ -392,68 +389,6 @@ fn can_be_renamed_to(output: &Path, folder: &Path) -> std::io::Result<bool> {
     Ok(true)
 }
 
-/// The locked file of a name, with the number of this process in it, and whether the file system has locks; or, if another
-/// process holds it, that one's number, as far as it can be read.
-fn locked(name: &Path) -> std::io::Result<Result<(File, bool), String>> {
-    loop {
-        let mut file = unlinked().create(true).open(name)?;
-        let has_locks = match file.try_lock() {
-            Ok(()) => true,
-            Err(TryLockError::WouldBlock) => {
-                let mut process = String::new();
-                let _ = (&mut file).take(20).read_to_string(&mut process);
-                return Ok(Err(process));
-            }
-            // Some network file systems know no locks; two runs at once are then not noticed.
-            Err(TryLockError::Error(_)) => false,
-        };
-        // The one that held it may have removed the name since it was opened.
-        if still_named(&file, name) {
-            // For the message to others only, so a full disk is no reason to stop here; nor is it worth a
-            // file with another name.
-            if has_one_name(&file) {
-                let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
-            }
-            return Ok(Ok((file, has_locks)));
-        }
-    }
-}
-
-fn still_named(file: &File, name: &Path) -> bool {
-    #[cfg(unix)]
-    {
-        match (file.metadata(), name.symlink_metadata()) {
-            (Ok(opened), Ok(named)) => identity(&opened) == identity(&named),
-            _ => false,
-        }
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = (file, name);
-        true
-    }
-}
-
-/// Distinguishes a file from all others.
-#[cfg(unix)]
-fn identity(metadata: &std::fs::Metadata) -> (u64, u64) {
-    use std::os::unix::fs::MetadataExt;
-    (metadata.dev(), metadata.ino())
-}
-
-fn has_one_name(file: &File) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        file.metadata().is_ok_and(|metadata| metadata.nlink() == 1)
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = file;
-        true
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -472,6 +407,15 @@ mod tests {
         let _again = OutputLock::new(&output, &[]).unwrap();
         drop((_other, _again));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn names_that_windows_does_not_make_are_known() {
+        let has_problem = |name: &&str| problem_on_windows(name).is_some();
+        let bad = ["NUL", "nul.h5", "com1.h5", "Aux .h5", "a:b.h5", "what?.h5", "out.h5.", "out "];
+        assert_eq!(bad.into_iter().filter(has_problem).count(), bad.len());
+        let good = ["out.h5", "null.h5", "com.h5", "com10.h5", "console.h5", "a b.h5", ".out.h5", "σ.h5"];
+        assert_eq!(good.into_iter().filter(has_problem).collect::<Vec<_>>(), [""; 0]);
     }
 
     #[cfg(unix)]

@@ -1,9 +1,10 @@
 //! What is kept of an interrupted or divided experiment: a file of results in the layout of the whole, which says what is missing.
 //!
-//! `lock` has all rules about an output; `identity` says which run a file is of; `partial` reads and writes the files, and
-//! `state` the bytes that they hold in addition. `keeper` writes one while a run goes, and a `shard_set` is the
-//! shards that make up a run.
+//! `lock` has all rules about an output, and `claim` keeps other processes away from it; `identity` says which run a file is of;
+//! `partial` reads and writes the files, and `state` the bytes that they hold in addition. `keeper` writes one while a run goes,
+//! and a `shard_set` is the shards that make up a run.
 
+mod claim;
 mod identity;
 mod keeper;
 mod lock;

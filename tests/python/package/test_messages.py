@@ -185,7 +185,7 @@ def test_an_interruption_says_what_was_kept(named, tmp_path):
 def test_the_program_ends_with_python(how, tmp_path):
     """However Python ends: what was done is kept, and the output is free."""
     with begun(INTERRUPTED, tmp_path / "long.h5", QUICK, folder=tmp_path) as process:
-        (program,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        (program,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text(encoding="utf-8").split()
         process.send_signal(how)
         assert process.wait() == -how
         process.stderr.close()

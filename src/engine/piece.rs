@@ -97,14 +97,19 @@ mod tests {
             let piece = Piece::compute(&job, &mut workspace, indices.clone());
             assert!(piece.is_of(&job), "{indices:?}");
             pieces.add(piece);
-            assert!(indices.start == 4 || pieces.batch(&job, 1).is_none());
+            assert!(indices.start == 4 || pieces.batch(&job, 0).is_none(), "{indices:?}");
         }
         let mut stats = [SolverStats::default(); 2];
         for index in 0..2 {
             let whole = Batch::compute(&job, &mut workspace, index).ensemble;
             let batch = pieces.batch(&job, index).unwrap();
             stats.iter_mut().zip([&whole, &batch]).for_each(|(sum, own)| sum.merge(&own.stats));
-            assert_eq!(Ensemble { stats: whole.stats, ..batch }, whole, "{index}");
+            // As texts, since a stiffness that nobody asks for is not a number.
+            assert_eq!(
+                format!("{:?}", Ensemble { stats: whole.stats, ..batch }),
+                format!("{whole:?}"),
+                "{index}"
+            );
         }
         assert_eq!(stats[0], stats[1]);
         let other = Job { separations: &[0.5, 1.0], ..job };

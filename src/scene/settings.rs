@@ -165,7 +165,12 @@ pub fn edited(text: &str, settings: &[Setting], unset: &[String]) -> Result<Stri
 
 /// The value of a key that is there.
 fn value_of<'a>(scene: &'a mut DocumentMut, path: &[String]) -> Option<&'a mut Value> {
-    path.iter().try_fold(scene.as_item_mut(), |item, name| item.get_mut(name))?.as_value_mut()
+    path.iter().try_fold(scene.as_item_mut(), |item, name| child(item, name))?.as_value_mut()
+}
+
+/// What a table has under a name, which [`Item::get_mut`] would put there.
+fn child<'a>(item: &'a mut Item, name: &str) -> Option<&'a mut Item> {
+    item.as_table_like_mut()?.get_mut(name)
 }
 
 /// Leaves a key out, and the tables around it that are empty without it.
@@ -173,7 +178,7 @@ fn leave_out(scene: &mut DocumentMut, name: &str) {
     let path: Vec<&str> = name.split('.').collect();
     for length in (1..=path.len()).rev() {
         let (key, tables) = path[..length].split_last().expect("a key has a name");
-        let around = tables.iter().try_fold(scene.as_item_mut(), |item, name| item.get_mut(name));
+        let around = tables.iter().try_fold(scene.as_item_mut(), |item, name| child(item, name));
         let Some(table) = around.and_then(Item::as_table_like_mut) else { return };
         let is_empty = |item: &Item| item.as_table_like().is_some_and(TableLike::is_empty);
         if length == path.len() || table.get(key).is_some_and(is_empty) {

@@ -90,7 +90,7 @@ export const FIELDS = [
     field(
       "surface",
       "surface.asperity_height_std",
-      ["Summit heights, std", "σ_s"],
+      ["Summit heights, std", "σₛ"],
       SMALL,
       [1e-10, 1e-6],
       "by default from σ",

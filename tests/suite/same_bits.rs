@@ -38,6 +38,9 @@ const FEWER: [&str; 6] =
 /// The folder whose numbers need the fused multiply-add for their last digits: linear algebra of the joint test.
 const JOINT: &str = "/validation";
 
+/// The bits of numbers, by the names of their datasets.
+type Numbers = Vec<(String, Vec<u64>)>;
+
 /// The checksum of numbers by name: FNV-1a of 64 bits (RFC 9923).
 fn checksum<'a>(all: impl Iterator<Item = &'a (String, Vec<u64>)>) -> u64 {
     let add = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
@@ -106,7 +109,7 @@ fn shipped_laws_and_histories_have_the_bits_of_other_systems() {
 fn the_last_bit_counts() {
     let all = vec![("/a/x".to_owned(), vec![1, 2]), ("/a/y".to_owned(), vec![3])];
     let sum = checksum(all.iter());
-    let changes: [fn(&mut Vec<(String, Vec<u64>)>); 3] =
+    let changes: [fn(&mut Numbers); 3] =
         [|all| all[0].1[1] ^= 1, |all| all[1].0.push('z'), |all| all[0].1.truncate(1)];
     for change in changes {
         let mut other = all.clone();

@@ -197,7 +197,7 @@ fn help(command: &str) -> String {
         command.split(' ').filter(|word| *word != "stiction").chain(["--help"]).collect();
     let output = Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).output().unwrap();
     assert!(output.status.success());
-    String::from_utf8(output.stdout).unwrap()
+    String::from_utf8(output.stdout).unwrap().replace("stiction.exe", "stiction")
 }
 
 #[test]

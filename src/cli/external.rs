@@ -93,7 +93,6 @@ mod system {
     use super::interpreter;
     use std::path::Path;
     use std::process::{Command, ExitCode};
-    use std::sync::Arc;
 
     /// Endings of the names of programs. Scripts of the Python package have none.
     pub const SUFFIXES: [&str; 2] = [".exe", ""];
@@ -114,9 +113,7 @@ mod system {
 
     /// Waits for the program. It gets the interruptions of the console, and answers them.
     pub fn run(mut command: Command) -> std::io::Result<ExitCode> {
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGBREAK] {
-            signal_hook::flag::register(signal, Arc::default())?;
-        }
+        ctrlc::set_handler(|| ()).map_err(std::io::Error::other)?;
         let code = command.status()?.code().unwrap_or(1);
         Ok(u8::try_from(code).unwrap_or(1).into())
     }

@@ -3,12 +3,22 @@
 use super::failure::INTERRUPTED;
 use super::terminal::note;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether the process has ended that this one ends with, where no signal says so.
+static ENDED: AtomicBool = AtomicBool::new(false);
+
 /// The variable of the environment with the number of the process with which this one is to end.
 const PARENT: &str = "STICTION_PARENT";
 
 /// Whether the program was begun by another that it ends with.
 pub(super) fn has_parent() -> bool {
     std::env::var_os(PARENT).is_some()
+}
+
+/// Whether the process has ended that this one ends with, where no signal says so.
+pub(super) fn has_ended() -> bool {
+    ENDED.load(Ordering::Relaxed)
 }
 
 /// Interrupts this process, as by SIGTERM, when the process ends that has started it and is named in
@@ -40,15 +50,15 @@ mod system {
 /// A thread looks again and again whether the process is there.
 #[cfg(not(target_os = "linux"))]
 mod system {
-    use signal_hook::consts::SIGTERM;
-    use signal_hook::low_level::raise;
+    use super::ENDED;
+    use std::sync::atomic::Ordering;
     use std::time::Duration;
     use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
     /// The time from one look to the next.
     const BETWEEN: Duration = Duration::from_secs(1);
 
-    /// Whether there is the process, whose end is a signal to this one from now on.
+    /// Whether there is the process, whose end is noted from now on.
     pub fn watches(parent: i32) -> bool {
         let parent = Pid::from_u32(parent.unsigned_abs());
         let mut system = System::new();
@@ -62,7 +72,7 @@ mod system {
             while is_there() {
                 std::thread::sleep(BETWEEN);
             }
-            let _ = raise(SIGTERM);
+            ENDED.store(true, Ordering::Relaxed);
         };
         let _ = std::thread::Builder::new().name("parent".to_owned()).spawn(watch);
         was_there

@@ -2,7 +2,7 @@
 
 use super::arguments::{Execution, RunOptions};
 use super::failure::{Failure, INTERRUPTED};
-use super::parent::has_parent;
+use super::parent::{has_ended, has_parent};
 use super::progress::{Display, Progress, Times};
 use super::resources;
 use super::terminal::note;
@@ -13,8 +13,6 @@ use crate::output::sweep::Points;
 use crate::output::task::{self, Host, Run};
 use crate::scene::Sweep;
 use anyhow::Context;
-use signal_hook::consts::TERM_SIGNALS;
-use signal_hook::flag;
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -94,37 +92,49 @@ const BETWEEN: Duration = Duration::from_millis(25);
 pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     let [stop, is_second] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
     let handle = || {
-        for signal in TERM_SIGNALS.iter().copied().chain(of_terminal()) {
-            // Of the two that a signal sets off, the first sees what the signals before it have set.
-            if !has_parent() {
-                flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&is_second))?;
-            }
-            flag::register(signal, Arc::clone(&stop))?;
-        }
+        when_interrupted(&stop, &is_second)?;
         let stop = Arc::clone(&stop);
         let wait = move || {
             while !stop.load(Ordering::Relaxed) {
                 std::thread::sleep(BETWEEN);
+                stop.fetch_or(has_ended(), Ordering::Relaxed);
             }
             std::thread::sleep(TOGETHER);
             is_second.store(true, Ordering::Relaxed);
         };
-        std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
+        anyhow::Ok(std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)?)
     };
     handle().context("cannot handle interruptions")?;
     Ok(stop)
 }
 
-/// The signal that a closed terminal sends, unless it is ignored.
+/// Has signals set the first flag, and end the program once the second is set. A closed terminal sends one, too, unless that is
+/// ignored.
 #[cfg(unix)]
-fn of_terminal() -> Option<i32> {
-    (!ignores_hangup()).then_some(signal_hook::consts::SIGHUP)
+fn when_interrupted(stop: &Arc<AtomicBool>, is_second: &Arc<AtomicBool>) -> anyhow::Result<()> {
+    use signal_hook::consts::{SIGHUP, TERM_SIGNALS};
+    use signal_hook::flag;
+    let of_terminal = (!ignores_hangup()).then_some(SIGHUP);
+    for signal in TERM_SIGNALS.iter().copied().chain(of_terminal) {
+        // Of the two that a signal sets off, the first sees what the signals before it have set.
+        if !has_parent() {
+            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(is_second))?;
+        }
+        flag::register(signal, Arc::clone(stop))?;
+    }
+    Ok(())
 }
 
-/// The signal of Ctrl-Break, which is also the one that a program can send to another.
+/// As on Unix, for Ctrl-C, Ctrl-Break, which a program can send to another, and a closed window.
 #[cfg(windows)]
-fn of_terminal() -> Option<i32> {
-    Some(signal_hook::consts::SIGBREAK)
+fn when_interrupted(stop: &Arc<AtomicBool>, is_second: &Arc<AtomicBool>) -> anyhow::Result<()> {
+    let [stop, is_second] = [stop, is_second].map(Arc::clone);
+    Ok(ctrlc::set_handler(move || {
+        if is_second.load(Ordering::Relaxed) && !has_parent() {
+            std::process::exit(INTERRUPTED.into());
+        }
+        stop.store(true, Ordering::Relaxed);
+    })?)
 }
 
 /// Whether the program was begun with the signal ignored that a closed terminal sends, as `nohup` begins it. Where Linux does not say

@@ -3,11 +3,6 @@
 use super::failure::INTERRUPTED;
 use super::terminal::note;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Whether the process has ended that this one ends with, where no signal says so.
-static ENDED: AtomicBool = AtomicBool::new(false);
-
 /// The variable of the environment with the number of the process with which this one is to end.
 const PARENT: &str = "STICTION_PARENT";
 
@@ -18,7 +13,7 @@ pub(super) fn has_parent() -> bool {
 
 /// Whether the process has ended that this one ends with, where no signal says so.
 pub(super) fn has_ended() -> bool {
-    ENDED.load(Ordering::Relaxed)
+    system::has_ended()
 }
 
 /// Interrupts this process, as by SIGTERM, when the process ends that has started it and is named in
@@ -45,16 +40,20 @@ mod system {
         let _ = set_parent_process_death_signal(Some(Signal::TERM));
         test_kill_process(parent) != Err(rustix::io::Errno::SRCH)
     }
+
+    pub fn has_ended() -> bool {
+        false
+    }
 }
 
 /// A thread looks again and again whether the process is there.
 #[cfg(not(target_os = "linux"))]
 mod system {
-    use super::ENDED;
-    use std::sync::atomic::Ordering;
+    use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::Duration;
     use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
+    static HAS_ENDED: AtomicBool = AtomicBool::new(false);
     /// The time from one look to the next.
     const BETWEEN: Duration = Duration::from_secs(1);
 
@@ -72,9 +71,13 @@ mod system {
             while is_there() {
                 std::thread::sleep(BETWEEN);
             }
-            ENDED.store(true, Ordering::Relaxed);
+            HAS_ENDED.store(true, Ordering::Relaxed);
         };
         let _ = std::thread::Builder::new().name("parent".to_owned()).spawn(watch);
         was_there
+    }
+
+    pub fn has_ended() -> bool {
+        HAS_ENDED.load(Ordering::Relaxed)
     }
 }

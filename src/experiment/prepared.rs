@@ -79,7 +79,7 @@ pub struct Functionals {
 pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
-    pub warnings: Vec<Warning>,
+    warnings: Vec<Warning>,
     /// Whether contacts yield before the surfaces turn back.
     pub yields: bool,
     pub integral: Integral,

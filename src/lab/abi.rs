@@ -81,4 +81,4 @@ macro_rules! calls {
     )+};
 }
 
-calls!(version, materials, keys, template, edit, describe, map, prepare, integral, compute, merge, results);
+calls!(version, materials, template, edit, describe, map, prepare, integral, compute, merge, results);

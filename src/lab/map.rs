@@ -7,7 +7,7 @@
 //! Other formats, missing heights and rows that are offset are for the command.
 
 use super::failure::Failure;
-use crate::scene::units::{Dimension, parse, rounded};
+use crate::scene::units::{Dimension, parse};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::f64::consts::{LN_2, PI};
@@ -28,6 +28,9 @@ const FEWEST_PIXELS: f64 = 10.0;
 const FEWEST_SUMMITS: usize = 100;
 /// Skewness and excess kurtosis of heights that are far from Gaussian.
 const FAR: [f64; 2] = [0.3, 0.6];
+
+/// The reason why a map has no roughness.
+const FLAT: &str = "the levelled map is flat: no height differs from the others by more than rounding";
 
 /// What is given of a map.
 #[derive(Deserialize)]
@@ -101,19 +104,12 @@ pub(super) fn map(argument: &str) -> Result<Value, Failure> {
     ];
     let set = if sigma_s.is_nan() { &set[..3] } else { &set[..] };
     let [rows, columns] = [grid.rows, grid.columns];
-    let alpha = moments.m0 * (moments.m4 / moments.m2) / moments.m2;
-    let spectrum = format!(
-        "{{ m0 = \"{} nm^2\", m2 = {}, m4 = \"{} /um^2\" }}",
-        rounded(1e18 * moments.m0),
-        rounded(moments.m2),
-        rounded(1e-12 * moments.m4)
-    );
     Ok(json!({
-        "set": set, "spectrum": spectrum, "summits": summits.len(), "rows": rows, "columns": columns, "area": area,
+        "set": set, "summits": summits.len(), "rows": rows, "columns": columns,
         "extent": [columns as f64 * grid.steps[1], rows as f64 * grid.steps[0]],
         "values": {
             "radius": radius, "density": density, "surface_height_std": sigma, "height_mean": height, "height_std": sigma_s,
-            "m0": moments.m0, "m2": moments.m2, "m4": moments.m4, "alpha": alpha,
+            "m0": moments.m0, "m2": moments.m2, "m4": moments.m4,
         },
         "warnings": warnings(&grid, &moments, summits.len(), radius),
     }))
@@ -274,13 +270,10 @@ impl Grid {
             }
         }
         if !(largest(&self.heights) > self.resolution) {
-            return Err(Failure::new(
-                "the levelled map is flat: no height differs from the others by more than rounding",
-            ));
+            return Err(Failure::new(FLAT));
         }
         let surface: Vec<f64> = before.iter().zip(&self.heights).map(|(one, other)| one - other).collect();
-        let tilt = self.rises(&surface).fold([0.0; 2], |most: [f64; 2], (axis, rise)| {
-            let mut most = most;
+        let tilt = self.rises(&surface).fold([0.0; 2], |mut most: [f64; 2], (axis, rise)| {
             most[axis] = most[axis].max(rise.abs());
             most
         });
@@ -363,9 +356,7 @@ impl Grid {
         let (m0, m2) = (power(2), 0.5 * (slope_y / (dy * dy) + slope_x / (dx * dx)));
         let m4 = 0.5 * (bend_y / (dy * dy * dy * dy) + bend_x / (dx * dx * dx * dx));
         if !(m2 > 0.0 && m4 > 0.0) {
-            return Err(Failure::new(
-                "the levelled map is flat: no height differs from the others by more than rounding",
-            ));
+            return Err(Failure::new(FLAT));
         }
         let (skewness, excess_kurtosis) = (power(3) / (m0 * m0.sqrt()), power(4) / (m0 * m0) - 3.0);
         Ok(Moments { m0, m2, m4, skewness, excess_kurtosis })

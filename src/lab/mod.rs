@@ -63,10 +63,8 @@ impl Lab {
         match name {
             "version" => Ok(json!({
                 "version": env!("CARGO_PKG_VERSION"), "source": env!("STICTION_SOURCE_HASH"),
-                "revision": env!("STICTION_SOURCE_REVISION"),
             })),
             "materials" => Ok(scenes::materials()),
-            "keys" => Ok(scenes::keys()),
             "template" => scenes::template(argument),
             "edit" => scenes::edit(argument),
             "describe" => scenes::describe(argument),
@@ -88,10 +86,8 @@ impl Lab {
         let session = Session::new(Text::read(argument)?)?;
         let scene = &session.scene;
         let reply = json!({
-            "title": scene.title, "replicas": scene.replicas, "batch": Session::BATCH, "group": scene.sampling.group(),
-            "asperities": scene.surface.asperity_count, "separations": scene.separations, "ways": report::ways(scene),
-            "sigma": scene.surface.surface_height_std, "area": scene.surface.nominal_area,
-            "preloads": scene.instability.preload, "restoring_force": scene.restoring_force,
+            "replicas": scene.replicas, "group": scene.sampling.group(), "separations": scene.separations,
+            "preloads": scene.instability.preload,
         });
         self.session = Some(session);
         Ok(reply)

@@ -6,7 +6,6 @@ use super::session::{Part, Session};
 use crate::asperity::{PlasticContact, Quantity};
 use crate::engine::{Ensemble, Ways};
 use crate::experiment::model_range::stuck_over;
-use crate::experiment::pull_offs::{PULL_OFF_QUANTILES, of_pull_off};
 use crate::experiment::results::{ModelRange, OfContact, PullOff, RunMetadata};
 use crate::experiment::snaps::{Counts, PulledOff, Snaps, holding};
 use crate::experiment::{Curves, PathIntegral, PreparedRun, Results, Workers};
@@ -26,7 +25,7 @@ const FORCES: usize = 201;
 const BEYOND: f64 = 1.05;
 
 /// The names of the ways of a scene.
-pub(super) fn ways(scene: &Scene) -> &'static [&'static str] {
+fn ways(scene: &Scene) -> &'static [&'static str] {
     match scene.ways() {
         Ways::One => &["approach"],
         Ways::Back => &["retraction"],
@@ -35,20 +34,10 @@ pub(super) fn ways(scene: &Scene) -> &'static [&'static str] {
     }
 }
 
-/// The integral, the warnings and the assessment of independence.
+/// The integral of the external force on every way.
 pub(super) fn integral(run: &PreparedRun) -> Value {
-    let scene = &run.scene;
-    let pulled = run.integral.pulled();
-    let path = |(way, path): (&&str, &PathIntegral)| {
-        let Expectations { expected, std, .. } = &path.expectations;
-        json!({ "way": way, "force": expected[EXTERNAL], "std": std[EXTERNAL] })
-    };
-    json!({
-        "paths": ways(scene).iter().zip(run.integral.paths()).map(path).collect::<Vec<Value>>(),
-        "pull_off": pulled.pull_off(), "separation": pulled.features.minimum.place,
-        "warnings": run.warnings.iter().map(warning).collect::<Vec<Value>>(),
-        "independence": assessed(&pulled.independence, scene), "yields": run.yields,
-    })
+    let path = |(way, path): (&&str, &PathIntegral)| json!({ "way": way, "force": path.expectations.expected[EXTERNAL] });
+    json!({ "paths": ways(&run.scene).iter().zip(run.integral.paths()).map(path).collect::<Vec<Value>>() })
 }
 
 /// The assessment of independence, in a word and in the words of the summary.
@@ -136,10 +125,9 @@ impl<'a> Shown<'a> {
     fn mean(&self) -> Value {
         let own: &ControlledMean = self.results.pull_off();
         json!({
-            "mean": own.mean, "standard_error": own.standard_error, "interval": own.interval,
-            "quoted": self.results.pull_off_quoted(), "is_controlled": self.results.is_controlled(),
-            "controlled_mean": own.controlled_mean, "controlled_standard_error": own.controlled_standard_error, "controlled_interval": own.controlled_interval,
-            "of_integral": self.results.pull_off_of_integral(),
+            "mean": own.mean, "interval": own.interval, "controlled_mean": own.controlled_mean,
+            "controlled_interval": own.controlled_interval, "quoted": self.results.pull_off_quoted(),
+            "is_controlled": self.results.is_controlled(),
         })
     }
 
@@ -151,14 +139,10 @@ impl<'a> Shown<'a> {
             None => self.results.ensemble.replicas.iter().map(|replica| replica.pull_off_force).collect(),
         };
         let known: Vec<f64> = every.iter().copied().filter(|force| !force.is_nan()).collect();
-        let PulledOff { count, mean, std, standard_error, interval } = PulledOff::of(known.clone());
-        let quantiles = PULL_OFF_QUANTILES.iter().zip(of_pull_off(known.clone()));
-        let quantiles: Vec<Value> = quantiles
-            .map(|(p, own)| json!({ "probability": p, "force": own.value, "interval": own.interval }))
-            .collect();
+        let PulledOff { count, mean, std, interval, .. } = PulledOff::of(known.clone());
         json!({
             "preload": turn.map(|(_, preload)| preload), "count": count, "mean": mean, "std": std,
-            "standard_error": standard_error, "interval": interval, "quantiles": quantiles, "every": every,
+            "interval": interval, "every": every,
             "range": self.range(turn, |own| own.force), "above": self.above(turn, &known),
             "stuck": self.results.scene.restoring_force.map(|force| self.stuck(turn, &known, force)),
         })

@@ -2,19 +2,17 @@
 
 use super::failure::Failure;
 use super::files::Texts;
-use crate::format::counted;
 use crate::input::materials::{ADHESION, numbers};
 use crate::input::templates::TEMPLATES;
 use crate::scene::keys::{Absent, Key, Value as Kind};
 use crate::scene::settings::{Setting, edited};
 use crate::scene::units::{Dimension, parse, percentage};
-use crate::scene::{Document, KEYS, Scene, Warning, taken, warnings_of_text};
+use crate::scene::{Document, KEYS, Scene, Warning, taken};
 use crate::summary::describe::heading;
 use crate::summary::rows::row;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
-use std::ops::Bound;
 use std::sync::Arc;
 use toml_edit::{DocumentMut, Item};
 
@@ -85,45 +83,12 @@ pub(super) fn template(name: &str) -> Result<Value, Failure> {
     })
 }
 
-/// The table of the keys.
-pub(super) fn keys() -> Value {
-    json!({ "keys": KEYS.iter().map(|key| shown(key)).collect::<Vec<Value>>() })
-}
-
-/// The name of the values of a key, their dimension, and their bounds.
-fn kind(value: &Kind) -> (&'static str, Option<Dimension>, [Option<f64>; 2]) {
-    let end = |bound: &Bound<f64>| match bound {
-        Bound::Included(end) | Bound::Excluded(end) => Some(*end),
-        Bound::Unbounded => None,
-    };
-    match value {
-        Kind::Table => ("table", None, [None; 2]),
-        Kind::Text => ("text", None, [None; 2]),
-        Kind::Switch => ("switch", None, [None; 2]),
-        Kind::Whole(low, high) => ("whole", None, [Some(*low as f64), Some(*high as f64)]),
-        Kind::Number(low, high) => ("number", None, [end(low), end(high)]),
-        Kind::Quantity(dimension, _) => ("quantity", Some(*dimension), [None; 2]),
-        Kind::OneOrMore(dimension, ..) => ("quantities", Some(*dimension), [None; 2]),
-        Kind::Choice(_) => ("choice", None, [None; 2]),
-        Kind::Various(_) | Kind::OfLaw(_) => ("other", None, [None; 2]),
+/// The dimension of the values of a key, where they have one.
+fn dimension(key: &Key) -> Option<Dimension> {
+    match key.value {
+        Kind::Quantity(dimension, _) | Kind::OneOrMore(dimension, ..) => Some(dimension),
+        _ => None,
     }
-}
-
-/// A row of the table of the keys.
-fn shown(key: &Key) -> Value {
-    let (name, dimension, [low, high]) = kind(&key.value);
-    let units = dimension.map(|own| own.units().split(", ").map(str::to_owned).collect::<Vec<String>>());
-    let choices = if let Kind::Choice(names) = &key.value { Some(names()) } else { None };
-    let (default, follows) = match key.absent {
-        Absent::Required => (None, None),
-        Absent::Is(text) => (Some(text), None),
-        Absent::Follows(words) => (None, Some(words)),
-    };
-    json!({
-        "name": key.name, "what": key.what, "about": key.about, "kind": name, "dimension": dimension.map(Dimension::name),
-        "units": units, "choices": choices, "default": default, "follows": follows,
-        "required": matches!(key.absent, Absent::Required), "example": key.example, "low": low, "high": high,
-    })
 }
 
 /// A scene to change, the keys to set in it, and those to leave out.
@@ -151,18 +116,15 @@ pub(super) fn describe(argument: &str) -> Result<Value, Failure> {
     let scene = match text.scene() {
         Ok(scene) => scene,
         Err(failure) => {
-            return Ok(json!({ "values": values, "errors": failure.problems(), "warnings": [] }));
+            return Ok(json!({ "values": values, "errors": failure.problems() }));
         }
     };
-    let warnings: Vec<Value> = warnings_of_text(&scene).iter().map(warning).collect();
     let taken = taken(&scene).into_iter().enumerate();
     let defaults: String =
         taken.map(|(i, line)| row(if i == 0 { "by default" } else { "" }, &line)).collect();
     Ok(json!({
-        "values": values, "errors": [], "warnings": warnings, "title": scene.title, "text": heading(&scene) + &defaults,
-        "replicas": scene.replicas, "seed": scene.seed, "asperities": scene.surface.asperity_count,
-        "preloads": scene.instability.preload, "restoring_force": scene.restoring_force,
-        "about": counted(scene.surface.asperity_count as u64, "asperity", "asperities"),
+        "values": values, "errors": [], "title": scene.title, "text": heading(&scene) + &defaults,
+        "preloads": scene.instability.preload,
     }))
 }
 
@@ -194,7 +156,7 @@ fn values(text: &str) -> Value {
 /// A value as it is written and, where it is a number, in SI.
 fn value(key: &Key, item: &Item, is_given: bool) -> Value {
     let text = item.as_str().map_or_else(|| item.to_string().trim().to_owned(), str::to_owned);
-    let (_, dimension, _) = kind(&key.value);
+    let dimension = dimension(key);
     let number = |value: &toml_edit::Value| {
         let plain = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
         let written = value.as_str();

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::scenes::Text;
 use crate::asperity::{PlasticContact, Quantity};
-use crate::engine::{BATCH, Job, Piece, Pieces, ReductionTree, Summation, Workspace};
+use crate::engine::{Job, Piece, Pieces, ReductionTree, Summation, Workspace};
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::experiment::ensemble::Sampling;
@@ -228,9 +228,6 @@ impl Session {
             range.map(|(contacts, replicas)| contacts.into_iter().map(move |own| (Some(own), replicas)));
         [own].into_iter().chain(others.into_iter().flatten()).collect()
     }
-
-    /// The size of a batch, in replicas.
-    pub const BATCH: u64 = BATCH;
 }
 
 impl Part {

@@ -72,7 +72,7 @@ pub use sweep::Sweep;
 #[doc(hidden)]
 pub use table::KEYS;
 pub(crate) use taken::{FROM_ASPERITIES, sources_of_heights, taken};
-pub(crate) use validity::{share_of_yielded, warnings_of_text, yields};
+pub(crate) use validity::{share_of_yielded, yields};
 #[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
 #[doc(hidden)]

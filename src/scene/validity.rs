@@ -61,20 +61,6 @@ pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected
     warnings
 }
 
-/// The warnings of a scene that need neither its law nor its integral.
-pub(crate) fn warnings_of_text(scene: &Scene) -> Vec<Warning> {
-    let model = &scene.model;
-    let mut warnings = exceeded(scene, model);
-    warnings.extend(ranges(scene).into_iter().filter_map(Range::warning));
-    warnings.extend(sizes(scene, model.validity.dry));
-    warnings.extend(copies(scene));
-    warnings.extend(wet(scene, model));
-    warnings.extend(pressed(scene, model));
-    warnings.extend(twice(scene));
-    warnings.extend(mean_planes(scene));
-    warnings
-}
-
 /// The warnings of a scene apart from the law's own limits.
 pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();

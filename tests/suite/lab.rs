@@ -243,18 +243,13 @@ fn what_is_not_for_a_page_is_refused() {
     }
 }
 
-/// Materials and keys are those of the program.
+/// Materials are those of the program.
 #[test]
-fn materials_and_keys_are_listed() {
+fn materials_are_listed() {
     let mut lab = lab();
     let materials = ask(&mut lab, "materials", &json!(""));
     assert_eq!(materials["materials"][0]["name"], "poly-Si");
     assert_eq!(materials["materials"][0]["numbers"][0]["value"], "169 GPa");
-    let keys = ask(&mut lab, "keys", &json!(""));
-    let keys = keys["keys"].as_array().unwrap();
-    let hardness = keys.iter().find(|key| key["name"] == "material.hardness").unwrap();
-    assert_eq!((&hardness["kind"], &hardness["units"][3]), (&json!("quantity"), &json!("GPa")));
-    assert_eq!(keys.len(), stiction::scene::KEYS.iter().count());
 }
 
 /// As `stiction.find_asperities` has them (NumPy and SciPy), with and without its filter.

@@ -16,11 +16,10 @@ const JOBS = {
 };
 
 onmessage = ({ data }) => {
-  const begin = performance.now();
   try {
     const reply = JOBS[data.job](data);
     const moved = reply instanceof Uint8Array ? [reply.buffer] : [];
-    postMessage({ job: data.job, reply, seconds: (performance.now() - begin) / 1000 }, moved);
+    postMessage({ job: data.job, reply }, moved);
   } catch (error) {
     const problems = error instanceof ProgramError ? error.problems : [];
     postMessage({ job: data.job, error: { text: error.message, problems } });

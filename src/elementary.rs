@@ -8,7 +8,7 @@
 /// Functions under the names that the C library has for them.
 macro_rules! of_c {
     ($($name:ident($($argument:ident),+);)+) => {$(
-        // SAFETY: name, arguments and result are those of the C standard, and what the function gives is what that asks for.
+        // SAFETY: the function has the name, the arguments and the result of the C standard.
         #[unsafe(no_mangle)]
         extern "C" fn $name($($argument: f64),+) -> f64 {
             libm::$name($($argument),+)

@@ -8,8 +8,8 @@ pub(super) fn command(words: &[String]) -> String {
     shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default()
 }
 
-/// A word as programs on Windows split their command line: in double quotes where it has other characters than those of plain
-/// names, backslashes before a quote doubled, and quotes with a backslash before them.
+/// A word of a command line on Windows: in double quotes if it has other characters than plain names. Backslashes before a quote are
+/// doubled, and a quote has a backslash before it.
 fn on_windows(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_.,:/\\=+~".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

@@ -1,4 +1,4 @@
-//! Scenes as text: what there is to begin with, a key set, and what a text describes.
+//! Scenes as text: templates, edits of keys, and descriptions.
 
 use super::failure::Failure;
 use super::files::Texts;

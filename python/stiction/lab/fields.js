@@ -132,7 +132,7 @@ export const FIELDS = [
 
 /** A field: its label, text, slider and message. */
 export class Field {
-  // Steps of a slider by factors: so many to a decade.
+  // Steps of a slider on a logarithmic scale, per decade.
   static #DECADE = 50;
 
   /** `changed(key, text)` is called with what the user gives. */

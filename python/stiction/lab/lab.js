@@ -107,7 +107,7 @@ function refused(error, keys = []) {
 
 function showProblems(problems) {
   lab.problems = problems;
-  // Messages begin with their key, where they have none beside them.
+  // A problem without a key may have it at the beginning of its message.
   const isOf = (key, of) => of.key === key || (of.key === null && of.text.startsWith(`\`${key} `));
   for (const [key, field] of fields) field.refuse(problems.find((of) => isOf(key, of))?.text);
   by("problems").replaceChildren(

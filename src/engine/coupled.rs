@@ -3,6 +3,7 @@
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::curves::{CoupledCurves, Curves, RegimeSums};
 use super::job::{Ends, Job, Substrate, Ways};
+use super::least_force::{Known, least_force};
 use super::replica::{CoupledReplica, Replica};
 use super::search::Sought;
 use super::state::{Branch, Reversal};
@@ -11,19 +12,12 @@ use super::summed::{Contacts, Summed};
 use crate::asperity::hysteresis::{Hysteresis, MaybeOwned};
 use crate::asperity::{Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
-use crate::math::extrema::{Extremum, largest_secant, minimum, smallest};
+use crate::math::extrema::{Extremum, largest_secant, smallest};
 use crate::substrate::Kernel;
 use std::f64::consts::PI;
 
-/// The smallest force of a curve is sought again between the neighbours of the smallest sample, at this many parts. This is
-/// repeated at most `ROUNDS` times, and `ROUNDS_AT_JUMP` times where the curve jumps there.
-const PARTS: usize = 8;
-const ROUNDS: usize = 6;
-const ROUNDS_AT_JUMP: usize = 3;
 /// Halvings of the distances from the samples next to a pull-off that they miss.
 const HALVINGS: i32 = 6;
-/// Relative difference of forces at neighbouring places up to which a curve is taken for smooth there.
-const SMOOTH: f64 = 1e-4;
 /// Share of a pull-off up to which samples may miss it.
 const MISSED: f64 = 0.01;
 
@@ -51,8 +45,10 @@ struct CoupledSurface<'a> {
     starts: [Starts; 2],
     /// The states at each separation of the approach, if surfaces turn back at preloads.
     approach: Vec<Snapshot>,
-    /// Where the last retraction from a preload began.
-    turn: Option<Snapshot>,
+    /// Where the pull-off is sought on the last retraction from a preload.
+    turned: Option<Starts>,
+    /// Largest error of a pull-off between separations, relative to it.
+    tolerance: f64,
     recorded: Option<Recorded<'a>>,
 }
 
@@ -60,14 +56,22 @@ struct CoupledSurface<'a> {
 struct Starts {
     /// The separation h, m, of the pull-off of independent asperities, if the separations miss it; NaN if not.
     missed: f64,
-    /// The state before the smallest sample, with its force, N, and before the one nearest to what is missed, with its
-    /// distance, m.
-    before: [Option<(f64, Snapshot)>; 2],
+    /// The smallest sample, and the one nearest to what is missed.
+    least: [Option<Start>; 2],
+}
+
+/// A sample next to which the pull-off is sought.
+struct Start {
+    /// Its force, N, or its distance from what is missed, m.
+    score: f64,
+    before: Snapshot,
+    /// The state there, once the surface has gone on.
+    at: Option<Snapshot>,
 }
 
 impl Starts {
     fn new(missed: f64) -> Self {
-        Self { missed, before: [None, None] }
+        Self { missed, least: [None, None] }
     }
 
     /// What is least of a sample (h, m, and force, N) where the pull-off is looked for.
@@ -76,11 +80,13 @@ impl Starts {
     }
 
     /// Takes the next sample of the way, with the state before it.
-    fn see(&mut self, sample: (f64, f64), state: &Snapshot) {
+    fn see(&mut self, sample: (f64, f64), before: &Snapshot) {
         let scores = self.scores(sample);
-        for (before, score) in self.before.iter_mut().zip(scores) {
-            if score < before.as_ref().map_or(f64::INFINITY, |(least, _)| *least) {
-                *before = Some((score, state.clone()));
+        for (least, score) in self.least.iter_mut().zip(scores) {
+            if score < least.as_ref().map_or(f64::INFINITY, |least| least.score) {
+                *least = Some(Start { score, before: before.clone(), at: None });
+            } else if let Some(Start { at: at @ None, .. }) = least {
+                *at = Some(before.clone());
             }
         }
     }
@@ -183,7 +189,8 @@ impl CoupledJob<'_> {
             contacts: Contacts { touchdown: f64::NAN, detachment: f64::NAN },
             starts: missed.map(Starts::new),
             approach: Vec::new(),
-            turn: None,
+            turned: None,
+            tolerance: substrate.pull_off_tolerance,
             recorded,
         };
         let mut curves = Curves::new(job.states(), r);
@@ -399,22 +406,23 @@ impl CoupledSurface<'_> {
     fn zoom_on(&mut self, way: usize, samples: &[(f64, f64)]) -> Extremum {
         let seen = Starts::new(self.starts[way].missed);
         let starts = std::mem::replace(&mut self.starts[way], seen);
-        self.zoom(samples, &starts)
+        self.zoom(samples, starts)
     }
 
     /// The smallest force of samples, in the order of the way, and between the neighbours of the smallest; where independent
     /// asperities are pulled off between samples, near that place, too.
-    fn zoom(&mut self, samples: &[(f64, f64)], starts: &Starts) -> Extremum {
+    fn zoom(&mut self, samples: &[(f64, f64)], starts: Starts) -> Extremum {
         let at = |which: usize| {
             smallest(&samples.iter().map(|sample| starts.scores(*sample)[which]).collect::<Vec<f64>>())
         };
-        let [lowest, nearest] = &starts.before;
-        let (_, before) = lowest.as_ref().expect("it has been through all samples");
-        let found = self.zoom_at(samples, at(0), before);
-        let [first, last] = [at(1).saturating_sub(1), (at(1) + 1).min(samples.len() - 1)].map(|i| samples[i]);
+        let (smallest, nearest) = (at(0), at(1));
+        let [least, next_to_missed] = starts.least;
+        let found = self.zoom_at(samples, smallest, least.expect("it has been through all samples"));
+        let ends = [nearest.saturating_sub(1), (nearest + 1).min(samples.len() - 1)];
+        let [first, last] = ends.map(|i| samples[i]);
         let is_between = (first.0 - starts.missed) * (last.0 - starts.missed) <= 0.0;
-        let Some((_, before)) = nearest.as_ref().filter(|_| is_between) else { return found };
-        self.solver.restore(before);
+        let Some(Start { before, .. }) = next_to_missed.filter(|_| is_between) else { return found };
+        self.solver.restore(&before);
         let halved = |end: (f64, f64), i: i32| starts.missed + (end.0 - starts.missed) * 0.5_f64.powi(i);
         let inwards = (1..=HALVINGS).map(|i| halved(first, i)).chain([starts.missed]);
         let places = inwards.chain((1..=HALVINGS).rev().map(|i| halved(last, i)));
@@ -425,68 +433,34 @@ impl CoupledSurface<'_> {
             samples.push((place, force));
         }
         samples.push(last);
-        let other = self.zoom(&samples, &closer);
+        let other = self.zoom(&samples, closer);
         if other.value < found.value { other } else { found }
     }
 
-    /// The smallest force between the neighbours of one of samples, in the order of the way, from the state at the sample
-    /// before it: that of the parabola through three places where the force is smooth.
-    fn zoom_at(&mut self, samples: &[(f64, f64)], at: usize, before: &Snapshot) -> Extremum {
-        let mut best = samples[at];
-        if at == 0 || at + 1 == samples.len() {
-            return Extremum { place: best.0, value: best.1, at_edge: true };
+    /// The smallest force between the neighbours of one of samples, in the order of the way, from the states at that sample and
+    /// before it.
+    fn zoom_at(
+        &mut self,
+        samples: &[(f64, f64)],
+        smallest: usize,
+        Start { before, at, .. }: Start,
+    ) -> Extremum {
+        let known = |&(place, force): &(f64, f64)| Known { place, force, state: None };
+        let mut known: Vec<Known<Snapshot>> = samples.iter().map(known).collect();
+        if let Some(place) = smallest.checked_sub(1) {
+            known[place].state = Some(before);
         }
-        let (mut ends, mut from) = ([samples[at - 1], samples[at + 1]], before.clone());
-        for round in 1..=ROUNDS {
-            self.solver.restore(&from);
-            let [first, last] = ends.map(|(place, _)| place);
-            let mut forces = vec![ends[0]];
-            let (mut found, mut nearest) = (None, f64::INFINITY);
-            for j in 1..PARTS {
-                let place = first + (last - first) * j as f64 / PARTS as f64;
-                let (force, before) = self.go(place);
-                forces.push((place, force));
-                if force <= best.1 {
-                    best = (place, force);
-                    (found, nearest) = (Some((j, before)), 0.0);
-                } else if (place - best.0).abs() < nearest {
-                    (found, nearest) = (Some((j, before)), (place - best.0).abs());
-                }
-            }
-            forces.push(ends[1]);
-            let (j, closer) = found.expect("one is the nearest");
-            (from, ends) = (closer, [forces[j - 1], forces[j + 1]]);
-            let is_close = |(_, force): &(f64, f64)| force - best.1 <= SMOOTH * best.1.abs();
-            if ends.iter().all(is_close) {
-                let [places, forces] = [[ends[0].0, best.0, ends[1].0], [ends[0].1, best.1, ends[1].1]];
-                return Extremum { at_edge: false, ..minimum(&places, &forces) };
-            }
-            if round >= ROUNDS_AT_JUMP && ends.iter().any(is_close) {
-                break;
-            }
-        }
-        Extremum { place: best.0, value: best.1, at_edge: false }
-    }
-
-    /// The smallest force on retraction from the separation `from`, m, from samples of it.
-    fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
-        if from == self.job.separations[0] && self.turn.is_none() {
-            return self.zoom_on(1, samples);
-        }
-        let turn = self.turn.clone().expect("the surface has been pulled back from there");
-        self.solver.restore(&turn);
-        let smallest = samples.iter().fold(f64::INFINITY, |least: f64, sample| least.min(sample.1));
-        let (mut starts, mut before) = (Starts::new(self.starts[1].missed), turn);
-        for sample in samples {
-            starts.see(*sample, &before);
-            let is_last = starts.before[0].as_ref().is_some_and(|(force, _)| *force == smallest);
-            if is_last && !(sample.0 < starts.missed) {
-                break;
-            }
-            self.go(sample.0);
-            before = self.solver.snapshot();
-        }
-        self.zoom(samples, &starts)
+        known[smallest].state = at.or_else(|| Some(self.solver.snapshot()));
+        least_force(known, self.tolerance, |from, places| {
+            self.solver.restore(from);
+            places
+                .iter()
+                .map(|place| {
+                    let (force, _) = self.go(*place);
+                    (force, self.solver.snapshot())
+                })
+                .collect()
+        })
     }
 }
 
@@ -504,8 +478,15 @@ impl Summed for CoupledSurface<'_> {
         let passed = self.job.separations.iter().filter(|h| **h >= from).count();
         self.solver.restore(&self.approach[passed.max(1) - 1]);
         self.go(from);
-        self.turn = Some(self.solver.snapshot());
-        separations.iter().map(|h| self.go(*h).0).collect()
+        let mut starts = Starts::new(self.starts[1].missed);
+        let forces = separations.iter().map(|&h| {
+            let (force, before) = self.go(h);
+            starts.see((h, force), &before);
+            force
+        });
+        let forces = forces.collect();
+        self.turned = Some(starts);
+        forces
     }
 
     fn find(&mut self, sought: Sought, branch: Branch<'_>, samples: &[(f64, f64)]) -> Extremum {
@@ -518,7 +499,10 @@ impl Summed for CoupledSurface<'_> {
                 let inward: Vec<(f64, f64)> = samples.iter().rev().copied().collect();
                 self.zoom_on(0, &inward)
             }
-            (Sought::PullOff, Some(Reversal { from, .. })) => self.retraction_pull_off(from, samples),
+            (Sought::PullOff, Some(_)) => match self.turned.take() {
+                Some(starts) => self.zoom(samples, starts),
+                None => self.zoom_on(1, samples),
+            },
         }
     }
 }

@@ -149,6 +149,8 @@ pub struct Substrate<'a> {
     pub places: &'a Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
+    /// Largest error of a pull-off between separations, relative to it.
+    pub pull_off_tolerance: f64,
     /// Indices of the separations at which the asperities of the first replica are recorded one by one.
     pub loads_at: &'a [usize],
     /// E*, Pa.

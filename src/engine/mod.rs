@@ -22,6 +22,7 @@ mod groups;
 pub mod instability;
 mod job;
 mod kinks;
+mod least_force;
 #[doc(hidden)]
 pub mod moments;
 mod one_radius;

@@ -21,6 +21,8 @@ pub(crate) struct Sampling<'a> {
     pub cycle: Option<&'a Loop>,
     /// The loops that coupled asperities remember their histories by.
     pub memory: Option<&'a SurfaceLoops>,
+    /// Largest error of a pull-off of coupled asperities between separations, relative to it.
+    pub pull_off_tolerance: f64,
     /// Indices of the states of the control variates.
     pub controls: &'a [usize],
     /// The rule that ends it before all replicas of the scene are in.
@@ -52,12 +54,13 @@ impl Sampling<'_> {
     }
 
     fn substrate<'a>(&'a self, substrate: &'a scene::Substrate) -> Substrate<'a> {
-        let scene::Substrate { coupling, kernel, places, tolerance, loads_at } = substrate;
+        let scene::Substrate { coupling, kernel, places, tolerance, loads_at, .. } = substrate;
         Substrate {
             coupling: *coupling,
             places,
             kernel: *kernel,
             tolerance: *tolerance,
+            pull_off_tolerance: self.pull_off_tolerance,
             loads_at,
             reduced_modulus: self.scene.asperity.reduced_modulus,
             memory: self.memory,

@@ -17,6 +17,16 @@ use crate::validation::Basis;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Least and largest error of a pull-off of coupled asperities, relative to it, where a scene leaves it open; and the share of the
+/// standard error of the mean that it is to have.
+const PULL_OFF_TOLERANCE: (f64, f64) = (1e-3, 1e-2);
+const SHARE_OF_ERROR: f64 = 0.1;
+
+/// The largest error of a pull-off, relative to it, that a scene asks for.
+fn asked_tolerance(scene: &Scene) -> Option<f64> {
+    scene.substrate.as_ref()?.pull_off_tolerance
+}
+
 /// The laws of a scene.
 pub(crate) struct SceneLaws {
     pub law: SurfaceLaws,
@@ -55,6 +65,7 @@ impl SceneLaws {
             law: self.law.view(),
             cycle: self.cycle.as_ref(),
             memory: self.memory.as_ref(),
+            pull_off_tolerance: asked_tolerance(scene).unwrap_or(PULL_OFF_TOLERANCE.0),
             controls: &[],
             rule: None,
             keep_curves: scene.curves,
@@ -126,7 +137,22 @@ impl PreparedRun {
     /// The ensemble.
     pub fn sampling(&self) -> Sampling<'_> {
         let controls = &self.functionals.controls;
-        Sampling { controls, rule: self.rule(), ..self.laws.sampling(&self.scene) }
+        let pull_off_tolerance = self.pull_off_tolerance();
+        Sampling { controls, pull_off_tolerance, rule: self.rule(), ..self.laws.sampling(&self.scene) }
+    }
+
+    /// The largest error of a pull-off of coupled asperities, relative to it: unless the scene has one, a share of the standard error
+    /// of the mean over the replicas, by the integral.
+    pub fn pull_off_tolerance(&self) -> f64 {
+        let (PathIntegral { at_pull_off, .. }, q) = (self.integral.pulled(), Quantity::ExternalForce.index());
+        let scatter = (at_pull_off.std[q][0] / at_pull_off.expected[q][0]).abs();
+        let (least, most) = PULL_OFF_TOLERANCE;
+        let of_error = |replicas: u64| SHARE_OF_ERROR * scatter / (replicas as f64).sqrt();
+        let own = match self.scene.replicas {
+            replicas @ 2.. if scatter.is_finite() => of_error(replicas).clamp(least, most),
+            _ => least,
+        };
+        asked_tolerance(&self.scene).unwrap_or(own)
     }
 
     fn rule(&self) -> Option<Rule<'_>> {
@@ -170,7 +196,10 @@ impl PreparedRun {
         let stopped = self.rule().map(|rule| Stopped::new(&rule, &ensemble));
         // The scene of the replicas that there are.
         let replicas = ensemble.replicas.len() as u64;
-        let scene = Scene { stopping: None, replicas, ..self.scene.clone() };
+        let mut scene = Scene { stopping: None, replicas, ..self.scene.clone() };
+        if let Some(substrate) = &mut scene.substrate {
+            substrate.pull_off_tolerance = Some(self.pull_off_tolerance());
+        }
         let (law, cycle, integral) = (&self.laws.law, self.laws.cycle.as_ref(), self.integral.clone());
         let Functionals { basis, controls, .. } = self.functionals.clone();
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();

@@ -143,6 +143,10 @@ impl Session {
         workers: &Workers,
     ) -> Result<Sent, Failure> {
         let group = self.scene.sampling.group();
+        // The scatter by the integral is the measure of how well pull-offs of coupled asperities are sought.
+        if self.scene.substrate.is_some() {
+            self.prepared(workers)?;
+        }
         let part = self.part(contact.as_deref(), replicas)?;
         let end = first.checked_add(count).filter(|end| *end <= part.replicas && count > 0);
         let end = end.ok_or_else(|| Failure::new(format!("there are {} replicas only", part.replicas)))?;

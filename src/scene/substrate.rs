@@ -53,6 +53,11 @@ pub(super) static KEYS: &[Key] = &[
     .what("largest error of a load, relative to the largest load")
     .defaults_to("1e-9")
         .out_of_bounds("a tolerance of loads is between 1e-12 and 1e-4"),
+    key("substrate.pull_off_tolerance", "1e-4", Number(Included(1e-9), Included(1e-2)))
+        .what("largest error of a pull-off between separations, relative to it")
+        .about("The search for a pull-off ends there. Below 1e-4 it looks at single jumps of large surfaces, and takes longer than their curve.")
+        .follows("a tenth of the standard error of the mean pull-off, by the scatter of independent patches, between 1e-3 and 1e-2; 1e-3 for one patch")
+        .out_of_bounds("a tolerance of pull-offs is between 1e-9 and 1e-2"),
     key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
         .what("separations at which the asperities are recorded one by one")
         .about(
@@ -107,6 +112,8 @@ pub struct Substrate {
     pub places: Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
+    /// Largest error of a pull-off between separations, relative to it, if the scene has one.
+    pub pull_off_tolerance: Option<f64>,
     /// Indices of the separations, rising, at which the asperities of the first replica are recorded one
     /// by one.
     pub loads_at: Vec<usize>,
@@ -120,6 +127,7 @@ pub(super) struct SubstrateTable<'a> {
     places: Places,
     minimum_distance: Option<f64>,
     tolerance: f64,
+    pull_off_tolerance: Option<f64>,
 }
 
 impl<'a> SubstrateTable<'a> {
@@ -139,10 +147,19 @@ impl<'a> SubstrateTable<'a> {
             if is_random { entry.measured() } else { Err(entry.wrong("is for positions = \"hard_core\"")) }
         });
         let tolerance = section.value("tolerance").bounded();
-        let readings =
-            (coupling, places.clone(), minimum_distance, (kernel, tolerance).together()).together()?;
-        let (coupling, places, minimum_distance, (kernel, tolerance)) = readings;
-        Ok(coupling.map(|coupling| Self { section, coupling, kernel, places, minimum_distance, tolerance }))
+        let pull_off_tolerance = section.optional("pull_off_tolerance", |entry| entry.bounded());
+        let others = (kernel, tolerance, pull_off_tolerance).together();
+        let readings = (coupling, places.clone(), minimum_distance, others).together()?;
+        let (coupling, places, minimum_distance, (kernel, tolerance, pull_off_tolerance)) = readings;
+        Ok(coupling.map(|coupling| Self {
+            section,
+            coupling,
+            kernel,
+            places,
+            minimum_distance,
+            tolerance,
+            pull_off_tolerance,
+        }))
     }
 
     /// The least distance, m, of places under a body on a surface; 0 without any.
@@ -174,8 +191,10 @@ impl<'a> SubstrateTable<'a> {
         measured: Option<MeasuredPlaces>,
         separations: &[f64],
     ) -> Result<Substrate, SceneError> {
-        let Self { section, coupling, kernel, places, minimum_distance, tolerance } = self;
+        let Self { section, coupling, kernel, places, minimum_distance, tolerance, pull_off_tolerance } =
+            self;
         let loads_at = loads_at(&section, separations, surface.surface_height_std)?;
+        let with = |places| Substrate { coupling, kernel, places, tolerance, pull_off_tolerance, loads_at };
         let entry = || {
             let named =
                 ["minimum_distance", "positions", "coupling"].into_iter().find_map(|key| section.get(key));
@@ -195,11 +214,11 @@ impl<'a> SubstrateTable<'a> {
         if let Some(depths) = surface.heights.depths() {
             let places =
                 if depths.distance > 0.0 { Places::HardCore(depths.distance) } else { Places::Uniform };
-            return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
+            return Ok(with(places));
         }
         if let Some(measured) = measured {
             let places = Places::Measured(on_map(&section, coupling, measured)?);
-            return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
+            return Ok(with(places));
         }
         if places.is_lattice() && surface.count_law == CountLaw::Poisson {
             return Err(entry().wrong("a lattice has a fixed number of places; count = \"fixed\" would do"));
@@ -211,7 +230,7 @@ impl<'a> SubstrateTable<'a> {
         };
         let checked = places.check(surface.asperity_count, surface.nominal_area.sqrt());
         checked.map_err(|problem| entry().wrong(&problem.to_string()))?;
-        Ok(Substrate { coupling, kernel, places, tolerance, loads_at })
+        Ok(with(places))
     }
 }
 

@@ -277,5 +277,8 @@ pub(super) fn attributes(writer: &Writer<'_>, results: &Results) -> Result<(), O
         writer.number(GROUP, "minimum_distance", distance)?;
     }
     writer.number(GROUP, "tolerance", substrate.tolerance)?;
+    if let Some(tolerance) = substrate.pull_off_tolerance {
+        writer.number(GROUP, "pull_off_tolerance", tolerance)?;
+    }
     writer.number(GROUP, "energy_unit", results.scene.scale().energy())
 }

@@ -29,7 +29,7 @@ impl Solver<'_> {
         self.passages.step();
         let is_converged = IDLE.into_iter().any(|idle| {
             self.fall(d, idle);
-            self.search(d, STEPS) == Search::Stable
+            self.search(d, (STEPS, usize::MAX)) == Search::Stable
         });
         self.forget();
         is_converged

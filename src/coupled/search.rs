@@ -44,8 +44,8 @@ pub(super) enum Search {
 }
 
 impl Solver<'_> {
-    /// Newton's method with at most `most` steps.
-    pub(super) fn search(&mut self, d: f64, most: usize) -> Search {
+    /// Newton's method with at most `most` steps, and `again` more after knots.
+    pub(super) fn search(&mut self, d: f64, (most, mut again): (usize, usize)) -> Search {
         self.passages.begin(self.heights.len(), false);
         self.pass_all(0.0);
         self.passages.is_moved = false;
@@ -65,7 +65,8 @@ impl Solver<'_> {
                 let is_worth = self.untie();
                 knots += 1;
                 if is_worth && knots <= UNTIED.1 {
-                    step = step.min(UNTIED.0);
+                    let more = step.saturating_sub(UNTIED.0).min(again);
+                    (step, again) = (step - more, again - more);
                 }
                 continue;
             }

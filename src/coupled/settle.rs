@@ -6,8 +6,10 @@ use super::avalanches::{Avalanches, avalanches};
 use super::search::Search;
 use super::solver::{Snapshot, Solver, Step};
 
-/// Newton steps after which a surface without stable state is let fall.
+/// Newton steps after which a surface without stable state is let fall, and after which, and as many after knots, it is tried in a
+/// shorter step.
 const HOPELESS: usize = 50;
+const TRIED: usize = 30;
 
 /// The outcome at a separation that was reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,21 +37,40 @@ impl Solver<'_> {
 
     /// Goes to the separation d, m, from the present state.
     pub fn settle(&mut self, d: f64) -> Settled {
-        self.settle_by(d, &[Search::Unstable, Search::Undecided])
+        self.settle_by(d, &[Search::Unstable, Search::Undecided], (HOPELESS, usize::MAX))
     }
 
     /// Goes to the separation d, m, but falls only if there is no stable state nearby: where asperities go to and fro,
     /// a fall takes far longer than shorter steps, which may help.
     pub fn try_to_settle(&mut self, d: f64) -> Settled {
-        self.settle_by(d, &[Search::Unstable])
+        self.settle_by(d, &[Search::Unstable], (TRIED, TRIED))
     }
 
-    /// Goes to a separation, and falls after some outcomes of the search.
-    fn settle_by(&mut self, d: f64, falls_after: &[Search]) -> Settled {
+    /// Goes to the separation d, m, from the present state: where that is stable and a step does not lead to another stable state, in
+    /// two of half its length, which may be halved again. The energy, J, that the steps before the last one lost. When `ends` is
+    /// true nothing is tried any more.
+    pub fn reach(&mut self, d: f64, halvings: u32, ends: &dyn Fn() -> bool) -> (Settled, f64) {
+        if halvings == 0 || !self.is_stable {
+            return (self.settle(d), 0.0);
+        }
+        let before = self.snapshot();
+        let settled = self.try_to_settle(d);
+        if settled.is_converged || ends() {
+            return (settled, 0.0);
+        }
+        self.restore(&before);
+        let (half, lost) = self.reach(0.5 * (self.separation + d), halvings - 1, ends);
+        let lost = lost + self.energy_lost();
+        let (rest, further) = self.reach(d, halvings - 1, ends);
+        (Settled { avalanches: half.avalanches.and(rest.avalanches), ..rest }, lost + further)
+    }
+
+    /// Goes to a separation, and falls after some outcomes of a search of a number of steps.
+    fn settle_by(&mut self, d: f64, falls_after: &[Search], steps: (usize, usize)) -> Settled {
         let (before, from) = (self.snapshot(), self.separation);
         self.passages.step();
         self.extrapolate(d);
-        let found = self.search(d, HOPELESS);
+        let found = self.search(d, steps);
         let is_near = found == Search::Stable;
         let is_converged = is_near || falls_after.contains(&found) && self.fall_from(&before, d);
         if is_near {

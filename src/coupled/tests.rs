@@ -375,6 +375,35 @@ fn steps_do_not_matter() {
     }
 }
 
+/// Asperities of case III that go to and fro before h* = 4.3: a step there that is only tried does not fall, and is no stable state;
+/// two steps of half the length lead to one, and they are what a step to be halved takes. Whole, it falls to another stable state.
+#[test]
+fn a_step_to_no_stable_state_is_halved() {
+    let case = Case::new(3, 1200, "md_plastic");
+    let mut solver = case.solver(Coupling::Periodic, 1e-9);
+    case.curve(&mut solver, (0..=16).map(|k| 6.0 - 0.1 * f64::from(k)));
+    let (before, d) = (solver.snapshot(), 4.3 * case.sigma - case.offset);
+    assert!(!solver.try_to_settle(d).is_converged && !solver.snapshot().is_stable());
+
+    solver.restore(&before);
+    let half = solver.try_to_settle(0.5 * (before.separation + d));
+    let lost = solver.energy_lost();
+    let rest = solver.try_to_settle(d);
+    assert!(half.is_converged && rest.is_converged && solver.snapshot().is_stable());
+    let by_halves = solver.external.clone();
+
+    solver.restore(&before);
+    let (settled, lost_before) = solver.reach(d, 1, &|| false);
+    assert_eq!(settled, Settled { is_converged: true, avalanches: half.avalanches.and(rest.avalanches) });
+    let largest = by_halves.iter().fold(0.0, |most: f64, load| most.max(load.abs()));
+    let off = solver.external.iter().zip(&by_halves).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off <= 1e-8 * largest, "{:e}", off / largest);
+    assert!((lost_before / lost - 1.0).abs() < 1e-6, "{lost_before:e} {lost:e}");
+
+    solver.restore(&before);
+    assert!(solver.reach(d, 0, &|| false).0.is_converged);
+}
+
 /// Moved by a part of a period, and mirrored, a repeated square has the same force.
 #[test]
 fn a_repeated_square_may_be_moved_and_mirrored() {

@@ -345,25 +345,10 @@ impl CoupledSurface<'_> {
     fn go(&mut self, h: f64) -> (f64, Snapshot) {
         let before = self.solver.snapshot();
         if !(self.ends)() {
-            self.lost_before = 0.0;
-            self.settled = self.reach(self.job.surface.asperity_separation(h), &before, SHORTER);
+            let d = self.job.surface.asperity_separation(h);
+            (self.settled, self.lost_before) = self.solver.reach(d, SHORTER, &self.ends);
         }
         (self.job.surface.external_force(h, self.solver.external_force()), before)
-    }
-
-    /// Goes to d, m, from the present state; in shorter steps where one from a stable state does not lead to another.
-    fn reach(&mut self, d: f64, before: &Snapshot, halvings: u32) -> Settled {
-        let may_halve = halvings > 0 && before.is_stable();
-        let settled = if may_halve { self.solver.try_to_settle(d) } else { self.solver.settle(d) };
-        if settled.is_converged || !may_halve || (self.ends)() {
-            return settled;
-        }
-        self.solver.restore(before);
-        let half = self.reach(0.5 * (self.solver.separation() + d), before, halvings - 1);
-        self.lost_before += self.solver.energy_lost();
-        let halfway = self.solver.snapshot();
-        let rest = self.reach(d, &halfway, halvings - 1);
-        Settled { avalanches: half.avalanches.and(rest.avalanches), ..rest }
     }
 
     /// Hands the present state over as one of the curves.

@@ -9,10 +9,18 @@
 
 use crate::math::extrema::{Extremum, minimum, smallest};
 
-/// Most further states.
+/// Tolerance up to which further states are no more than half as many as samples, or between two numbers; finer ones may have more for
+/// each halving.
+const COARSE: f64 = 1e-3;
+const FEWEST: usize = 12;
 const MOST: usize = 24;
-/// Share of the largest difference in force from a neighbour up to which a parabola may be wrong.
-const SMOOTH: f64 = 0.05;
+const OF_HALVING: usize = 3;
+/// Share of the larger difference in force from a neighbour that is left of a smooth curve in a closer bracket.
+const SMOOTH: f64 = 0.3;
+/// Share of the slope of a part that the part before it has at least, where the curve is smooth up to there.
+const STEEP: f64 = 0.5;
+/// Length of a part over the other part up to which its slope is known well enough for that.
+const BALANCED: f64 = 4.0;
 /// Share of a part next to a known place in which no further one is taken.
 const CLOSE: f64 = 0.01;
 
@@ -31,7 +39,7 @@ pub(super) fn least_force<S>(
     tolerance: f64,
     mut travel: impl FnMut(&S, &[f64]) -> Vec<(f64, S)>,
 ) -> Extremum {
-    let (mut is_smooth, mut left) = (true, MOST);
+    let (mut rise, mut left) = (f64::INFINITY, most(known.len(), tolerance));
     loop {
         let at = smallest(&known.iter().map(|one| one.force).collect::<Vec<f64>>());
         let least = Extremum { place: known[at].place, value: known[at].force, at_edge: false };
@@ -42,6 +50,8 @@ pub(super) fn least_force<S>(
         if let Some(found) = bracket.end() {
             return found;
         }
+        let is_smooth = bracket.rise() <= SMOOTH * rise;
+        rise = bracket.rise();
         let parts = bracket.next(is_smooth);
         if parts.iter().map(Vec::len).sum::<usize>() == 0 || left == 0 {
             return least;
@@ -51,7 +61,6 @@ pub(super) fn least_force<S>(
                 one.state = None;
             }
         }
-        let mut worst = 0.0_f64;
         for (part, places) in parts.iter().enumerate().rev() {
             let start = known[at - 1 + part].state.as_ref().expect("it is kept");
             let taken = &places[..places.len().min(left)];
@@ -61,12 +70,15 @@ pub(super) fn least_force<S>(
                 .zip(travel(start, taken))
                 .map(|(&place, (force, state))| Known { place, force, state: Some(state) })
                 .collect();
-            worst =
-                found.iter().map(|one| (one.force - bracket.parabola(one.place)).abs()).fold(worst, f64::max);
             known.splice(at + part..at + part, found);
         }
-        is_smooth = worst <= bracket.allowed.max(SMOOTH * bracket.rise());
     }
+}
+
+/// Most further states: where single asperities come and go, a curve has more small jumps than it is worth to look at.
+fn most(samples: usize, tolerance: f64) -> usize {
+    let halvings = (COARSE / tolerance).max(1.0).log2().ceil() as usize;
+    (samples / 2).clamp(FEWEST, MOST) + OF_HALVING * halvings
 }
 
 /// The smallest of the known forces with its neighbours.
@@ -100,20 +112,22 @@ impl Bracket {
         first.max(last) - least
     }
 
-    /// The parabola through the three, N, at a place, m.
-    fn parabola(&self, place: f64) -> f64 {
-        let ([a, b, c], [f, g, h]) = (self.places, self.forces);
-        let (one, two) = ((g - f) / (b - a), (h - g) / (c - b));
-        f + (place - a) * (one + (place - b) * (two - one) / (c - a))
+    /// Whether a part is far longer than the other one.
+    fn is_longer(&self, part: usize) -> bool {
+        let [a, b, c] = self.places;
+        let lengths = [b - a, c - b].map(f64::abs);
+        lengths[part] > BALANCED * lengths[1 - part]
     }
 
     /// How far below the smallest force the curve can be, N, in the parts before and behind it, by lines from the left; then by
-    /// lines from the right.
+    /// lines from the right. Without bound where the slopes are not those of a curve that is smooth up to there.
     fn bounds(&self) -> [[f64; 2]; 2] {
         let ([a, b, c], [f, g, h]) = (self.places, self.forces);
         let (one, two) = ((g - f) / (b - a), (h - g) / (c - b));
-        let of_left = [self.before.map_or(f64::INFINITY, |slope| g - f - slope * (b - a)), -one * (c - b)];
-        let of_right = [two * (b - a), self.behind.map_or(f64::INFINITY, |slope| g - h + slope * (c - b))];
+        let before = self.before.filter(|slope| slope / one >= STEEP && !self.is_longer(0));
+        let behind = self.behind.filter(|slope| slope / two >= STEEP && !self.is_longer(1));
+        let of_left = [before.map_or(f64::INFINITY, |slope| g - f - slope * (b - a)), -one * (c - b)];
+        let of_right = [two * (b - a), behind.map_or(f64::INFINITY, |slope| g - h + slope * (c - b))];
         [of_left, of_right]
     }
 
@@ -146,6 +160,8 @@ impl Bracket {
         // Lines from one side bound the part on that side: what is left is the other part.
         let ([before, behind], [left, right]) = ([0.5 * (a + b), 0.5 * (b + c)], self.bounds());
         match (left[0] <= self.allowed, right[1] <= self.allowed) {
+            _ if self.is_longer(0) => [vec![before], Vec::new()],
+            _ if self.is_longer(1) => [Vec::new(), vec![behind]],
             (true, is_right) if !is_right || left[1] < right[0] => [Vec::new(), vec![behind]],
             (_, true) => [vec![before], Vec::new()],
             _ => [vec![before], vec![behind]],
@@ -193,7 +209,7 @@ mod tests {
     #[test]
     fn a_jump_is_halved_up_to_the_tolerance() {
         for jump in [3.21, 6.62] {
-            for (tolerance, most) in [(1e-2, 9), (1e-3, 12), (1e-4, 16)] {
+            for (tolerance, most) in [(1e-2, 9), (1e-3, 14), (1e-4, 18)] {
                 let (least, count) = found(&steps(15, false), tolerance, |x| if x < jump { -x } else { 0.0 });
                 assert!(
                     (least.value + jump).abs() <= tolerance * jump,

@@ -18,8 +18,9 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Least and largest error of a pull-off of coupled asperities, relative to it, where a scene leaves it open; and the share of the
-/// standard error of the mean that it is to have.
-const PULL_OFF_TOLERANCE: (f64, f64) = (1e-3, 1e-2);
+/// standard error of the mean that it is to have. A larger one saves few states, and would show in the difference that coupling
+/// makes, which scatters less than pull-offs do.
+const PULL_OFF_TOLERANCE: (f64, f64) = (1e-4, 1e-3);
 const SHARE_OF_ERROR: f64 = 0.1;
 
 /// The largest error of a pull-off, relative to it, that a scene asks for.
@@ -65,7 +66,7 @@ impl SceneLaws {
             law: self.law.view(),
             cycle: self.cycle.as_ref(),
             memory: self.memory.as_ref(),
-            pull_off_tolerance: asked_tolerance(scene).unwrap_or(PULL_OFF_TOLERANCE.0),
+            pull_off_tolerance: asked_tolerance(scene).unwrap_or(PULL_OFF_TOLERANCE.1),
             controls: &[],
             rule: None,
             keep_curves: scene.curves,
@@ -150,7 +151,7 @@ impl PreparedRun {
         let of_error = |replicas: u64| SHARE_OF_ERROR * scatter / (replicas as f64).sqrt();
         let own = match self.scene.replicas {
             replicas @ 2.. if scatter.is_finite() => of_error(replicas).clamp(least, most),
-            _ => least,
+            _ => most,
         };
         asked_tolerance(&self.scene).unwrap_or(own)
     }

@@ -56,7 +56,7 @@ pub(super) static KEYS: &[Key] = &[
     key("substrate.pull_off_tolerance", "1e-4", Number(Included(1e-9), Included(1e-2)))
         .what("largest error of a pull-off between separations, relative to it")
         .about("The search for a pull-off ends there. Below 1e-4 it looks at single jumps of large surfaces, and takes longer than their curve.")
-        .follows("a tenth of the standard error of the mean pull-off, by the scatter of independent patches, between 1e-3 and 1e-2; 1e-3 for one patch")
+        .follows("a tenth of the standard error of the mean pull-off, by the scatter of independent patches, between 1e-4 and 1e-3; 1e-3 for one patch")
         .out_of_bounds("a tolerance of pull-offs is between 1e-9 and 1e-2"),
     key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
         .what("separations at which the asperities are recorded one by one")

@@ -147,7 +147,7 @@ fn coupling_compares_equal_histories() {
     let mut held = Vec::new();
     for history in HISTORIES {
         let own = scene.replace("\"approach\"", &format!("\"{history}\""));
-        let folder = Folder::new(&(own + "\n[substrate]\ncoupling = \"patch\"\n"));
+        let folder = Folder::new(&(own + "\n[substrate]\ncoupling = \"patch\"\npull_off_tolerance = 1e-5\n"));
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         let of = |name: &str| values(&folder, "scene.h5", name);
         let (with, without) = (of("/replicas/pull_off_force"), of("/replicas/independent_pull_off_force"));

@@ -210,7 +210,7 @@ mod tests {
     fn a_jump_is_halved_up_to_the_tolerance() {
         for jump in [3.21, 6.62] {
             for (tolerance, most) in [(1e-2, 9), (1e-3, 14), (1e-4, 18)] {
-                let (least, count) = found(&steps(15, false), tolerance, |x| if x < jump { -x } else { 0.0 });
+                let (least, count) = found(&steps(40, false), tolerance, |x| if x < jump { -x } else { 0.0 });
                 assert!(
                     (least.value + jump).abs() <= tolerance * jump,
                     "{jump} {tolerance:e}: {}",
@@ -218,7 +218,7 @@ mod tests {
                 );
                 assert!(count <= most, "{jump} {tolerance:e}: {count} states");
                 let (least, count) =
-                    found(&steps(15, false), tolerance, |x| if x > jump { x - 10.0 } else { 0.0 });
+                    found(&steps(40, false), tolerance, |x| if x > jump { x - 10.0 } else { 0.0 });
                 let exact = jump - 10.0;
                 assert!(
                     (least.value - exact).abs() <= tolerance * -exact,

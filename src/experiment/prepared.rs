@@ -260,3 +260,39 @@ fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &I
     let controls = controls.into_iter().map(|place| first + place).collect();
     Functionals { basis, controls, fewest_replicas: scene.fewest_replicas() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tenth of std/(|F|√replicas) by the integral at its pull-off, between 1e-4 and 1e-3; 1e-3 for one patch; what a scene asks for.
+    #[test]
+    fn pull_offs_are_sought_as_closely_as_their_mean_is_known() {
+        let scene = Scene::from_toml_file("configs/coupled.toml").unwrap();
+        let workers = Workers::new(1, Arc::default()).unwrap();
+        let of = |replicas: u64, asked: Option<f64>| {
+            let mut own = Scene { replicas, ..scene.clone() };
+            own.substrate.as_mut().unwrap().pull_off_tolerance = asked;
+            let (laws, mut nobody) = (SceneLaws::new(&own).unwrap(), ());
+            let run = PreparedRun::new(own, laws, None, &workers, &mut Phases::new(&mut nobody)).unwrap();
+            let sampling = run.sampling();
+            (run.pull_off_tolerance(), sampling.job().protocol.substrate.unwrap().pull_off_tolerance)
+        };
+        let integral = crate::integrate(&scene).unwrap().main;
+        let at = &integral.at_pull_off;
+        let q = Quantity::ExternalForce.index();
+        let scatter = at.std[q][0] / at.expected[q][0].abs();
+        for (replicas, asked, expected) in [
+            (1, None, 1e-3),
+            (16, None, 1e-3),
+            (40_000, None, 0.1 * scatter / 200.0),
+            (100_000_000, None, 1e-4),
+            (16, Some(1e-5), 1e-5),
+        ] {
+            let (own, of_job) = of(replicas, asked);
+            assert!((own / expected - 1.0).abs() < 1e-12, "{replicas}: {own:e} {expected:e}");
+            assert_eq!(own, of_job);
+        }
+        assert!((1e-4..1e-3).contains(&(0.1 * scatter / 200.0)), "{scatter}");
+    }
+}

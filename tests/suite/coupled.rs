@@ -148,6 +148,7 @@ fn what_cannot_be_coupled_is_refused() {
         ("coupling = \"line\"", "coupling"),
         ("coupling = \"patch\"\nkernel = \"punch\"", "contact"),
         ("coupling = \"patch\"\ntolerance = 1", "between 1e-12 and 1e-4"),
+        ("coupling = \"patch\"\npull_off_tolerance = 0.1", "between 1e-9 and 1e-2"),
         ("positions = \"uniform\"", "`substrate.coupling` is missing"),
     ];
     for (table, expected) in cases {

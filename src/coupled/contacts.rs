@@ -54,6 +54,14 @@ impl Contacts {
         self.tilt.share(is_shared);
     }
 
+    /// Forgets the loads whose effects are known.
+    pub fn forget(&mut self) {
+        self.forces.forget();
+        self.moments.forget();
+        self.of_each.fill(0.0);
+        self.tilt.forget();
+    }
+
     /// Takes the effects of `loads`, N, and of the moments of the last forces to full accuracy.
     pub fn know(&mut self, loads: &[f64]) {
         self.forces.know(&mut self.sums, loads);

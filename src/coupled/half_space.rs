@@ -45,6 +45,14 @@ impl HalfSpace {
         self
     }
 
+    /// Forgets the loads whose displacements are known.
+    pub fn forget(&mut self) {
+        self.known.forget();
+        if let Some(contacts) = &mut self.contacts {
+            contacts.forget();
+        }
+    }
+
     /// Takes the displacements by `loads`, N, to full accuracy: later ones follow from them.
     pub fn know(&mut self, loads: &[f64]) {
         self.known.know(&mut self.sums, loads);

@@ -161,6 +161,8 @@ impl<'a> Solver<'a> {
         self.stretches.copy_from_slice(&snapshot.stretches);
         self.asperities.stretch(&self.stretches);
         (self.separation, self.is_stable) = (snapshot.separation, snapshot.is_stable);
+        // What follows does not depend on what came before.
+        self.half_space.forget();
         self.forget();
     }
 

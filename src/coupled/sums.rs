@@ -86,6 +86,12 @@ impl Known {
         Self { loads, sums, change }
     }
 
+    /// Forgets the loads: what follows has the bits of a beginning.
+    pub fn forget(&mut self) {
+        self.loads.fill(0.0);
+        self.sums.fill(0.0);
+    }
+
     /// Takes the sums over `loads` to full accuracy: later ones follow from them.
     pub fn know(&mut self, sums: &mut Sums, loads: &[f64]) {
         sums.finely(loads, &mut self.sums);

@@ -62,6 +62,15 @@ impl Tilt {
         self.along.iter_mut().for_each(|along| along.sums.share(is_shared));
     }
 
+    /// Forgets the loads whose effects are known.
+    pub fn forget(&mut self) {
+        for Along { forces, moments, of_each, .. } in &mut self.along {
+            forces.forget();
+            moments.forget();
+            of_each.fill(0.0);
+        }
+    }
+
     /// Takes the effects of `loads`, N, and of the moments of the last forces to full accuracy.
     pub fn know(&mut self, loads: &[f64]) {
         for Along { sums, forces, moments, of_each, .. } in &mut self.along {

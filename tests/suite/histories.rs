@@ -61,7 +61,13 @@ fn assert_the_same(scene: &str, curves: usize) {
         }
         let back = on("retraction", name);
         let there = if has(&whole, &back) { back } else { name.clone() };
-        assert!(own == &bits_of(&whole, &there), "{name}");
+        let other = bits_of(&whole, &there);
+        // Means of pull-offs.
+        if own != &other && name.starts_with("/model_range/") {
+            assert_close(own, &other, name);
+        } else {
+            assert!(own == &other, "{name}");
+        }
         compared += usize::from(there != *name);
     }
     assert!(compared >= curves, "{compared}");

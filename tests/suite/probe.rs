@@ -205,7 +205,8 @@ fn a_coupled_sphere_is_hertzian() {
 #[ignore = "slow: three seconds"]
 fn sparse_spots_can_be_coupled() {
     let folder = Folder::new("");
-    let further = "[model]\nlaw = \"jkr\"\nhistory = \"loop\"\n[ensemble]\nreplicas = 20\n[substrate]\ncoupling = \"patch\"\n";
+    let further = "[model]\nlaw = \"jkr\"\nhistory = \"loop\"\n[ensemble]\nreplicas = 20\n[substrate]\ncoupling = \"patch\"\n\
+                   pull_off_tolerance = 1e-7\n";
     let sparse = scene(SPHERE, further)
         .replace("7.39 /um^2", "0.01 /um^2")
         .replace("[shape]", "asperity_height_std = \"1.6 nm\"\nmean_plane_offset = 0\n[shape]");

@@ -24,7 +24,7 @@ const STILL: f64 = 1e-3;
 impl Solver<'_> {
     /// Falls from a stable state to the separation d, m; whether it came to another one.
     pub(super) fn fall_from(&mut self, before: &Snapshot, d: f64) -> bool {
-        self.restore(before);
+        self.go_back(before);
         self.interference.iter_mut().for_each(|delta| *delta -= d - before.separation);
         self.passages.step();
         let is_converged = IDLE.into_iter().any(|idle| {

@@ -154,15 +154,19 @@ impl<'a> Solver<'a> {
         Snapshot { states, interference, stretches, separation: *separation, is_stable: *is_stable }
     }
 
-    /// Goes back to a state.
+    /// Goes back to a state. What follows does not depend on what came before.
     pub fn restore(&mut self, snapshot: &Snapshot) {
+        self.half_space.forget();
+        self.go_back(snapshot);
+    }
+
+    /// Goes back to a state, with the loads whose displacements are known.
+    pub(super) fn go_back(&mut self, snapshot: &Snapshot) {
         self.states.clone_from(&snapshot.states);
         self.interference.copy_from_slice(&snapshot.interference);
         self.stretches.copy_from_slice(&snapshot.stretches);
         self.asperities.stretch(&self.stretches);
         (self.separation, self.is_stable) = (snapshot.separation, snapshot.is_stable);
-        // What follows does not depend on what came before.
-        self.half_space.forget();
         self.forget();
     }
 

@@ -5,6 +5,7 @@
 //!
 //! An asperity whose own change of force would drive it back over a jump of its law comes to rest there, at a force between the
 //! two: at a jump to more attraction where its neighbours are displaced by its force, at one to less where they are attracted.
+//! Far from a balance it passes, too: it would leave its rest again.
 
 use super::asperities::Rest;
 use super::avalanches::Event;
@@ -63,7 +64,7 @@ impl Solver<'_> {
             does_lose |= jump < 0.0 && yielding > 0.0;
             let share = if upwards { 0.0 } else { 1.0 };
             let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
-            if jump * yielding > least {
+            if jump * yielding > least && self.passages.is_close {
                 self.states.resting.insert(i as u32, rest);
                 return true;
             }

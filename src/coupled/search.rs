@@ -7,8 +7,8 @@
 use super::half_space::HalfSpace;
 use super::solver::{Solver, largest};
 
-/// Smallest residual of the system of a Newton step, where asperities have just passed and elsewhere, and the largest.
-const RESIDUALS: [f64; 3] = [0.05, 2e-3, 0.1];
+/// Smallest and largest residual of the system of a Newton step; the largest where asperities have just passed.
+const RESIDUALS: (f64, f64) = (1e-2, 0.1);
 /// The share of the tolerance of loads that the system aims at.
 const AIM: f64 = 0.03;
 /// Residual of systems that decide on stability.
@@ -17,7 +17,7 @@ pub(super) const DECISIVE: f64 = 1e-3;
 const EXACT: f64 = 0.3;
 const UNSURE: f64 = 0.1;
 /// Share of the bound of the error by rough sums from which on accurate ones are taken: most errors are far smaller.
-const KNOWN: f64 = 0.1;
+const KNOWN: f64 = 3e-3;
 /// Newton steps from which on systems are solved with sums of full accuracy and to the end: close to a fold rough
 /// ones do not tell on which side.
 const STUBBORN: usize = 30;
@@ -74,8 +74,8 @@ impl Solver<'_> {
             if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
                 self.passages.come_close();
             }
-            let [passing, low, high] = RESIDUALS;
-            let low = if has_passed || !self.passages.is_close { passing } else { low };
+            let (low, high) = RESIDUALS;
+            let low = if has_passed || !self.passages.is_close { high } else { low };
             smallest = if step <= STUBBORN {
                 self.system(0.0, (AIM * self.tolerance / error).clamp(low, high))
             } else {

@@ -168,6 +168,8 @@ impl<'a> Solver<'a> {
         self.asperities.stretch(&self.stretches);
         (self.separation, self.is_stable) = (snapshot.separation, snapshot.is_stable);
         self.forget();
+        // Slopes decide on passages before the next step of Newton's method.
+        self.evaluate(self.separation);
     }
 
     /// Forgets where slopes were taken, and the states before.

@@ -38,14 +38,15 @@ pub struct Accuracy {
 /// Products by G: fills the second with the displacements, m, by the first, N.
 pub type Displace = fn(&mut HalfSpace, &[f64], &mut [f64]);
 
-/// Memory of systems.
+/// Memory of systems: what there is of each product is in single precision, as rough sums are.
 #[derive(Default)]
 pub struct Memory {
-    gmres: gmres::Memory,
+    gmres: gmres::Memory<f32>,
     right: Vec<f64>,
     loads: Vec<f64>,
+    lowered: Vec<f64>,
     /// The displacements of each product.
-    displacements: Vec<Vec<f64>>,
+    displacements: Vec<Vec<f32>>,
 }
 
 /// Asperities at rest with the near ones that yield to them most.
@@ -66,26 +67,27 @@ impl System<'_> {
         step: &mut [f64],
     ) -> f64 {
         let Self { slopes, resting, shift } = *self;
-        let Memory { gmres, right, loads, displacements } = memory;
+        let Memory { gmres, right, loads, lowered, displacements } = memory;
         let blocks = self.blocks(half_space);
         right.clear();
         right.extend(residual.iter().zip(slopes).map(|(r, slope)| -slope * r));
         loads.resize(right.len(), 0.0);
+        lowered.resize(right.len(), 0.0);
         let mut products = 0;
         let solved = gmres.solve(right, step, (accuracy.residual, accuracy.products), |v, out| {
-            loads.copy_from_slice(v);
+            loads.iter_mut().zip(v).for_each(|(load, v)| *load = f64::from(*v));
             self.eliminate(&blocks, loads);
+            displace(half_space, loads, lowered);
             if displacements.len() == products {
                 displacements.push(Vec::new());
             }
-            let lowered = &mut displacements[products];
-            lowered.resize(loads.len(), 0.0);
-            displace(half_space, loads, lowered);
+            displacements[products].clear();
+            displacements[products].extend(lowered.iter().map(|u| *u as f32));
+            resting.keys().for_each(|&i| loads[i as usize] = 0.0);
             let terms = loads.iter().zip(lowered.iter().zip(slopes));
             out.iter_mut().zip(terms).for_each(|(out, (load, (u, slope)))| {
-                *out = (1.0 + shift) * load + slope * u;
+                *out = ((1.0 + shift) * load + slope * u) as f32;
             });
-            resting.keys().for_each(|&i| out[i as usize] -= (1.0 + shift) * loads[i as usize]);
             products += 1;
         });
         self.eliminate(&blocks, step);

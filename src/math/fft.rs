@@ -36,7 +36,11 @@ impl<T: Real> Complex<T> {
     }
 
     fn resize(&mut self, count: usize) {
-        [&mut self.re, &mut self.im].into_iter().for_each(|part| part.resize(count, T::zero()));
+        for part in [&mut self.re, &mut self.im] {
+            // Transforms have a few more or fewer numbers in turn.
+            part.reserve_exact(count.saturating_sub(part.len()));
+            part.resize(count, T::zero());
+        }
     }
 
     fn swap(&mut self, other: &mut Self) {

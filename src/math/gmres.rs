@@ -2,6 +2,7 @@
 //! of operations.
 
 use super::instruction_set::InstructionSet;
+use super::real::Real;
 use super::sums::lane_sum;
 
 /// A solution and how it was found.
@@ -18,14 +19,14 @@ pub struct Solved {
     pub weights: Vec<f64>,
 }
 
-/// Memory of solutions.
+/// Memory of solutions, with a basis of numbers of a precision.
 #[derive(Clone, Debug, Default)]
-pub struct Memory {
-    basis: Vec<Vec<f64>>,
+pub struct Memory<T> {
+    basis: Vec<Vec<T>>,
     terms: Vec<f64>,
 }
 
-impl Memory {
+impl<T: Real> Memory<T> {
     /// Solves A x = b from nothing to a residual of `tolerance` times the right-hand side, with `most` products
     /// at most; `product` fills A v for v.
     pub fn solve(
@@ -33,16 +34,16 @@ impl Memory {
         right: &[f64],
         x: &mut [f64],
         (tolerance, most): (f64, usize),
-        mut product: impl FnMut(&[f64], &mut [f64]),
+        mut product: impl FnMut(&[T], &mut [T]),
     ) -> Solved {
         let n = right.len();
         x.fill(0.0);
-        let norm = self.dot(right, right).sqrt();
+        let norm = dot(&mut self.terms, right, right).sqrt();
         let mut solved = Solved::default();
         if !(norm > 0.0 && norm.is_finite()) {
             return solved;
         }
-        self.vector(0, n).iter_mut().zip(right).for_each(|(v, b)| *v = b / norm);
+        self.vector(0, n).iter_mut().zip(right).for_each(|(v, b)| *v = T::of(b / norm));
         let mut triangle = Triangle { rotations: Vec::new(), columns: Vec::new(), rest: vec![norm] };
         for k in 0..most {
             let mut next = std::mem::take(self.vector(k + 1, n));
@@ -65,44 +66,42 @@ impl Memory {
     }
 
     /// Makes the next vector of the basis from a product with the last; the column of the Hessenberg matrix.
-    fn orthogonalise(&mut self, next: &mut [f64], count: usize) -> Vec<f64> {
+    fn orthogonalise(&mut self, next: &mut [T], count: usize) -> Vec<f64> {
         let mut column = Vec::with_capacity(count + 1);
-        for i in 0..count {
-            let basis = std::mem::take(&mut self.basis[i]);
-            let along = self.dot(&basis, next);
-            add(next, -along, &basis);
-            self.basis[i] = basis;
+        let Self { basis, terms } = self;
+        for basis in &basis[..count] {
+            let along = dot(terms, basis, next);
+            add(next, -along, basis);
             column.push(along);
         }
-        let length = self.dot(next, next).sqrt();
+        let length = dot(terms, next, next).sqrt();
         column.push(length);
         if length > 0.0 {
-            next.iter_mut().for_each(|v| *v /= length);
+            next.iter_mut().for_each(|v| *v = T::of(v.value() / length));
         }
         column
     }
 
-    fn vector(&mut self, k: usize, n: usize) -> &mut Vec<f64> {
+    fn vector(&mut self, k: usize, n: usize) -> &mut Vec<T> {
         if self.basis.len() <= k {
             self.basis.push(Vec::new());
         }
-        self.basis[k].resize(n, 0.0);
+        self.basis[k].resize(n, T::zero());
         &mut self.basis[k]
     }
+}
 
-    fn dot(&mut self, a: &[f64], b: &[f64]) -> f64 {
-        let terms = &mut self.terms;
-        terms.resize(a.len(), 0.0);
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for ((term, a), b) in terms.iter_mut().zip(a).zip(b) {
-                    *term = a * b;
-                }
-                lane_sum(terms)
-            },
-        )
-    }
+fn dot<T: Real>(terms: &mut Vec<f64>, a: &[T], b: &[T]) -> f64 {
+    terms.resize(a.len(), 0.0);
+    InstructionSet::current().run(
+        #[inline(always)]
+        || {
+            for ((term, a), b) in terms.iter_mut().zip(a).zip(b) {
+                *term = a.value() * b.value();
+            }
+            lane_sum(terms)
+        },
+    )
 }
 
 /// The Hessenberg matrix made triangular by rotations, and the right-hand side with it.
@@ -147,10 +146,14 @@ impl Triangle {
 }
 
 /// x + factor · y in the place of x.
-pub fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+pub fn add<T: Real, U: Real>(x: &mut [T], factor: f64, y: &[U]) {
     InstructionSet::current().run(
         #[inline(always)]
-        || x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y),
+        || {
+            for (x, y) in x.iter_mut().zip(y) {
+                *x = T::of(x.value() + factor * y.value());
+            }
+        },
     );
 }
 
@@ -172,7 +175,7 @@ mod tests {
         let truth: Vec<f64> = (0..n).map(|i| i as f64 + 1.0).collect();
         let (mut right, mut x) = (vec![0.0; n], vec![0.0; n]);
         product(&truth, &mut right);
-        let solved = Memory::default().solve(&right, &mut x, (1e-13, n), product);
+        let solved = Memory::<f64>::default().solve(&right, &mut x, (1e-13, n), product);
         assert!(solved.residual <= 1e-13 && solved.products <= n);
         assert!(x.iter().zip(&truth).all(|(x, truth)| (x - truth).abs() < 1e-10), "{x:?}");
     }
@@ -180,7 +183,7 @@ mod tests {
     #[test]
     fn nothing_solves_nothing() {
         let mut x = [1.0; 3];
-        let solved = Memory::default().solve(&[0.0; 3], &mut x, (1e-9, 9), |_, _| unreachable!());
+        let solved = Memory::<f64>::default().solve(&[0.0; 3], &mut x, (1e-9, 9), |_, _| unreachable!());
         assert_eq!((solved.products, x), (0, [0.0; 3]));
     }
 }

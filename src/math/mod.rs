@@ -5,6 +5,7 @@ pub mod chunks;
 pub mod clenshaw_curtis;
 pub mod control_variates;
 pub mod counting_sort;
+pub mod error_function;
 pub mod exponential;
 pub mod extrema;
 pub mod fft;

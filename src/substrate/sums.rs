@@ -5,9 +5,10 @@ use super::near::{Cells, FEWEST_CELLS, LANES, Near, RINGS};
 use super::{Coupling, Influence};
 use crate::math::real::Real;
 
-/// Points of a cell over the square of the reach of near pairs, of a repeated square and of one alone, the grid of which
-/// is twice as wide: balances the time of near sums against the time of sums on the grid.
-const PER_CELL: [f64; 2] = [0.75, 1.3];
+/// Points of a cell over the square of the reach of near pairs, where pairs are kept and where they are computed for each sum, each of
+/// a repeated square and of one alone, the grid of which is twice as wide: balances the time of near sums against the time of sums on
+/// the grid.
+const PER_CELL: [[f64; 2]; 2] = [[1.0, 1.7], [0.5, 0.85]];
 /// Fewest points of sums that two threads take faster than one.
 const WORTH_SHARING: usize = 4000;
 
@@ -38,14 +39,19 @@ impl<T: Real> DisplacementSums<T> {
         let fewest = reach(tolerance) * FEWEST_CELLS as f64 / RINGS as f64;
         let tolerance = influence.of_parts(tolerance, points.len(), fewest);
         let reach = reach(tolerance);
-        let per_cell = PER_CELL[usize::from(coupling == Coupling::Patch)] * reach * reach;
+        let per_cell = |are_kept: bool| {
+            let alone = usize::from(coupling == Coupling::Patch);
+            PER_CELL[usize::from(!are_kept)][alone] * reach * reach
+        };
+        let are_kept = Near::<T>::are_kept(points.len() as f64 * per_cell(true));
+        let per_cell = per_cell(are_kept);
         let count = ((points.len() as f64 / per_cell).sqrt() as usize).max(FEWEST_CELLS);
         let cells = Cells::new(count, points);
         let sorted: Vec<[f64; 2]> = cells.order.iter().map(|&i| points[i as usize]).collect();
         let alpha = reach * count as f64 / RINGS as f64;
         Self {
             coupling,
-            near: Near::new(coupling, (influence, alpha), &cells, &sorted),
+            near: Near::new(coupling, (influence, alpha), (&cells, &sorted), are_kept),
             far: Far::new(coupling, (influence, alpha), &sorted, 2.0 * alpha * reach, tolerance),
             own: T::of(influence.own(alpha)),
             cells,
@@ -64,7 +70,7 @@ impl<T: Real> DisplacementSums<T> {
 
     /// The points around a place, and how far they reach from it at least, in sides.
     pub fn around(&self, place: [f64; 2]) -> (impl Iterator<Item = u32>, f64) {
-        (self.cells.around(self.coupling, place), RINGS as f64 / self.cells.count as f64)
+        (self.cells.around(self.coupling, place), self.cells.reach())
     }
 
     /// The displacements by `loads`, in the order of the points.

@@ -29,7 +29,9 @@ const SEARCHED: f64 = 14.0;
 const TOP: f64 = 1330.0;
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
-const COUPLED: (f64, f64) = (4e3, 9e3);
+const COUPLED: (f64, f64) = (2e3, 2.6e3);
+/// Bytes of its pairs in double precision, and of all that are kept at most.
+const PAIRS: (f64, f64) = (1.5e3, 36e6);
 /// Further bytes of a coupled asperity where each has its own laws.
 const LAWS: f64 = 5e3;
 /// Bytes of an asperity that is recorded by itself, and of it in a state.
@@ -173,8 +175,10 @@ impl Estimate {
 
     /// Bytes of coupling the surfaces that are computed at the same time.
     fn coupled(&self) -> f64 {
+        let pairs = if self.is_coupled() { (PAIRS.0 * self.asperities).min(PAIRS.1) } else { 0.0 };
         // States are held by the replica, its batch, the bytes of a partial result and what is written.
-        self.asperities * (self.workers() * self.coupled + 4.0 * self.recorded_bytes())
+        self.workers() * (self.asperities * self.coupled + pairs)
+            + 4.0 * self.asperities * self.recorded_bytes()
     }
 
     /// Bytes of an asperity that is recorded in all its states.

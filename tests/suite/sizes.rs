@@ -80,6 +80,17 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
     is_estimated("summits that have yielded", &looped(&sized(3e5, 11, 2)));
 }
 
+/// The same for coupled asperities, few enough that their pairs are kept, and more.
+#[test]
+#[ignore = "slow: ten seconds"]
+fn memory_of_coupled_asperities_is_estimated_within_a_factor_of_2() {
+    for (coupling, asperities) in [("periodic", 7390.0), ("patch", 7390.0), ("periodic", 4e4), ("patch", 4e4)]
+    {
+        let scene = sized(asperities, 3, 1).replace("from = -1.0, to = 8.0", "from = 3.0, to = 6.0");
+        is_estimated(coupling, &format!("{scene}\n[substrate]\ncoupling = \"{coupling}\"\n"));
+    }
+}
+
 /// The same for a million asperities and more: a minute.
 #[test]
 #[ignore = "slow"]

@@ -82,7 +82,7 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
 
 /// The same for coupled asperities, few enough that their pairs are kept, and more.
 #[test]
-#[ignore = "slow: ten seconds"]
+#[ignore = "slow: five seconds"]
 fn memory_of_coupled_asperities_is_estimated_within_a_factor_of_2() {
     for (coupling, asperities) in [("periodic", 7390.0), ("patch", 7390.0), ("periodic", 4e4), ("patch", 4e4)]
     {

@@ -169,7 +169,7 @@ impl<'a> Solver<'a> {
         (self.separation, self.is_stable) = (snapshot.separation, snapshot.is_stable);
         self.forget();
         // Slopes decide on passages before the next step of Newton's method.
-        self.evaluate(self.separation);
+        self.take_forces();
     }
 
     /// Forgets where slopes were taken, and the states before.
@@ -215,6 +215,12 @@ impl<'a> Solver<'a> {
     /// Forces, slopes and residuals at the present interferences; the largest error of a load over the largest
     /// load.
     pub(super) fn evaluate(&mut self, d: f64) -> f64 {
+        self.take_forces();
+        self.displace(d)
+    }
+
+    /// Forces and slopes at the present interferences.
+    fn take_forces(&mut self) {
         if !self.stretches.is_empty() {
             self.asperities.stretch(&self.stretches);
             self.place_rests();
@@ -222,7 +228,6 @@ impl<'a> Solver<'a> {
         let Self { asperities, states, interference, forces, memory, .. } = self;
         asperities.respond(states, &memory.all, interference, forces);
         self.take_slopes();
-        self.displace(d)
     }
 
     /// Takes loads from the forces, and their slopes from where they were last.

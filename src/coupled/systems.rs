@@ -38,7 +38,7 @@ pub struct Accuracy {
 /// Products by G: fills the second with the displacements, m, by the first, N.
 pub type Displace = fn(&mut HalfSpace, &[f64], &mut [f64]);
 
-/// Memory of systems: what there is of each product is in single precision, as rough sums are.
+/// Memory of systems. Vectors of each product are in single precision, as rough sums are.
 #[derive(Default)]
 pub struct Memory {
     gmres: gmres::Memory<f32>,

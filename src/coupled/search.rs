@@ -51,7 +51,7 @@ impl Solver<'_> {
         self.passages.is_moved = false;
         let mut smallest = f64::INFINITY;
         let near = (NEAR * self.asperities.first_length()).max(2.0 * (d - self.separation).abs());
-        let (mut step, mut knots, mut has_passed) = (0, 0, true);
+        let (mut step, mut knots, mut has_passed, mut last) = (0, 0, true, f64::INFINITY);
         while step < most {
             step += 1;
             let error = self.error(d);
@@ -92,7 +92,10 @@ impl Solver<'_> {
             }
             self.passages.longest = self.passages.longest.max(longest);
             self.advance(1.0);
-            has_passed = self.pass_all(UNCERTAIN * longest);
+            // Steps that grow no shorter may be an asperity that goes to and fro across the end of its segment.
+            let is_shorter = has_passed || longest < last;
+            has_passed = self.pass_all(if is_shorter { UNCERTAIN * longest } else { 0.0 });
+            last = longest;
         }
         Search::Undecided
     }

@@ -46,15 +46,19 @@ impl Solver<'_> {
         self.settle_by(d, &[Search::Unstable], (TRIED, TRIED))
     }
 
-    /// Goes to the separation d, m, from the present state: where that is stable and a step does not lead to another stable state, in
-    /// two of half its length, which may be halved again. The energy, J, that the steps before the last one lost. When `ends` is
+    /// Goes to the separation d, m, from the present state: where that is stable and a step does not lead to another stable state, by
+    /// the present state alone, without the one before, and then in two of half its length, which may be halved again. The energy, J, that the steps before the last one lost. When `ends` is
     /// true nothing is tried any more.
     pub fn reach(&mut self, d: f64, halvings: u32, ends: &dyn Fn() -> bool) -> (Settled, f64) {
         if halvings == 0 || !self.is_stable {
             return (self.settle(d), 0.0);
         }
-        let before = self.snapshot();
-        let settled = self.try_to_settle(d);
+        let (before, is_extrapolated) = (self.snapshot(), self.path.is_some());
+        let mut settled = self.try_to_settle(d);
+        if !settled.is_converged && is_extrapolated && !ends() {
+            self.restore(&before);
+            settled = self.try_to_settle(d);
+        }
         if settled.is_converged || ends() {
             return (settled, 0.0);
         }

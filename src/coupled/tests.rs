@@ -411,6 +411,34 @@ fn a_step_to_no_stable_state_is_halved() {
     assert!(solver.reach(d, 0, &|| false).0.is_converged);
 }
 
+/// Asperities of case III at separations to which a step that is extrapolated from the state before is no stable state, and one by the
+/// present state alone is: a step to be halved takes it whole.
+#[test]
+fn a_step_is_tried_by_the_present_state_alone() {
+    let case = Case::new(3, 1600, "md_plastic");
+    let mut solver = case.solver(Coupling::Periodic, 1e-9);
+    case.curve(&mut solver, [6.0].into_iter());
+    let mut count = 0;
+    for k in 1..=25 {
+        let d = (6.0 - 0.08 * f64::from(k)) * case.sigma - case.offset;
+        let (before, path) = (solver.snapshot(), solver.path.clone());
+        let is_extrapolated = path.is_some();
+        let extrapolated = solver.try_to_settle(d);
+        solver.restore(&before);
+        let alone = solver.try_to_settle(d);
+        let loads = solver.external.clone();
+        solver.restore(&before);
+        solver.path = path;
+        let (settled, lost_before) = solver.reach(d, 1, &|| false);
+        if is_extrapolated && !extrapolated.is_converged && alone.is_converged {
+            assert_eq!((settled, lost_before), (alone, 0.0));
+            assert_eq!(solver.external, loads);
+            count += 1;
+        }
+    }
+    assert!(count > 0);
+}
+
 /// Moved by a part of a period, and mirrored, a repeated square has the same force.
 #[test]
 fn a_repeated_square_may_be_moved_and_mirrored() {

@@ -3,6 +3,7 @@
 
 use super::influence::NearPart;
 use super::{Coupling, Influence};
+use crate::math::chunks::in_chunks;
 use crate::math::counting_sort::counting_sort;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::real::Real;
@@ -15,6 +16,8 @@ pub const FEWEST_CELLS: usize = 2 * RINGS + 1;
 
 /// Pairs that are taken together.
 pub const LANES: usize = 8;
+/// Points whose pairs one thread computes at a time.
+const BLOCK: usize = 256;
 
 /// Sum of points of a cell over all points up to which pairs, some nine times as many, are kept in double precision: 36 MB.
 const MOST_KEPT: f64 = 5e5;
@@ -218,30 +221,37 @@ impl<T: Real> Near<T> {
         );
     }
 
-    /// Adds to the displacements what near neighbours contribute; both have room for [`LANES`] more numbers.
-    pub fn add(&self, loads: &[T], displacements: &mut [T]) {
+    /// Adds to the displacements what near neighbours contribute; both have room for [`LANES`] more numbers. Another thread of the
+    /// pool may compute pairs that are not kept.
+    pub fn add(&self, loads: &[T], displacements: &mut [T], is_shared: bool) {
+        let count = points_of(&self.starts);
         if self.is_kept {
-            let (mut values, _) = self.values.as_chunks::<LANES>();
-            InstructionSet::current().run(
-                #[inline(always)]
-                || {
-                    for i in 0..points_of(&self.starts) {
-                        values = self.add_of(i, values, loads, displacements);
-                    }
-                },
-            );
-            return;
+            return self.add_of_points(0..count, &self.values, loads, displacements);
         }
-        let mut values = Vec::new();
-        for i in 0..points_of(&self.starts) {
-            values.clear();
-            self.add_pairs(i, &mut values);
-            let (values, _) = values.as_chunks::<LANES>();
-            InstructionSet::current().run(
-                #[inline(always)]
-                || self.add_of(i, values, loads, displacements),
-            );
+        let mut values = [Vec::new(), Vec::new()];
+        for first in (0..count).step_by(values.len() * BLOCK) {
+            let points = |k: usize| (first + k * BLOCK).min(count)..(first + (k + 1) * BLOCK).min(count);
+            in_chunks((1, is_shared), [&mut values], &|k, [values]| {
+                values[0].clear();
+                points(k).for_each(|i| self.add_pairs(i, &mut values[0]));
+            });
+            for (k, values) in values.iter().enumerate() {
+                self.add_of_points(points(k), values, loads, displacements);
+            }
         }
+    }
+
+    /// Adds what points contribute to their neighbours, and they to them, by the influence of each of their pairs.
+    fn add_of_points(&self, points: Range<usize>, values: &[T], loads: &[T], displacements: &mut [T]) {
+        let (mut values, _) = values.as_chunks::<LANES>();
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for i in points {
+                    values = self.add_of(i, values, loads, displacements);
+                }
+            },
+        );
     }
 
     /// Adds what a point contributes to its neighbours, and they to it, by the influence of each pair; the values that are left.

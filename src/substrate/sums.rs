@@ -81,7 +81,7 @@ impl<T: Real> DisplacementSums<T> {
         let Self { near, far, loads, displacements: close, smooth, .. } = self;
         let mut near = || {
             close.iter_mut().zip(&*loads).for_each(|(u, load)| *u = -self.own * *load);
-            near.add(loads, close);
+            near.add(loads, close, self.is_shared);
         };
         let mut far = || far.displace(loads, smooth, self.is_shared);
         if self.is_shared {
@@ -208,19 +208,31 @@ mod tests {
         }
     }
 
+    /// Sums by one thread and by two.
+    fn by_one_and_two<T: Real>(coupling: Coupling, count: usize, tolerance: f64) -> [Vec<f64>; 2] {
+        let points = points(count);
+        let loads: Vec<f64> = (0..count).map(|i| (i as f64).sin() + 0.3).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let mut sums = DisplacementSums::<T>::new(coupling, Influence::Displacement, &points, tolerance);
+        [false, true].map(|is_shared| {
+            let mut found = vec![0.0; count];
+            sums.share(is_shared);
+            assert_eq!(sums.is_shared, is_shared);
+            pool.install(|| sums.apply(&loads, &mut found));
+            found
+        })
+    }
+
     #[test]
     fn two_threads_make_the_same_bits() {
-        let points = points(WORTH_SHARING);
-        let loads: Vec<f64> = (0..points.len()).map(|i| (i as f64).sin() + 0.3).collect();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         for coupling in [Coupling::Periodic, Coupling::Patch] {
-            let mut sums = DisplacementSums::<f32>::new(coupling, Influence::Displacement, &points, 1e-3);
-            let [mut by_one, mut by_two] = [vec![0.0; points.len()], vec![0.0; points.len()]];
-            sums.apply(&loads, &mut by_one);
-            sums.share(true);
-            assert!(sums.is_shared);
-            pool.install(|| sums.apply(&loads, &mut by_two));
-            assert_eq!(by_one, by_two, "{coupling:?}");
+            let [one, two] = by_one_and_two::<f32>(coupling, WORTH_SHARING, 1e-3);
+            assert_eq!(one, two, "{coupling:?}");
+            // Pairs are computed.
+            let count = 30_000;
+            assert!(!Near::<f64>::are_kept(PER_CELL[0][0] * count as f64 * reach(1e-11).powi(2)));
+            let [one, two] = by_one_and_two::<f64>(coupling, count, 1e-11);
+            assert_eq!(one, two, "{coupling:?}");
         }
     }
 

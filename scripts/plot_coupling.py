@@ -301,9 +301,9 @@ def main():
             run("run", ROOT / "configs" / "coupled" / f"{name}.toml", "-o", path, "--quiet")
         files[name] = h5py.File(path)
     cases = {name: files[scene] for name, scene in CASES.items()}
-    loop = np.min(files["case_iii_loop"]["ensemble/retraction_external_force_mean"])
+    loop = files["case_iii_loop"]["replicas/pull_off_force"][0]
     numbers = {"cases": numbers_of_cases(files), "loads": numbers_of_patch(files["case_iii"]),
-               "patch": {"pull-off of the loop": [digits(-1e3 * loop)]}}  # fmt: skip
+               "patch": {"pull-off of the loop": [digits(1e3 * loop)]}}  # fmt: skip
     pictures = {"cases": draw_cases(files), "patch": draw_patch(files["case_iii"], files["case_iii_loop"]),
                 "loads": draw_loads(files["case_iii"]), "chart": draw_chart(files["patches"], cases),
                 "force": draw_force(files["patches"])}  # fmt: skip

@@ -141,7 +141,8 @@ def draw_loop(axes, file):
     for (label, curve), style in zip(curves.items(), styles):
         axes.plot(x, curve / factor, linewidth=1.0, label=label, **style)
     unsettled = file["coupling/retraction_unsettled_count"][()] > 0
-    axes.plot(x[unsettled], curves["unloading branch"][unsettled] / factor, "x", color=BLUE, label="not settled")
+    if unsettled.any():
+        axes.plot(x[unsettled], curves["unloading branch"][unsettled] / factor, "x", color=BLUE, label="not settled")
     axes.axhline(0.0, color="0.8", linewidth=0.7, zorder=0)
     axes.set(xlim=(x[0], x[-1]), xlabel=H_STAR, ylabel=f"external force ({sign})")
     legend(axes)

@@ -1,8 +1,9 @@
-"""The pictures of coupled cases, from the shipped scenes made small: they are drawn, and the table has what the files have.
+"""The pictures of coupled cases, from the shipped scenes made small: they are drawn, and the numbers that they keep are the files'.
 
 The program is $STICTION, by default target/release/stiction.
 """
 
+import json
 import re
 import subprocess
 import sys
@@ -14,6 +15,8 @@ from program import PROGRAM, ROOT
 
 SCRIPT = ROOT / "scripts" / "plot_coupling.py"
 SCENES = ["case_i", "case_ii", "case_iii", "case_iii_loop", "patches"]
+# Axes of each picture.
+PANELS = {"cases": 6, "patch": 3, "loads": 2, "chart": 2, "force": 4}
 SMALL = {
     r'nominal_area = "1?000? um\^2"': 'nominal_area = "20 um^2"',
     r"surface.nominal_area = .*": 'surface.nominal_area = ["5 um^2", "10 um^2"]',
@@ -42,17 +45,19 @@ def results(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_pictures_and_table_come_from_the_files(results, tmp_path):
+def test_pictures_and_their_numbers_come_from_the_files(results, tmp_path):
     done = draw(results, "-o", tmp_path, "--dpi", 60)
     assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    for line, name in zip(lines, ["cases", "patch", "chart"], strict=False):
-        assert line == str(tmp_path / f"coupled_{name}.svg")
-        picture = Path(line).read_text(encoding="utf-8")
-        assert len(picture) > 20_000 and ">(a)<" in picture and picture.count('id="axes_') >= 4
-    rows = [line.split(" | ") for line in lines if re.match(r"\| I+ ", line)]
-    assert [row[0] for row in rows] == ["| I", "| I", "| II", "| II", "| III"]
+    pictures = {name: tmp_path / f"coupled_{name}.svg" for name in PANELS}
+    assert done.stdout.splitlines() == [str(path) for path in pictures.values()]
+    texts = {name: path.read_text(encoding="utf-8") for name, path in pictures.items()}
+    for name, panels in PANELS.items():
+        assert ">(a)<" in texts[name] and texts[name].count('id="axes_') >= panels, name
+    cases, patch = (json.loads(re.search("<!-- numbers: (.*) -->", texts[name])[1]) for name in ("cases", "patch"))
+    assert list(cases) == ["I periodic", "I patch", "II periodic", "II patch", "III patch"]
     with h5py.File(results / "case_ii.h5") as file:
-        expected = file["coupling/scalar_independent_mean"][1, 0]
-        reported, prefix = re.match(r"([0-9.]+) ([nµm])N", rows[3][2]).groups()
-        assert float(reported) * {"n": 1e-9, "µ": 1e-6, "m": 1e-3}[prefix] == pytest.approx(expected, rel=6e-3)
+        independent, change = (file[f"coupling/scalar_{which}_mean"][1, 0] for which in ("independent", "difference"))
+    with h5py.File(results / "case_iii_loop.h5") as file:
+        loop = file["replicas/pull_off_force"][0]
+    assert [float(text) for text in cases["II patch"][:2]] == pytest.approx([1e6 * independent, 1e6 * (independent + change)], rel=6e-3)
+    assert float(patch["pull-off of the loop"][0]) == pytest.approx(1e3 * loop, rel=6e-3)

@@ -169,7 +169,7 @@ def run(programs, test, limit, mutant=""):
     and its seconds."""
     seconds, name = math.ceil(limit), test.removeprefix("lib::")
     child = subprocess.Popen(
-        [programs["suite" if name == test else "lib"], "--exact", name, "--test-threads", "1"],
+        [programs["suite" if name == test else "lib"], "--exact", name, "--include-ignored", "--test-threads", "1"],
         cwd=TREE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
         env={**os.environ, "CARGO_MANIFEST_DIR": str(TREE), "RUST_BACKTRACE": "0", "STICTION_MUTANT": mutant},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds)),

@@ -85,16 +85,22 @@ fn pieces_make_the_results_of_the_program() {
         let (text, mut lab) = computed(&scene, size);
         let results: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(results["summary"], summary, "{size}");
-        // The curve of a probability goes through what is stated at the restoring force.
+        // The curve of a probability goes through what is stated at restoring forces, where contacts differ, too.
         let above = &results["after_preload"][1]["above"];
-        let force = format!("{} N", above["forces"][120]);
-        let at = ask(&mut lab, "results", &json!({ "above": force }))["after_preload"][1]["stuck"].clone();
-        for (end, curve) in [("p", &above["p"]), ("low", &above["low"]), ("high", &above["high"])] {
-            assert_eq!(at[end], curve[120], "{end}");
+        let mut differ = false;
+        for k in (60..200).step_by(20) {
+            let force = format!("{} N", above["forces"][k]);
+            let at =
+                ask(&mut lab, "results", &json!({ "above": force }))["after_preload"][1]["stuck"].clone();
+            for (end, curve) in [("p", &above["p"]), ("low", &above["low"]), ("high", &above["high"])] {
+                assert_eq!(at[end], curve[k], "{end} {k}");
+            }
+            for contact in ["ke", "zmc", "tn"] {
+                assert_eq!(at["range"][contact], above["range"][contact][k], "{contact} {k}");
+                differ |= at["range"][contact] != at["p"];
+            }
         }
-        for contact in ["ke", "zmc", "tn"] {
-            assert_eq!(at["range"][contact], above["range"][contact][120], "{contact}");
-        }
+        assert!(differ);
         assert_eq!(results["complete"], true);
         assert_eq!(results["contacts"], json!(["jg", "ke", "zmc", "tn"]));
         let every: Vec<f64> = whole.ensemble().replicas.iter().map(|own| own.pull_off_force).collect();

@@ -69,23 +69,25 @@ impl Coupling {
 
     /// The square of the distance of two points, in sides; of a repeated square that of their nearest copies.
     pub fn square(self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let [x, y] = self.apart(a, b);
+        let [x, y] = [0, 1].map(|k| nearest(a[k] - b[k], self.half()));
         x * x + y * y
     }
 
-    /// The way to one point from another, in sides; in a repeated square that of their nearest copies.
-    pub(crate) fn apart(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-        std::array::from_fn(|k| {
-            let apart: f64 = a[k] - b[k];
-            match self {
-                Self::Periodic if apart.abs() > 0.5 => apart - apart.signum(),
-                _ => apart,
-            }
-        })
+    /// Half the side of a repeated square; infinite of one alone.
+    fn half(self) -> f64 {
+        if self == Self::Periodic { 0.5 } else { f64::INFINITY }
     }
 
     /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, coupling)| *coupling == self).expect("every coupling is in ALL").0
     }
+}
+
+/// A coordinate of the way to the nearest copy, of squares of twice `half` a side, without a branch.
+#[inline(always)]
+fn nearest(apart: f64, half: f64) -> f64 {
+    let over = if apart > half { 1.0 } else { 0.0 };
+    let under = if apart < -half { 1.0 } else { 0.0 };
+    apart - over + under
 }

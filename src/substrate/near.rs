@@ -2,7 +2,7 @@
 //! are many and sums are rare.
 
 use super::influence::NearPart;
-use super::{Coupling, Influence};
+use super::{Coupling, Influence, nearest};
 use crate::math::chunks::in_chunks;
 use crate::math::counting_sort::counting_sort;
 use crate::math::instruction_set::InstructionSet;
@@ -149,7 +149,6 @@ pub struct Near<T> {
     half: f64,
     /// The influence of each pair, with zeros to a multiple of [`LANES`] in each range, if they are kept.
     values: Vec<T>,
-    is_kept: bool,
     /// The influence the other way, over that of the pair: 1, or −1 of an odd one.
     back: T,
 }
@@ -182,12 +181,11 @@ impl<T: Real> Near<T> {
             starts,
             points,
             part: NearPart::new(influence, alpha),
-            half: if coupling == Coupling::Periodic { 0.5 } else { f64::INFINITY },
+            half: coupling.half(),
             values: Vec::new(),
-            is_kept,
             back: T::of(if influence.is_odd() { -1.0 } else { 1.0 }),
         };
-        if near.is_kept {
+        if is_kept {
             let mut values = Vec::with_capacity(pairs);
             (0..points_of(&near.starts)).for_each(|i| near.add_pairs(i, &mut values));
             near.values = values;
@@ -225,7 +223,7 @@ impl<T: Real> Near<T> {
     /// pool may compute pairs that are not kept.
     pub fn add(&self, loads: &[T], displacements: &mut [T], is_shared: bool) {
         let count = points_of(&self.starts);
-        if self.is_kept {
+        if !self.values.is_empty() {
             return self.add_of_points(0..count, &self.values, loads, displacements);
         }
         let mut values = [Vec::new(), Vec::new()];
@@ -285,12 +283,4 @@ impl<T: Real> Near<T> {
 /// The number of points of indices of ranges.
 fn points_of(starts: &[u32]) -> usize {
     starts.len() - 1
-}
-
-/// A coordinate of the way to the nearest copy, of squares of twice `half` a side.
-#[inline(always)]
-fn nearest(apart: f64, half: f64) -> f64 {
-    let over = if apart > half { 1.0 } else { 0.0 };
-    let under = if apart < -half { 1.0 } else { 0.0 };
-    apart - over + under
 }

@@ -50,12 +50,31 @@ pub struct Rest {
 pub struct States {
     /// The segment of each.
     pub segments: Vec<u8>,
-    /// ω_max of each, m; −∞ where it has not yielded.
+    /// ω_max of each, m; −∞ where it has not yielded. None where no asperity can yield.
     largest: Vec<f64>,
-    /// Asperities that have yielded and come back from ω_max.
-    pub(super) unloaded: Vec<Option<Arc<Yielded>>>,
+    /// Asperities that have yielded and come back from ω_max; likewise.
+    unloaded: Vec<Option<Arc<Yielded>>>,
     /// Asperities at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
+}
+
+impl States {
+    /// ω_max of an asperity, m; −∞ where it has not yielded.
+    fn largest_of(&self, i: usize) -> f64 {
+        self.largest.get(i).copied().unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// The path of an asperity that has yielded and come back from ω_max.
+    pub(super) fn unloaded_of(&self, i: usize) -> Option<&Arc<Yielded>> {
+        self.unloaded.get(i)?.as_ref()
+    }
+
+    /// Takes the path of an asperity from other states, unless it has one.
+    pub(super) fn take_path(&mut self, i: usize, of: &Self) {
+        if let (None, Some(flowed)) = (self.unloaded_of(i), of.unloaded_of(i)) {
+            self.unloaded[i] = Some(flowed.clone());
+        }
+    }
 }
 
 /// Forces of all asperities.
@@ -134,13 +153,15 @@ impl<'a> Asperities<'a> {
     /// The states of asperities that have not touched.
     pub fn none_touched(&self) -> States {
         let count = self.of_each.len();
-        let (largest, unloaded) = (vec![f64::NEG_INFINITY; count], vec![None; count]);
+        let can_yield = self.laws.iter().any(|laws| laws.memory.onset() < f64::INFINITY);
+        let remembered = if can_yield { count } else { 0 };
+        let (largest, unloaded) = (vec![f64::NEG_INFINITY; remembered], vec![None; remembered]);
         States { segments: vec![0; count], largest, unloaded, resting: BTreeMap::new() }
     }
 
     /// All segments of an asperity.
     pub(super) fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
-        match &states.unloaded[i] {
+        match states.unloaded_of(i) {
             Some(flowed) => &flowed.segments,
             None => &self.laws[self.number(i)].segments,
         }
@@ -148,7 +169,7 @@ impl<'a> Asperities<'a> {
 
     /// The number of segments, the first ones, that an asperity has before it has touched.
     pub(super) fn untouched(&self, states: &States, i: usize) -> usize {
-        match &states.unloaded[i] {
+        match states.unloaded_of(i) {
             Some(flowed) => flowed.untouched,
             None => self.laws[self.number(i)].untouched,
         }
@@ -159,7 +180,9 @@ impl<'a> Asperities<'a> {
     pub(super) fn unstable_work(&mut self, states: &States, i: usize) -> f64 {
         let RadiusLaws { memory, unstable_work, segments, untouched, .. } = &self.laws[self.number(i)];
         let work = *unstable_work.get_or_init(|| memory.unstable_work());
-        let (Some(flowed), Some(last)) = (&states.unloaded[i], segments.get(*untouched)) else { return work };
+        let (Some(flowed), Some(last)) = (states.unloaded_of(i), segments.get(*untouched)) else {
+            return work;
+        };
         let Source::Law(path, regime) = last.source else { return work };
         memory.law(path).evaluate(
             regime,
@@ -183,17 +206,17 @@ impl<'a> Asperities<'a> {
     /// law on approach at ω_max.
     pub(crate) fn segment_of_law(&self, states: &States, i: usize) -> Segment {
         let segment = self.segments(states, i)[states.segments[i] as usize];
-        match states.unloaded[i] {
+        match states.unloaded_of(i) {
             Some(_) => segment,
-            None => Segment { lower: segment.lower.max(states.largest[i]), ..segment },
+            None => Segment { lower: segment.lower.max(states.largest_of(i)), ..segment },
         }
     }
 
     /// The segment that follows where an asperity leaves its own, upwards or not; of one that comes back from
     /// ω_max it is the first of its own.
     pub(crate) fn next(&mut self, states: &mut States, i: usize, upwards: bool) -> Option<u8> {
-        let (own, largest) = (self.segment_of_law(states, i), states.largest[i]);
-        if upwards || states.unloaded[i].is_some() || own.lower > largest {
+        let (own, largest) = (self.segment_of_law(states, i), states.largest_of(i));
+        if upwards || states.unloaded_of(i).is_some() || own.lower > largest {
             return own.next[usize::from(upwards)];
         }
         let number = self.number(i);
@@ -232,7 +255,7 @@ impl<'a> Asperities<'a> {
     pub fn regime(&self, states: &States, i: usize) -> Option<usize> {
         let of = |number: u8| match self.segments(states, i)[number as usize].source {
             Source::Law(path, regime) | Source::Detached(path, regime) => Some((Some(path), regime)),
-            Source::Unloading => states.unloaded[i].as_ref().map(|flowed| (None, flowed.regime)),
+            Source::Unloading => states.unloaded_of(i).map(|flowed| (None, flowed.regime)),
             Source::Nothing => None,
         };
         let is_contact = |number: u8| {
@@ -253,14 +276,14 @@ impl<'a> Asperities<'a> {
     /// Whether an asperity is one that has touched.
     pub fn has_touched(&self, states: &States, i: usize) -> bool {
         let untouched = self.laws[self.number(i)].untouched;
-        states.unloaded[i].is_some() || states.segments[i] as usize >= untouched
+        states.unloaded_of(i).is_some() || states.segments[i] as usize >= untouched
     }
 
     /// Makes asperities at interferences, m, remember their depth, if they flow.
     pub fn remember(&self, states: &mut States, interference: &[f64]) {
         for (i, &delta) in interference.iter().enumerate() {
             let (laws, delta) = (&self.laws[self.number(i)], self.of_law(i, delta));
-            if !(delta > states.largest[i].max(laws.memory.onset())) {
+            if !(delta > states.largest_of(i).max(laws.memory.onset())) {
                 continue;
             }
             let segment = self.segment_of_law(states, i);
@@ -284,7 +307,7 @@ impl<'a> Asperities<'a> {
         }
         let mut order = std::mem::take(&mut self.order);
         let alone = self.first[self.laws.len()];
-        let group = |i: u32| match states.unloaded[i as usize] {
+        let group = |i: u32| match states.unloaded_of(i as usize) {
             Some(_) => alone,
             None => self.first[self.of_each[i as usize] as usize] + states.segments[i as usize] as usize,
         };
@@ -325,7 +348,7 @@ impl<'a> Asperities<'a> {
 
     fn one_of_law(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
         let laws = &self.laws[self.number(i)];
-        let flowed = states.unloaded[i].as_ref();
+        let flowed = states.unloaded_of(i);
         let segment = flowed.map_or(&laws.segments, |flowed| &flowed.segments)[segment as usize];
         let delta = within(&segment, interference);
         if let Some(flowed) = flowed {

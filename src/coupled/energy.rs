@@ -20,9 +20,9 @@
 //! asperity that is beyond the end of its segment there has passed at that end: what it lost hardly depends
 //! on the step.
 
-use super::asperities::{Asperities, Forces, States};
+use super::asperities::{Asperities, States};
 use super::half_space::HalfSpace;
-use super::solver::{Solver, Step};
+use super::solver::{Scratch, Solver, Step};
 use super::systems::{Accuracy, System};
 use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
@@ -146,8 +146,8 @@ impl Solver<'_> {
                 None => asperities.follow(states, i, *delta, !is_moved[i]),
             }
         }
-        let mut forces = Forces::default();
-        asperities.respond(states, &memory.all, interference, &mut forces);
+        let Scratch { all, shifted: forces, .. } = memory;
+        asperities.respond(states, all, interference, forces);
         *loads = forces.contact.iter().zip(&forces.adhesion).map(|(contact, pull)| contact - pull).collect();
         residual.resize(loads.len(), 0.0);
         half_space.displace(loads, residual);
@@ -167,8 +167,8 @@ impl Solver<'_> {
         let count = from.loads.len();
         let beside = |i| self.asperities.beside(&from.states, i, from.interference[i]);
         let beside: Vec<f64> = (0..count).map(beside).collect();
-        let mut forces = Forces::default();
-        self.asperities.respond(&from.states, &self.memory.all, &beside, &mut forces);
+        let Scratch { all, shifted: forces, .. } = &mut self.memory;
+        self.asperities.respond(&from.states, all, &beside, forces);
         let slope = |i: usize| match from.states.resting.get(&(i as u32)) {
             Some(rest) => rest.stiffness,
             None => {
@@ -201,8 +201,8 @@ impl Solver<'_> {
         self.half_space.displace(&self.external, &mut residual);
         self.add_places(&self.interference, &mut residual);
         let Self { asperities, states, interference, external, memory, .. } = self;
-        let mut forces = Forces::default();
-        asperities.respond(&branch.states, &memory.all, &middle, &mut forces);
+        let Scratch { all, shifted: forces, .. } = memory;
+        asperities.respond(&branch.states, all, &middle, forces);
         let mut sum = Compensated::default();
         for i in 0..middle.len() {
             let (from, to, load) = (branch.interference[i], interference[i], branch.loads[i]);
@@ -231,7 +231,7 @@ enum Part {
 impl Asperities<'_> {
     /// Whether an asperity is in different segments of its path in two states.
     fn is_elsewhere(&self, [from, to]: [&States; 2], i: usize) -> bool {
-        match from.unloaded[i].is_some() == to.unloaded[i].is_some() {
+        match from.unloaded_of(i).is_some() == to.unloaded_of(i).is_some() {
             true => from.segments[i] != to.segments[i],
             false => self.segment(from, i).source != self.segment(to, i).source,
         }
@@ -245,10 +245,8 @@ impl Asperities<'_> {
             let of = if is_moved { before } else { now };
             let source = self.segment(of, i).source;
             // One that has just come back from ω_max has a path that begins there.
-            if states.unloaded[i].is_none() {
-                states.unloaded[i].clone_from(&now.unloaded[i]);
-            }
-            let is_same = states.unloaded[i].is_some() == of.unloaded[i].is_some();
+            states.take_path(i, now);
+            let is_same = states.unloaded_of(i).is_some() == of.unloaded_of(i).is_some();
             let segments = self.segments(&states, i);
             states.segments[i] = match segments.iter().rposition(|segment| segment.source == source) {
                 _ if is_same => of.segments[i],

@@ -99,7 +99,8 @@ pub(super) struct Scratch {
     pub(super) all: Vec<u32>,
     unknown: Vec<u32>,
     beside: Vec<f64>,
-    shifted: Forces,
+    /// Forces elsewhere.
+    pub(super) shifted: Forces,
     displacements: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) systems: systems::Memory,

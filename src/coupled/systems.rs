@@ -15,6 +15,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Most neighbours of an asperity at rest that are displaced by its force to all orders.
 pub const CLOSEST: usize = 24;
+/// Most products whose displacements are kept: of more, those of the solution are one product more.
+const KEPT: usize = 16;
 
 /// A system.
 pub struct System<'a> {
@@ -45,7 +47,7 @@ pub struct Memory {
     right: Vec<f64>,
     loads: Vec<f64>,
     lowered: Vec<f64>,
-    /// The displacements of each product.
+    /// The displacements of each of the first products.
     displacements: Vec<Vec<f32>>,
 }
 
@@ -78,11 +80,13 @@ impl System<'_> {
             loads.iter_mut().zip(v).for_each(|(load, v)| *load = f64::from(*v));
             self.eliminate(&blocks, loads);
             displace(half_space, loads, lowered);
-            if displacements.len() == products {
-                displacements.push(Vec::new());
+            if products < KEPT {
+                if displacements.len() == products {
+                    displacements.push(Vec::new());
+                }
+                displacements[products].clear();
+                displacements[products].extend(lowered.iter().map(|u| *u as f32));
             }
-            displacements[products].clear();
-            displacements[products].extend(lowered.iter().map(|u| *u as f32));
             resting.keys().for_each(|&i| loads[i as usize] = 0.0);
             let terms = loads.iter().zip(lowered.iter().zip(slopes));
             out.iter_mut().zip(terms).for_each(|(out, (load, (u, slope)))| {
@@ -92,9 +96,14 @@ impl System<'_> {
         });
         self.eliminate(&blocks, step);
         let at_rest: Vec<f64> = resting.iter().map(|(&i, rest)| step[i as usize] / rest.stiffness).collect();
-        step.iter_mut().zip(residual).for_each(|(step, r)| *step = -r);
-        for (weight, lowered) in solved.weights.iter().zip(&*displacements) {
-            gmres::add(step, -weight, lowered);
+        if products > KEPT {
+            displace(half_space, step, lowered);
+            step.iter_mut().zip(residual.iter().zip(&*lowered)).for_each(|(step, (r, u))| *step = -r - u);
+        } else {
+            step.iter_mut().zip(residual).for_each(|(step, r)| *step = -r);
+            for (weight, lowered) in solved.weights.iter().zip(&*displacements) {
+                gmres::add(step, -weight, lowered);
+            }
         }
         step.iter_mut().for_each(|step| *step /= 1.0 + shift);
         resting.keys().zip(at_rest).for_each(|(&i, at_rest)| step[i as usize] = at_rest);

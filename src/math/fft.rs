@@ -37,15 +37,8 @@ impl<T: Real> Complex<T> {
 
     fn resize(&mut self, count: usize) {
         for part in [&mut self.re, &mut self.im] {
-            // Transforms have a few more or fewer numbers in turn.
-            part.reserve_exact(count.saturating_sub(part.len()));
             part.resize(count, T::zero());
         }
-    }
-
-    fn swap(&mut self, other: &mut Self) {
-        std::mem::swap(&mut self.re, &mut other.re);
-        std::mem::swap(&mut self.im, &mut other.im);
     }
 }
 
@@ -98,11 +91,11 @@ impl<T: Real> Transform<T> {
 
     /// Transforms columns of `data` forward: Σ x e^(−2πi jk/n), in [`Blocks`] of up to `width` columns. Other threads of
     /// the pool may take blocks.
-    pub fn forward(&self, width: usize, data: &mut Complex<T>, scratch: &mut Complex<T>, is_shared: bool) {
-        scratch.resize(data.re.len());
-        let parts = [&mut data.re[..], &mut data.im, &mut scratch.re, &mut scratch.im];
-        in_chunks((self.length * width, is_shared), parts, &|_, [re, im, re_scratch, im_scratch]| {
-            let (mut from, mut to) = ([re, im], [re_scratch, im_scratch]);
+    pub fn forward(&self, width: usize, data: &mut Complex<T>, is_shared: bool) {
+        let parts = [&mut data.re[..], &mut data.im];
+        in_chunks((self.length * width, is_shared), parts, &|_, [re, im]| {
+            let mut scratch = Complex::zeros(re.len());
+            let (mut from, mut to) = ([re, im], [&mut scratch.re[..], &mut scratch.im]);
             let (mut left, mut stride) = (self.length, from[0].len() / self.length);
             for stage in &self.stages {
                 InstructionSet::current().run(
@@ -113,16 +106,16 @@ impl<T: Real> Transform<T> {
                 left /= stage.radix;
                 stride *= stage.radix;
             }
+            if self.stages.len() % 2 == 1 {
+                to.iter_mut().zip(from).for_each(|(data, scratch)| data.copy_from_slice(scratch));
+            }
         });
-        if self.stages.len() % 2 == 1 {
-            data.swap(scratch);
-        }
     }
 
     /// Transforms columns with the opposite sign in the exponent, not divided by the length.
-    pub fn backward(&self, width: usize, data: &mut Complex<T>, scratch: &mut Complex<T>, is_shared: bool) {
+    pub fn backward(&self, width: usize, data: &mut Complex<T>, is_shared: bool) {
         std::mem::swap(&mut data.re, &mut data.im);
-        self.forward(width, data, scratch, is_shared);
+        self.forward(width, data, is_shared);
         std::mem::swap(&mut data.re, &mut data.im);
     }
 }
@@ -282,7 +275,6 @@ pub struct Convolution<T = f64> {
 pub struct ConvolutionScratch<T = f64> {
     pairs: Complex<T>,
     rows: Complex<T>,
-    scratch: Complex<T>,
 }
 
 impl<T: Real> Convolution<T> {
@@ -299,17 +291,17 @@ impl<T: Real> Convolution<T> {
 
     /// Convolves a grid of `inner` rows and columns, `inner` even, in its place. Other threads of the pool may take parts.
     pub fn apply(&self, grid: &mut [T], memory: &mut ConvolutionScratch<T>, is_shared: bool) {
-        let ConvolutionScratch { pairs, rows, scratch } = memory;
+        let ConvolutionScratch { pairs, rows } = memory;
         pairs.resize(self.of_pairs().count());
         rows.resize(self.of_rows().count());
         self.pair(grid, pairs, is_shared);
-        self.transform.forward(WIDTH, pairs, scratch, is_shared);
+        self.transform.forward(WIDTH, pairs, is_shared);
         self.separate(pairs, rows, is_shared);
-        self.transform.forward(WIDTH, rows, scratch, is_shared);
+        self.transform.forward(WIDTH, rows, is_shared);
         self.multiply(rows, is_shared);
-        self.transform.backward(WIDTH, rows, scratch, is_shared);
+        self.transform.backward(WIDTH, rows, is_shared);
         self.join(rows, pairs, is_shared);
-        self.transform.backward(WIDTH, pairs, scratch, is_shared);
+        self.transform.backward(WIDTH, pairs, is_shared);
         self.unpair(pairs, grid);
     }
 
@@ -432,8 +424,8 @@ mod tests {
                 re: (0..count).map(number).collect(),
                 im: (0..count).map(|i| number(i + count)).collect(),
             };
-            let (given, mut scratch) = (data.clone(), Complex::zeros(count));
-            transform.forward(columns, &mut data, &mut scratch, false);
+            let given = data.clone();
+            transform.forward(columns, &mut data, false);
             for k in 0..length {
                 for c in 0..columns {
                     let (mut re, mut im) = (0.0, 0.0);
@@ -447,7 +439,7 @@ mod tests {
                     assert!((data.re[i] - re).abs() + (data.im[i] - im).abs() < 1e-13, "{length}");
                 }
             }
-            transform.backward(columns, &mut data, &mut scratch, false);
+            transform.backward(columns, &mut data, false);
             let n = length as f64;
             assert!((0..count).all(|i| (data.re[i] / n - given.re[i]).abs() < 1e-14));
         }

@@ -10,6 +10,7 @@
 
 use super::{Coupling, Influence};
 use crate::math::chunks::in_chunks;
+use crate::math::exponential::exp;
 use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
 use crate::math::gauss::legendre;
 use crate::math::instruction_set::InstructionSet;
@@ -28,6 +29,15 @@ const MARGIN: (usize, usize) = (16, 64);
 const CHUNK: usize = 1024;
 /// Columns of a window that are taken together.
 const LANES: usize = 8;
+/// Places along the widest window, in grid points.
+const STEPS: [f64; 3 * LANES] = {
+    let (mut steps, mut j) = ([0.0; 3 * LANES], 0);
+    while j < steps.len() {
+        steps[j] = j as f64;
+        j += 1;
+    }
+    steps
+};
 
 /// The window.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +57,30 @@ impl Window {
     }
 
     /// φ at a place between −1 and 1.
+    #[inline(always)]
     fn value(self, t: f64) -> f64 {
-        libm::exp(self.shape * ((1.0 - t * t).max(0.0).sqrt() - 1.0))
+        exp(self.shape * ((1.0 - t * t).max(0.0).sqrt() - 1.0))
+    }
+
+    /// The weights of the grid points along a window that begins at a distance from its point, in grid points, with zeros to groups.
+    #[inline(always)]
+    fn weights<T: Real, const GROUPS: usize>(self, begin: f64) -> [[T; LANES]; GROUPS] {
+        let by_half = 2.0 / self.width as f64;
+        let mut values = [[0.0; LANES]; GROUPS];
+        for (value, j) in values.as_flattened_mut().iter_mut().zip(STEPS) {
+            *value = self.value((begin + j) * by_half);
+        }
+        values.as_flattened_mut()[self.width..].fill(0.0);
+        values.map(|group| group.map(T::of))
+    }
+
+    /// The weights of the columns and rows of windows.
+    fn weights_of<T: Real, const GROUPS: usize>(self, begins: &[[f64; 2]]) -> Vec<T> {
+        let mut weights = Vec::with_capacity(2 * GROUPS * LANES * begins.len());
+        for begin in begins.as_flattened() {
+            weights.extend_from_slice(self.weights::<T, GROUPS>(*begin).as_flattened());
+        }
+        weights
     }
 
     /// Transforms of φ in grid points, by the wave number of `0..=most` of a grid of `side`.
@@ -73,23 +105,24 @@ pub struct Far<T> {
     side: usize,
     /// Repeated rows and columns among them.
     halo: usize,
-    /// First row and column of the window of each point.
+    /// First column and row of the window of each point.
     places: Vec<[u32; 2]>,
-    /// The weights of the columns of each window, with zeros to a multiple of [`LANES`], then of its rows.
+    /// Where they are from the point, in grid points.
+    begins: Vec<[f64; 2]>,
+    /// The weights of the columns and rows of each window, with zeros to a multiple of [`LANES`], if they are kept.
     weights: Vec<T>,
     convolution: Convolution<T>,
     scratch: ConvolutionScratch<T>,
     grid: Vec<T>,
-    inner: Vec<T>,
 }
 
 impl<T: Real> Far<T> {
-    /// The sums over the smooth part of an influence, split at α, of points of the unit square, to about a relative
-    /// `tolerance`; waves shorter than `shortest`, a wave number, are below that.
+    /// The sums over the smooth part of an influence, split at α, of points of the unit square, with all windows kept or not, to about a
+    /// relative `tolerance`; waves shorter than `shortest`, a wave number, are below that.
     pub fn new(
         coupling: Coupling,
         (influence, alpha): (Influence, f64),
-        points: &[[f64; 2]],
+        (points, are_kept): (&[[f64; 2]], bool),
         shortest: f64,
         tolerance: f64,
     ) -> Self {
@@ -103,24 +136,19 @@ impl<T: Real> Far<T> {
             Coupling::Periodic => periodic(window, per_side, (influence, alpha), shortest),
             Coupling::Patch => alone(window, (per_side, inner), (influence, alpha), shortest),
         };
-        let (mut places, mut weights) = (Vec::with_capacity(points.len()), Vec::new());
-        let columns = window.width.next_multiple_of(LANES);
-        weights.reserve((columns + window.width) * points.len());
+        let scaled = || points.iter().map(|point| point.map(|x| x * per_side as f64));
+        // From the first row of the grid, which lies half a window before the square.
+        let places = scaled().map(|point| point.map(|x| x.ceil() as u32)).collect();
         let half = 0.5 * window.width as f64;
-        for point in points {
-            let mut place = [0; 2];
-            for (k, &x) in point.iter().enumerate() {
-                // From the first row of the grid, which lies half a window before the square.
-                let x = x * per_side as f64;
-                let first = x.ceil();
-                place[k] = first as u32;
-                let along = |j: usize| T::of(window.value((first - x + j as f64 - half) / half));
-                weights.extend((0..window.width).map(along));
-                if k == 0 {
-                    weights.resize(weights.len() + columns - window.width, T::zero());
-                }
-            }
-            places.push(place);
+        let mut begins: Vec<[f64; 2]> = scaled().map(|point| point.map(|x| x.ceil() - x - half)).collect();
+        let mut weights = Vec::new();
+        if are_kept {
+            let begins = std::mem::take(&mut begins);
+            weights = match window.width.div_ceil(LANES) {
+                1 => window.weights_of::<T, 1>(&begins),
+                2 => window.weights_of::<T, 2>(&begins),
+                _ => window.weights_of::<T, 3>(&begins),
+            };
         }
         let side = inner + halo;
         Self {
@@ -128,12 +156,12 @@ impl<T: Real> Far<T> {
             side,
             halo,
             places,
+            begins,
             weights,
             convolution,
             scratch: ConvolutionScratch::default(),
             // Zeros of the last window go beyond its row.
             grid: vec![T::zero(); side * side + LANES],
-            inner: vec![T::zero(); inner * inner],
         }
     }
 
@@ -155,7 +183,8 @@ impl<T: Real> Far<T> {
             || self.spread::<GROUPS>(loads),
         );
         self.fold();
-        self.convolution.apply(&mut self.inner, &mut self.scratch, is_shared);
+        let count = self.count();
+        self.convolution.apply(&mut self.grid[..count * count], &mut self.scratch, is_shared);
         self.unfold();
         in_chunks((CHUNK, is_shared), [displacements], &|number, [displacements]| {
             InstructionSet::current().run(
@@ -165,36 +194,45 @@ impl<T: Real> Far<T> {
         });
     }
 
+    /// The weights of the columns and of the rows of the window of a point.
+    #[inline(always)]
+    fn window_of<const GROUPS: usize>(&self, i: usize) -> [[[T; LANES]; GROUPS]; 2] {
+        if self.weights.is_empty() {
+            // A closure of a map would not be compiled for the instruction set.
+            let [column, row] = self.begins[i];
+            return [self.window.weights(column), self.window.weights(row)];
+        }
+        let (own, _) = self.weights[i * 2 * GROUPS * LANES..][..2 * GROUPS * LANES].as_chunks::<LANES>();
+        std::array::from_fn(|k| std::array::from_fn(|group| own[k * GROUPS + group]))
+    }
+
     #[inline(always)]
     fn spread<const GROUPS: usize>(&mut self, loads: &[T]) {
-        let Self { window, side, places, weights, grid, .. } = self;
-        let weights = weights.chunks_exact(GROUPS * LANES + window.width);
-        for ((place, weights), load) in places.iter().zip(weights).zip(loads) {
-            let (columns, rows) = groups::<T, GROUPS>(weights);
-            let columns = *columns;
-            let mut begin = place[1] as usize * *side + place[0] as usize;
-            for row in rows {
+        for (i, load) in loads.iter().take(self.places.len()).enumerate() {
+            let [columns, rows] = self.window_of::<GROUPS>(i);
+            let place = self.places[i];
+            let mut begin = place[1] as usize * self.side + place[0] as usize;
+            for row in &rows.as_flattened()[..self.window.width] {
                 let strength = *load * *row;
-                let (values, _) = grid[begin..begin + GROUPS * LANES].as_chunks_mut::<LANES>();
+                let (values, _) = self.grid[begin..begin + GROUPS * LANES].as_chunks_mut::<LANES>();
                 for (values, columns) in values.iter_mut().zip(&columns) {
                     let own = *values;
                     *values = std::array::from_fn(|k| own[k] + strength * columns[k]);
                 }
-                begin += *side;
+                begin += self.side;
             }
         }
     }
 
     #[inline(always)]
     fn read<const GROUPS: usize>(&self, first: usize, displacements: &mut [T]) {
-        let count = GROUPS * LANES + self.window.width;
-        let weights = self.weights[first * count..].chunks_exact(count);
-        for ((place, weights), displacement) in self.places[first..].iter().zip(weights).zip(displacements) {
-            let (columns, rows) = groups::<T, GROUPS>(weights);
+        for (i, displacement) in (first..).zip(displacements) {
+            let [columns, rows] = self.window_of::<GROUPS>(i);
             // Columns are summed over the rows first, which every vector does alike.
             let mut sums = [[T::zero(); LANES]; GROUPS];
+            let place = self.places[i];
             let mut begin = place[1] as usize * self.side + place[0] as usize;
-            for row in rows {
+            for row in &rows.as_flattened()[..self.window.width] {
                 let (values, _) = self.grid[begin..begin + GROUPS * LANES].as_chunks::<LANES>();
                 for (sums, values) in sums.iter_mut().zip(values) {
                     let (own, values) = (*sums, *values);
@@ -216,48 +254,39 @@ impl<T: Real> Far<T> {
         self.side - self.halo
     }
 
-    /// Takes the grid without what is repeated.
+    /// Takes the grid without what is repeated, row by row, in its place.
     fn fold(&mut self) {
-        let (count, side) = (self.count(), self.side);
-        if self.halo == 0 {
-            for y in 0..count {
-                self.inner[y * count..(y + 1) * count]
-                    .copy_from_slice(&self.grid[y * side..y * side + count]);
-            }
+        let (count, side, halo) = (self.count(), self.side, self.halo);
+        if halo == 0 {
             return;
         }
-        self.inner.fill(T::zero());
-        for y in 0..side {
-            let row = &self.grid[y * side..(y + 1) * side];
-            let (begin, repeated) = row.split_at(count);
-            let inner = &mut self.inner[(y % count) * count..][..count];
-            inner.iter_mut().zip(begin).for_each(|(inner, value)| *inner += *value);
-            for (x, value) in repeated.iter().enumerate() {
-                inner[x % count] += *value;
-            }
+        let (rows, repeated) = self.grid[..side * side].split_at_mut(count * side);
+        for row in rows.chunks_exact_mut(side) {
+            let (begin, repeated) = row.split_at_mut(count);
+            begin.iter_mut().zip(repeated).for_each(|(value, repeated)| *value += *repeated);
+        }
+        for (row, repeated) in rows.chunks_exact_mut(side).zip(repeated.chunks_exact(side)) {
+            let (begin, further) = repeated.split_at(count);
+            row.iter_mut().zip(begin).for_each(|(value, repeated)| *value += *repeated);
+            row.iter_mut().zip(further).for_each(|(value, repeated)| *value += *repeated);
+        }
+        for y in 1..count {
+            self.grid.copy_within(y * side..y * side + count, y * count);
         }
     }
 
+    /// Repeats what was taken.
     fn unfold(&mut self) {
-        let (count, side) = (self.count(), self.side);
-        let rows = if self.halo == 0 { count } else { side };
-        for y in 0..rows {
-            let inner = &self.inner[(y % count) * count..][..count];
-            let (begin, repeated) = self.grid[y * side..(y + 1) * side].split_at_mut(count);
-            begin.copy_from_slice(inner);
-            if self.halo > 0 {
-                repeated.iter_mut().enumerate().for_each(|(x, value)| *value = inner[x % count]);
-            }
+        let (count, side, halo) = (self.count(), self.side, self.halo);
+        if halo == 0 {
+            return;
         }
+        for y in (0..count).rev() {
+            self.grid.copy_within(y * count..(y + 1) * count, y * side);
+            self.grid.copy_within(y * side..y * side + halo, y * side + count);
+        }
+        self.grid.copy_within(..halo * side, count * side);
     }
-}
-
-/// The weights of the columns of a window, in groups, and the weights of its rows.
-#[inline(always)]
-fn groups<T, const GROUPS: usize>(weights: &[T]) -> (&[[T; LANES]; GROUPS], &[T]) {
-    let (columns, rows) = weights.split_at(GROUPS * LANES);
-    let (columns, _) = columns.as_chunks::<LANES>();
-    (columns.try_into().expect("the window has this number of groups"), rows)
 }
 
 /// The convolution of a repeated square.
@@ -348,14 +377,10 @@ fn cut_out<T: Real>(influence: Influence, kernel: Vec<f64>, large: usize, inner:
 }
 
 /// Transforms a square along both its sides.
-fn in_both_ways(
-    side: usize,
-    data: &mut Complex,
-    transform: fn(&Transform, usize, &mut Complex, &mut Complex, bool),
-) {
-    let (own, mut scratch) = (Transform::new(side), Complex::zeros(side * side));
+fn in_both_ways(side: usize, data: &mut Complex, transform: fn(&Transform, usize, &mut Complex, bool)) {
+    let own = Transform::new(side);
     for _ in 0..2 {
-        transform(&own, side, data, &mut scratch, false);
+        transform(&own, side, data, false);
         for part in [&mut data.re, &mut data.im] {
             for y in 0..side {
                 for x in 0..y {

@@ -118,7 +118,7 @@ impl Cells {
 }
 
 /// Points in the order of cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Points {
     /// Coordinates, with zeros for [`LANES`] more.
     x: Vec<f64>,
@@ -143,6 +143,7 @@ pub struct Near<T> {
     ranges: Vec<Range<u32>>,
     /// Index of the first range of each point, and at last the number of ranges.
     starts: Vec<u32>,
+    /// None where pairs are kept.
     points: Points,
     part: NearPart,
     /// Half the side of a repeated square.
@@ -189,6 +190,7 @@ impl<T: Real> Near<T> {
             let mut values = Vec::with_capacity(pairs);
             (0..points_of(&near.starts)).for_each(|i| near.add_pairs(i, &mut values));
             near.values = values;
+            near.points = Points::default();
         }
         near
     }
@@ -223,7 +225,7 @@ impl<T: Real> Near<T> {
     /// pool may compute pairs that are not kept.
     pub fn add(&self, loads: &[T], displacements: &mut [T], is_shared: bool) {
         let count = points_of(&self.starts);
-        if !self.values.is_empty() {
+        if self.points.x.is_empty() {
             return self.add_of_points(0..count, &self.values, loads, displacements);
         }
         let mut values = [Vec::new(), Vec::new()];

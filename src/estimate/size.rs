@@ -29,7 +29,7 @@ const SEARCHED: f64 = 14.0;
 const TOP: f64 = 1330.0;
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
-const COUPLED: (f64, f64) = (2e3, 2.6e3);
+const COUPLED: (f64, f64) = (1.6e3, 2.1e3);
 /// Bytes of its pairs in double precision, and of all that are kept at most.
 const PAIRS: (f64, f64) = (1.5e3, 36e6);
 /// Further bytes of a coupled asperity where each has its own laws.

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Most neighbours of an asperity at rest that are displaced by its force to all orders.
 pub const CLOSEST: usize = 24;
-/// Most products whose displacements are kept: of more, those of the solution are one product more.
+/// Most products whose displacements are kept. If there are more, one more product gives the displacements of the solution.
 const KEPT: usize = 16;
 
 /// A system.

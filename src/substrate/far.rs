@@ -29,15 +29,6 @@ const MARGIN: (usize, usize) = (16, 64);
 const CHUNK: usize = 1024;
 /// Columns of a window that are taken together.
 const LANES: usize = 8;
-/// Places along the widest window, in grid points.
-const STEPS: [f64; 3 * LANES] = {
-    let (mut steps, mut j) = ([0.0; 3 * LANES], 0);
-    while j < steps.len() {
-        steps[j] = j as f64;
-        j += 1;
-    }
-    steps
-};
 
 /// The window.
 #[derive(Clone, Copy, Debug)]
@@ -62,13 +53,15 @@ impl Window {
         exp(self.shape * ((1.0 - t * t).max(0.0).sqrt() - 1.0))
     }
 
-    /// The weights of the grid points along a window that begins at a distance from its point, in grid points, with zeros to groups.
+    /// The weights of the grid points along a window, with zeros to a multiple of [`LANES`]; the window begins at a distance from its
+    /// point, in grid points.
     #[inline(always)]
     fn weights<T: Real, const GROUPS: usize>(self, begin: f64) -> [[T; LANES]; GROUPS] {
         let by_half = 2.0 / self.width as f64;
         let mut values = [[0.0; LANES]; GROUPS];
-        for (value, j) in values.as_flattened_mut().iter_mut().zip(STEPS) {
-            *value = self.value((begin + j) * by_half);
+        // Vectors hold small whole numbers, not the long ones of an index.
+        for (value, j) in values.as_flattened_mut().iter_mut().zip(0_i32..) {
+            *value = self.value((begin + f64::from(j)) * by_half);
         }
         values.as_flattened_mut()[self.width..].fill(0.0);
         values.map(|group| group.map(T::of))
@@ -107,9 +100,9 @@ pub struct Far<T> {
     halo: usize,
     /// First column and row of the window of each point.
     places: Vec<[u32; 2]>,
-    /// Where they are from the point, in grid points.
+    /// The distances of both from the point, in grid points. None where weights are kept.
     begins: Vec<[f64; 2]>,
-    /// The weights of the columns and rows of each window, with zeros to a multiple of [`LANES`], if they are kept.
+    /// The weights of the columns and rows of each window, with zeros to a multiple of [`LANES`]. None where they are computed.
     weights: Vec<T>,
     convolution: Convolution<T>,
     scratch: ConvolutionScratch<T>,
@@ -208,9 +201,8 @@ impl<T: Real> Far<T> {
 
     #[inline(always)]
     fn spread<const GROUPS: usize>(&mut self, loads: &[T]) {
-        for (i, load) in loads.iter().take(self.places.len()).enumerate() {
-            let [columns, rows] = self.window_of::<GROUPS>(i);
-            let place = self.places[i];
+        for (i, load) in (0..self.places.len()).zip(loads) {
+            let ([columns, rows], place) = (self.window_of::<GROUPS>(i), self.places[i]);
             let mut begin = place[1] as usize * self.side + place[0] as usize;
             for row in &rows.as_flattened()[..self.window.width] {
                 let strength = *load * *row;
@@ -227,10 +219,9 @@ impl<T: Real> Far<T> {
     #[inline(always)]
     fn read<const GROUPS: usize>(&self, first: usize, displacements: &mut [T]) {
         for (i, displacement) in (first..).zip(displacements) {
-            let [columns, rows] = self.window_of::<GROUPS>(i);
+            let ([columns, rows], place) = (self.window_of::<GROUPS>(i), self.places[i]);
             // Columns are summed over the rows first, which every vector does alike.
             let mut sums = [[T::zero(); LANES]; GROUPS];
-            let place = self.places[i];
             let mut begin = place[1] as usize * self.side + place[0] as usize;
             for row in &rows.as_flattened()[..self.window.width] {
                 let (values, _) = self.grid[begin..begin + GROUPS * LANES].as_chunks::<LANES>();
@@ -254,7 +245,7 @@ impl<T: Real> Far<T> {
         self.side - self.halo
     }
 
-    /// Takes the grid without what is repeated, row by row, in its place.
+    /// Adds the repeated rows and columns of the grid to those that they repeat, and moves all rows next to each other.
     fn fold(&mut self) {
         let (count, side, halo) = (self.count(), self.side, self.halo);
         if halo == 0 {
@@ -275,7 +266,7 @@ impl<T: Real> Far<T> {
         }
     }
 
-    /// Repeats what was taken.
+    /// Moves the rows back to their places, and repeats rows and columns.
     fn unfold(&mut self) {
         let (count, side, halo) = (self.count(), self.side, self.halo);
         if halo == 0 {

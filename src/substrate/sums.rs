@@ -247,15 +247,13 @@ mod tests {
 
     #[test]
     fn windows_are_kept_and_computed_alike() {
-        let (points, loads): (_, Vec<f64>) =
-            (points(200), (0..200).map(|i| f64::from(i).sin() + 0.3).collect());
-        for (coupling, tolerance) in
-            [(Coupling::Periodic, 1e-3), (Coupling::Patch, 1e-8), (Coupling::Periodic, 1e-13)]
-        {
+        use Coupling::{Patch, Periodic};
+        let points = points(200);
+        let loads: Vec<f64> = (0..200).map(|i| f64::from(i).sin() + 0.3).collect();
+        for (coupling, tolerance) in [(Periodic, 1e-3), (Patch, 1e-8), (Periodic, 1e-13)] {
+            let alpha = 2.0 * reach(tolerance);
+            let (influence, shortest) = ((Influence::Displacement, alpha), 2.0 * alpha * reach(tolerance));
             let [kept, computed] = [true, false].map(|are_kept| {
-                let alpha = 2.0 * reach(tolerance);
-                let shortest = 2.0 * alpha * reach(tolerance);
-                let influence = (Influence::Displacement, alpha);
                 let mut far = Far::<f64>::new(coupling, influence, (&points, are_kept), shortest, tolerance);
                 let mut found = vec![0.0; points.len()];
                 far.displace(&loads, &mut found, false);

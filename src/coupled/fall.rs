@@ -41,6 +41,9 @@ impl Solver<'_> {
         let length = (0..self.heights.len()).map(|i| self.asperities.length(i)).fold(f64::MAX, f64::min);
         let (mut time, mut last, mut idle) = (FIRST, f64::NAN, 0);
         for _ in 0..FALL_STEPS {
+            if (self.ends)() {
+                return;
+            }
             self.passages.begin(self.heights.len(), true);
             self.pass(0.0);
             self.passages.is_moved = false;

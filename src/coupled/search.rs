@@ -52,7 +52,7 @@ impl Solver<'_> {
         let mut smallest = f64::INFINITY;
         let near = (NEAR * self.asperities.first_length()).max(2.0 * (d - self.separation).abs());
         let (mut step, mut knots, mut has_passed, mut last) = (0, 0, true, f64::INFINITY);
-        while step < most {
+        while step < most && !(self.ends)() {
             step += 1;
             let error = self.error(d);
             if error <= EXACT * self.tolerance {

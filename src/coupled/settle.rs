@@ -46,26 +46,27 @@ impl Solver<'_> {
         self.settle_by(d, &[Search::Unstable], (TRIED, TRIED))
     }
 
-    /// Goes to the separation d, m, from the present state: where that is stable and a step does not lead to another stable state, by
-    /// the present state alone, without the one before, and then in two of half its length, which may be halved again. The energy, J, that the steps before the last one lost. When `ends` is
-    /// true nothing is tried any more.
-    pub fn reach(&mut self, d: f64, halvings: u32, ends: &dyn Fn() -> bool) -> (Settled, f64) {
+    /// Goes to the separation d, m, from the present state. Where a step by that and the stable state before leads to no stable
+    /// state nearby, it is tried by the present state alone, which may fall: a fall takes far longer. Then two steps of half
+    /// its length are tried, which may be halved again. The energy, J, that the steps before the last one lost.
+    pub fn reach(&mut self, d: f64, halvings: u32) -> (Settled, f64) {
         if halvings == 0 || !self.is_stable {
             return (self.settle(d), 0.0);
         }
         let (before, is_extrapolated) = (self.snapshot(), self.path.is_some());
-        let mut settled = self.try_to_settle(d);
-        if !settled.is_converged && is_extrapolated && !ends() {
+        let falls_after: &[Search] = if is_extrapolated { &[] } else { &[Search::Unstable] };
+        let mut settled = self.settle_by(d, falls_after, (TRIED, TRIED));
+        if !settled.is_converged && is_extrapolated && !(self.ends)() {
             self.restore(&before);
             settled = self.try_to_settle(d);
         }
-        if settled.is_converged || ends() {
+        if settled.is_converged || (self.ends)() {
             return (settled, 0.0);
         }
         self.restore(&before);
-        let (half, lost) = self.reach(0.5 * (self.separation + d), halvings - 1, ends);
+        let (half, lost) = self.reach(0.5 * (self.separation + d), halvings - 1);
         let lost = lost + self.energy_lost();
-        let (rest, further) = self.reach(d, halvings - 1, ends);
+        let (rest, further) = self.reach(d, halvings - 1);
         (Settled { avalanches: half.avalanches.and(rest.avalanches), ..rest }, lost + further)
     }
 

@@ -56,6 +56,8 @@ pub struct Solver<'a> {
     pub(super) half_space: HalfSpace,
     pub(super) heights: &'a [f64],
     pub(super) tolerance: f64,
+    /// Whether what is under way has to end, asked at each step.
+    pub ends: &'a (dyn Fn() -> bool + Sync),
     /// d, m, of the state, and whether it is a stable one.
     pub(super) separation: f64,
     pub(super) is_stable: bool,
@@ -130,6 +132,7 @@ impl<'a> Solver<'a> {
             half_space,
             heights,
             tolerance,
+            ends: &|| false,
             separation: f64::INFINITY,
             is_stable: false,
             interference: vec![0.0; count],

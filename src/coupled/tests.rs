@@ -7,6 +7,7 @@ use crate::substrate::{Coupling, Kernel};
 use crate::surface::{Heights, Places};
 use serde_json::Value;
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 mod energy;
 mod knots;
@@ -400,7 +401,7 @@ fn a_step_to_no_stable_state_is_halved() {
     let by_halves = solver.external.clone();
 
     solver.restore(&before);
-    let (settled, lost_before) = solver.reach(d, 1, &|| false);
+    let (settled, lost_before) = solver.reach(d, 1);
     assert_eq!(settled, Settled { is_converged: true, avalanches: half.avalanches.and(rest.avalanches) });
     let largest = by_halves.iter().fold(0.0, |most: f64, load| most.max(load.abs()));
     let off = solver.external.iter().zip(&by_halves).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -408,7 +409,7 @@ fn a_step_to_no_stable_state_is_halved() {
     assert!((lost_before / lost - 1.0).abs() < 1e-6, "{lost_before:e} {lost:e}");
 
     solver.restore(&before);
-    assert!(solver.reach(d, 0, &|| false).0.is_converged);
+    assert!(solver.reach(d, 0).0.is_converged);
 }
 
 /// Asperities of case III at separations to which a step that is extrapolated from the state before is no stable state, and one by the
@@ -429,7 +430,7 @@ fn a_step_is_tried_by_the_present_state_alone() {
         let loads = solver.external.clone();
         solver.restore(&before);
         solver.path = path;
-        let (settled, lost_before) = solver.reach(d, 1, &|| false);
+        let (settled, lost_before) = solver.reach(d, 1);
         if is_extrapolated && !extrapolated.is_converged && alone.is_converged {
             assert_eq!((settled, lost_before), (alone, 0.0));
             assert_eq!(solver.external, loads);
@@ -437,6 +438,31 @@ fn a_step_is_tried_by_the_present_state_alone() {
         }
     }
     assert!(count > 0);
+}
+
+/// A step that has to end is not taken to its end: at most one system is solved after that was known, in a fall, too.
+#[test]
+fn a_search_ends_between_its_steps() {
+    let case = Case::new(3, 1600, "md_plastic");
+    let looks = AtomicUsize::new(0);
+    let last = AtomicUsize::new(usize::MAX);
+    let ends = || looks.fetch_add(1, Ordering::Relaxed) >= last.load(Ordering::Relaxed);
+    let mut solver = case.solver(Coupling::Periodic, 1e-9);
+    solver.ends = &ends;
+    case.curve(&mut solver, [6.0].into_iter());
+    let (before, d) = (solver.snapshot(), 4.35 * case.sigma - case.offset);
+    looks.store(0, Ordering::Relaxed);
+    assert!(solver.reach(d, 0).0.is_converged);
+    let all = looks.load(Ordering::Relaxed);
+    assert!(all > 20, "{all}");
+    for ended in [0, 1, 5, all - 2] {
+        solver.restore(&before);
+        looks.store(0, Ordering::Relaxed);
+        last.store(ended, Ordering::Relaxed);
+        assert!(!solver.reach(d, 3).0.is_converged && !solver.snapshot().is_stable());
+        let more = looks.load(Ordering::Relaxed) - ended;
+        assert!(more <= 10, "{ended}: {more}");
+    }
 }
 
 /// Moved by a part of a period, and mirrored, a repeated square has the same force.

@@ -174,7 +174,9 @@ impl CoupledJob<'_> {
         let (different, numbers) = distinct(&radii);
         let laws = different.iter().map(|radius| self.laws_of(*radius)).collect();
         let half_space = self.half_space(places, radii, side);
-        let solver = Solver::new(Asperities::new(laws, numbers), half_space, &heights, substrate.tolerance);
+        let mut solver =
+            Solver::new(Asperities::new(laws, numbers), half_space, &heights, substrate.tolerance);
+        solver.ends = ends;
         let r = job.laws.regimes().len();
         let mut surface = CoupledSurface {
             job,
@@ -346,7 +348,7 @@ impl CoupledSurface<'_> {
         let before = self.solver.snapshot();
         if !(self.ends)() {
             let d = self.job.surface.asperity_separation(h);
-            (self.settled, self.lost_before) = self.solver.reach(d, SHORTER, &self.ends);
+            (self.settled, self.lost_before) = self.solver.reach(d, SHORTER);
         }
         (self.job.surface.external_force(h, self.solver.external_force()), before)
     }

@@ -46,9 +46,10 @@ impl Solver<'_> {
         self.settle_by(d, &[Search::Unstable], (TRIED, TRIED))
     }
 
-    /// Goes to the separation d, m, from the present state. Where a step by that and the stable state before leads to no stable
-    /// state nearby, it is tried by the present state alone, which may fall: a fall takes far longer. Then two steps of half
-    /// its length are tried, which may be halved again. The energy, J, that the steps before the last one lost.
+    /// Goes to the separation d, m, from the present state. The step is extrapolated from the stable state before, if there is one.
+    /// If it leads to no stable state nearby, it is taken from the present state alone, and the surface may fall, which takes far
+    /// longer. Then two steps of half the length are tried, which may be halved again. The energy, J, that the steps before the
+    /// last one lost.
     pub fn reach(&mut self, d: f64, halvings: u32) -> (Settled, f64) {
         if halvings == 0 || !self.is_stable {
             return (self.settle(d), 0.0);

@@ -56,7 +56,7 @@ pub struct Solver<'a> {
     pub(super) half_space: HalfSpace,
     pub(super) heights: &'a [f64],
     pub(super) tolerance: f64,
-    /// Whether what is under way has to end, asked at each step.
+    /// Whether the solver has to end: it asks at each step, and leaves a state that is not stable.
     pub ends: &'a (dyn Fn() -> bool + Sync),
     /// d, m, of the state, and whether it is a stable one.
     pub(super) separation: f64,

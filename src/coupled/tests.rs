@@ -425,13 +425,15 @@ fn a_step_is_tried_by_the_present_state_alone() {
         let (before, path) = (solver.snapshot(), solver.path.clone());
         let is_extrapolated = path.is_some();
         let extrapolated = solver.try_to_settle(d);
+        // A surface that has fallen has no stable state before.
+        let has_fallen = extrapolated.is_converged && solver.path.is_none();
         solver.restore(&before);
         let alone = solver.try_to_settle(d);
         let loads = solver.external.clone();
         solver.restore(&before);
         solver.path = path;
         let (settled, lost_before) = solver.reach(d, 1);
-        if is_extrapolated && !extrapolated.is_converged && alone.is_converged {
+        if is_extrapolated && (has_fallen || !extrapolated.is_converged) && alone.is_converged {
             assert_eq!((settled, lost_before), (alone, 0.0));
             assert_eq!(solver.external, loads);
             count += 1;
@@ -440,7 +442,7 @@ fn a_step_is_tried_by_the_present_state_alone() {
     assert!(count > 0);
 }
 
-/// A step that has to end is not taken to its end: at most one system is solved after that was known, in a fall, too.
+/// A solver that has to end does so at the next step of its search or of a fall.
 #[test]
 fn a_search_ends_between_its_steps() {
     let case = Case::new(3, 1600, "md_plastic");

@@ -27,7 +27,6 @@ const SHORTER: u32 = 3;
 /// A surface that is moved from separation to separation.
 struct CoupledSurface<'a> {
     job: &'a Job<'a>,
-    ends: Ends<'a>,
     solver: Solver<'a>,
     /// m.
     side: f64,
@@ -180,7 +179,6 @@ impl CoupledJob<'_> {
         let r = job.laws.regimes().len();
         let mut surface = CoupledSurface {
             job,
-            ends,
             solver,
             side,
             settled: Settled::default(),
@@ -346,7 +344,7 @@ impl CoupledSurface<'_> {
     /// Goes to a separation h, m; the external force there, N, and the state before.
     fn go(&mut self, h: f64) -> (f64, Snapshot) {
         let before = self.solver.snapshot();
-        if !(self.ends)() {
+        if !(self.solver.ends)() {
             let d = self.job.surface.asperity_separation(h);
             (self.settled, self.lost_before) = self.solver.reach(d, SHORTER);
         }
@@ -355,7 +353,7 @@ impl CoupledSurface<'_> {
 
     /// Hands the present state over as one of the curves.
     fn record(&mut self, state: usize, curves: &mut Curves, coupled: &mut CoupledCurves) {
-        if (self.ends)() {
+        if (self.solver.ends)() {
             return;
         }
         self.regimes.fill(RegimeSums::default());
